@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/fuzz.sh SECONDS: fuzzes each target (or those in TARGETS) for this time, JOBS at once (default: one per
-# processor). Failing inputs are kept in the build's folder fuzz.
+# tests/fuzz.sh SECONDS: fuzzes each target, or those in TARGETS, for SECONDS. Failing inputs are kept in the build's
+# folder fuzz.
 . tests/scripts/lib/check.sh
 seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
@@ -11,16 +11,14 @@ work=$(mktemp -d) || exit 1
 root=$PWD
 trap 'rm -rf "$work"' EXIT
 
-# ---- Small seed files of each kind -----------------------------------------------------------------------------------
+# ---- Seed files ------------------------------------------------------------------------------------------------------
 
-# rad MAGIC JSON: the head of a .rad or of a chunk.
 rad() {
     json=$2
     while [ $((${#json} % 8)) != 0 ]; do json="$json "; done
     printf "$1\\$(printf %o $((${#json} % 256)))\\$(printf %o $((${#json} / 256)))\\0\\0%s" "$json"
 }
 
-# Three nodes of SH degree 1; two are children of the first.
 seed_of_rad() {
     at=0 list=
     for column in center:f16:18 alpha:r8:3 rgb:r8_delta:9 scales:ln_0r8:9 orientation:oct88r8:9 sh1:s8:27 \
@@ -79,7 +77,6 @@ seeds_of_scene() {
     for record in 1 2; do
         printf '\0\0\200\77\0\0\0\100\0\0\100\300\0\0\200\76\0\0\200\76\0\0\200\76\1\2\3\377\0\100\200\377'
     done >splat
-    # For each level: a section of 3 Gaussians of SH degree 1, in a full bucket of 2 and a partly filled one.
     int='\0\0\0'
     for level in 0 1 2; do
         {
@@ -93,13 +90,11 @@ seeds_of_scene() {
     done
 }
 
-# zstd SIZE: a frame with SIZE zeros as a raw block.
 zstd() {
     printf '\50\265\57\375\40'"\\$(printf %o "$1")\\$(printf %o $(($1 * 8 + 1)))\\0\\0"
     head -c "$1" /dev/zero
 }
 
-# The first byte controls tests/fuzz_spz.c.
 seeds_of_spz() {
     int='\0\0\0' long='\0\0\0\0\0\0\0' zeros='\0\0\0\0'
     for version in 1 2 3; do
@@ -122,7 +117,6 @@ seeds_of_spz() {
     } >spz4
 }
 
-# gltf JSON: an input for tests/fuzz_gltf.c, with 200 bytes of buffer.
 gltf() {
     size=$(printf %s "$1" | wc -c)
     printf "\\$(printf %o $((size % 256)))\\$(printf %o $((size / 256)))"
@@ -154,7 +148,6 @@ seeds_of_gltf() {
         )"'"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}]}' >compressed
 }
 
-# colmap KIND CAMERAS IMAGES: an input for tests/fuzz_camera.c; both texts are printf formats.
 colmap() {
     printf "$2" >cameras
     printf "\\$1\\$(printf %o $(wc -c <cameras))\\0$2$3"
@@ -182,7 +175,6 @@ seeds_of_camera() {
         '<transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</transform></camera></cameras></chunk></document>' >metashape
 }
 
-# part TEXT: a file for tests/fuzz_sog.c; TEXT is a printf format.
 part() {
     printf "$1" >part
     size=$(wc -c <part)
@@ -190,7 +182,6 @@ part() {
     rm part
 }
 
-# sog ZIP META INDEX ENVIRONMENT: an input with images of one pixel and a palette of one row.
 sog() {
     part "$1" && part "$2" && part "$3"
     for width in 0 0 0 0 0 277 0; do
@@ -262,13 +253,11 @@ seeds_of_sog() {
     } >lcc
 }
 
-# fxs FLAGS NAME...: the control bytes of tests/fuzz_frame.h, made from the flags, then the file NAME, if any.
 fxs() {
     printf "\\$1\\144\\17\\0\\0\\3\\144\\17\\0\\0\\$2\\20\\40\\60\\$2\\0\\$1\\$2\\0\\0"
     if [ "$3" ]; then cat "$3"; fi
 }
 
-# Files of each profile and degree, with and without checksums; and scenes generated from a seed.
 seeds_of_fxs() {
     for degree in 0 1 2 3; do
         "$fixsplat" make-scene knot --count 40 -o scene.ply
@@ -289,7 +278,6 @@ seeds_of_fxs() {
 
 seeds_of_scribble() { seeds_of_fxs; }
 
-# A sound scene and sealed damage, for each kind of source.
 seeds_of_pager() {
     for kind in 0 1 2 3 4; do
         for profile in 0 1 2; do
@@ -332,8 +320,6 @@ seeds_of_image() {
     } >exif
 }
 
-# photos LAYOUT CAMERAS IMAGES POINTS: an input for tests/fuzz_photos.c, with a photograph of 4 x 3 pixels; the texts
-# are printf formats.
 photos() {
     layout=$1
     shift
@@ -377,7 +363,7 @@ seeds_of_photos() {
         )\"file_path\": \"a\", $frame" '' '' >lists
 }
 
-# A fit of a few Gaussians; tests/fuzz_checkpoint.c adapts it to its own photograph.
+# A fit of a few Gaussians.
 seeds_of_checkpoint() {
     (
         . "$root/tests/scripts/lib/photos.sh"
@@ -388,17 +374,14 @@ seeds_of_checkpoint() {
     rm -r made
 }
 
-# ---- Run -------------------------------------------------------------------------------------------------------------
-
 sanitizers=address,undefined,float-cast-overflow
-# For runs of a second: -O0 compiles four times faster.
+# -O0 compiles four times faster.
 [ "$seconds" -gt 1 ] && optimised=-O1 || optimised=-O0
-# The pattern leaves unwritten strings unterminated.
+# The fill pattern leaves unwritten strings without a final 0.
 compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -Isrc/include -I. \
     -ftrivial-auto-var-init=pattern -gline-tables-only $optimised -fsanitize=fuzzer-no-link,$sanitizers \
     -fno-sanitize-recover=all"
 
-# The Makefile's options for kernels.
 instructions_of() {
     case $1 in
     */image_encode.c) echo -fwrapv ;;
@@ -408,7 +391,6 @@ instructions_of() {
     esac
 }
 
-# Compiles the library once for all targets, and links each as $work/NAME.
 build() {
     case $(clang -dumpmachine) in
     x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c kernels/fit/fit_[sa]*.c kernels/pack/*.c' ;;
@@ -442,7 +424,6 @@ fuzz() {
         echo \$? >$work/NAME.status"
 }
 
-# said NAME: number of inputs, inputs a second and edges covered.
 said() {
     awk '/^#[0-9]+.* cov: / { runs = substr($1, 2); sub(/.* cov: /, ""); edges = $1 }
         /^Done / { runs = $2; rate = sprintf(", %d a second", $2 / $5) }

@@ -1,32 +1,23 @@
 #!/bin/sh
-# Mutation testing. Makes small random changes of the code (tests/mutants.awk), one at a time in a copy of the tree,
-# builds each and runs tests until one fails. A surviving change needs a test, unless its effect is invisible, which a
-# person must judge.
+# Mutation testing. Makes small random changes of the code (tests/mutants.awk). For each change, builds a copy of the
+# tree and runs tests until one fails. A surviving change needs a test, unless its effect is invisible.
 #
-#     sh tests/mutants.sh [SEED] [COUNT] [FILES]              FILES: a pattern of grep -E for their paths
-#     sh tests/mutants.sh --show SEED N [FILES]               the diff of change N of a seed
+#     sh tests/mutants.sh [SEED] [COUNT] [FILES]              FILES: a pattern of grep -E for paths
+#     sh tests/mutants.sh --show SEED N [FILES]               prints the diff of change N of a seed
 #
-# The tests of a change are the programs of `make check` that link its code, and those of `make test` that share a word
-# with the file's path: most words first, then the least time. Changes of tools/ also run the scripts, cli.sh and
-# films.sh last; of port/http/, serve.sh; of port/posix/, the scripts of files, of other programs and of servers. JOBS:
-# parallel changes, each in its own tree (default: the number of processors). FOLDER: of the trees, which it keeps, so
-# that a later run builds less (default: a new one in /tmp, removed at the end).
+# JOBS: number of parallel changes. FOLDER: keeps the copies of the tree there, for a faster second run.
 show=
 [ "$1" != --show ] || { show=1; shift; }
 seed=${1:-1} count=${2:-30} pattern=${3:-.}
 JOBS=${JOBS:-$(nproc)}
 case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 
-# -
-#
 draw() {
     find src kernels/*.[ch] kernels/gl kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
         port/gl port/http port/posix port/window port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }
 
-# -
-#
 changed() {
     TEXT=$3 awk -v line="$2" '{ print FNR == line ? ENVIRON["TEXT"] : $0 }' "$1"
 }
@@ -46,7 +37,7 @@ if [ -z "$FOLDER" ]; then
 else
     mkdir -p "$FOLDER" && folder=$(cd "$FOLDER" && pwd) || exit 1
 fi
-export FXS_SCENES=$folder/none     # captured scenes are too slow here
+export FXS_SCENES=$folder/none     # captured scenes are too slow
 ulimit -c 0
 ulimit -v 8388608
 
@@ -54,11 +45,8 @@ build() {
     make -s -f Makefile -f "$folder/keep.mk" CFLAGS=-O1 NVCC=none "$@"
 }
 
-# -
-#
 names() { make -n NVCC=none "$1" | sed -n 's/.* tests\/run\.sh *//p' | tr ' ' '\n'; }
 
-# make's target for a test: its program, or the command for a script.
 built_for() {
     case $1 in
     *.sh) echo build/fixsplat ;;
@@ -66,7 +54,6 @@ built_for() {
     esac
 }
 
-# by_words FILE NAME...: "WORDS NAME" for each, WORDS: the number of the name's words in the path.
 by_words() {
     file=$1
     shift
@@ -77,7 +64,8 @@ by_words() {
           print shared, $0 }'
 }
 
-# candidates FILE: "WORDS NAME" of each test that may judge it.
+# candidates FILE: prints "WORDS NAME" for each test NAME that may detect a change of FILE. WORDS is the number of
+# words that NAME shares with FILE.
 candidates() {
     by_words "$1" $programs
     by_words "$1" $long | grep -v '^0'
@@ -88,7 +76,6 @@ candidates() {
     esac
 }
 
-# ordered FILE: candidates that pass without a change, in running order.
 ordered() {
     candidates "$1" | awk -v times="$folder/times" 'BEGIN { while ((getline <times) > 0) time[$2] = $1 }
         $2 in time { print $1, time[$2], $2 }' | sort -k 1,1rn -k 2,2n | awk '!seen[$3]++ { print $3 }'
@@ -96,10 +83,8 @@ ordered() {
 
 sums() { find build/src build/kernels build/port build/tools -name '*.o' -exec cksum {} + | LC_ALL=C sort; }
 
-# symbols [-g] FILE...: functions and data; -g: global ones only, which a program may have as local.
 symbols() { nm --defined-only -f posix "$@" | awk 'NF > 2 { print $1 }' | sort -u; }
 
-# Runs a test in this tree. Limit: four times its time without a change, plus ten seconds.
 run_test() {
     limit=$(awk -v name="$1" '$2 == name { print int($1 * 4 + 10) }' "$folder/times")
     case $1 in
@@ -108,7 +93,7 @@ run_test() {
     esac
 }
 
-# Judges the change in the tree: prints a word, and the test that failed.
+# Prints the outcome of a change, with the name of the failed test.
 judge() {
     build all >build.log 2>&1 || { echo "does not compile"; return; }
     objects=$(sums | comm -23 - "$folder/sums" | cut -d ' ' -f 3)
@@ -122,15 +107,12 @@ judge() {
     echo SURVIVED
 }
 
-# -
-#
 restore() {
     find build "$1" -newer "$folder/stamp.$2" -type f | while read -r file; do
         cp -p "$folder/tree/$file" "$file"
     done
 }
 
-# work JOB: takes changes from the shared list, in its own tree.
 work() {
     cd "$folder/tree.$1" || exit 1
     number=0
@@ -160,7 +142,6 @@ rm -rf "$folder"/tree.* "$folder/taken"
 mkdir -p "$folder/tree" "$folder/taken"
 tar cf - Makefile make src kernels port tools tests | tar xf - -C "$folder/tree" || exit 1
 
-# Once without a change: which tests pass, and their times.
 cd "$folder/tree" || exit 1
 build -j"$JOBS" all $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||
     { cat build.log; exit 1; }

@@ -1,13 +1,12 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once; those in $ALONE run one at a time at
-# the end. Adds up their results. A program or script ends with the line "N passed, N failed, N skipped"; a gate prints
-# "ok", "FAIL" or "skip" and its name. Each output is printed whole when the test ends, and stored in junit.xml. B:
-# build folder. Limit: $LIMIT seconds (600) each, six times that for names in $LONG.
+# tests/run.sh NAME...: runs test programs, scripts and gates, $JOBS at once; those in $ALONE run alone. A program or
+# script ends with "N passed, N failed, N skipped". A gate prints "ok", "FAIL" or "skip". Writes junit.xml. LIMIT:
+# seconds per test (600); names in $LONG have six times as long.
 B=${B:-build}
 results=$B/tests/results
 
-# run_one NAME: stores the output and "passed failed skipped seconds processor-seconds name" in the results folder. The
-# test runs in its own process group, which is killed afterwards, and starts with default signals.
+# run_one NAME: writes a test's output, and "passed failed skipped seconds processor-seconds name", to the results
+# folder.
 run_one() {
     name=$1 log=$results/$1.log limit=${LIMIT:-600} fault=
     set -- "$B/tests/$name"
@@ -49,7 +48,7 @@ if [ "$1" = --one ]; then
     exit 0
 fi
 
-# Scripts that call make get this make's variables, but not its job server.
+# Scripts that call make must not use the job server of the outer make.
 MAKEFLAGS=$(printf '%s\n' "$MAKEFLAGS" | sed -e 's/ *-j[0-9]*//' -e 's/ *--jobserver-[a-z]*=[0-9a-zA-Z:,/_-]*//g')
 export MAKEFLAGS
 unset MAKELEVEL
@@ -73,7 +72,6 @@ if [ "$built_before" != "$(built)" ]; then
 fi
 
 cd "$results" || exit 1
-# section TITLE: prints its input, if any, below the title.
 section() { awk -v title="== $1" 'NR == 1 { print title } { print }'; }
 awk '/^  skipped: / { why = ": " substr($0, 12); next }
     /^skip / { print FILENAME " " substr($0, 6) why; why = "" }' *.log | sed 's/\.log / /' | section skipped
@@ -82,7 +80,7 @@ cat *.result >all
 sort -k 4rn all | awk 'NR <= 10 { printf "%4.0f (%.0f) %s\n", $4, $5, $6 }' |
     section "slowest, seconds (of a processor)"
 
-# One <testsuite> for each log, one <testcase> for each line with ok, FAIL or skip; the lines above give the reason.
+# Each log is a <testsuite>. Each line with ok, FAIL or skip is a <testcase>, after the lines with its reason.
 awk '{ print $4, $6 }' all | while read -r seconds name; do
     LC_ALL=C tr -d '\000-\010\013-\037' <"$name.log" | LC_ALL=C tr '\177-\377' '?' |
         awk -v suite="$name" -v seconds="$seconds" '

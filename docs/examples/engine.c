@@ -1,9 +1,9 @@
-/* A program with its own OpenGL ES window and mesh. It draws a scene of Gaussians around the mesh: the mesh hides
- * the Gaussians behind it, and Gaussians in front cover it. It also picks under the pointer.
+/* Draws a Gaussian splatting scene around a mesh, in a program with its own OpenGL ES window. The mesh hides the
+ * Gaussians behind it, and Gaussians in front cover the mesh.
  *
  *     cc engine.c -o engine $(pkg-config --cflags --libs fixsplat sdl2 glesv2)
- *     ./engine SCENE                    a window; a click prints the Gaussian under the pointer
- *     ./engine SCENE PICTURE X Y        one frame, written to a file, and one pick */
+ *     ./engine SCENE                    opens a window; a click prints the Gaussian under the pointer
+ *     ./engine SCENE PICTURE X Y        writes one frame to a file; prints the Gaussian at pixel (X, Y) */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,13 +17,13 @@
 #include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 640, HEIGHT = 360 };
-enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* two for the mesh, three for the picture with the scene */
+enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* COLOUR and DEPTH belong to the mesh, the others to the
+                                                              scene */
 enum { MESH, SCENE, FRAMEBUFFERS };
 #define NEAR 0.2
 #define FAR 100.0
 
-/* The engine's camera, in columns: it looks along z from (0, 0, -12), and the world's y points down, as in most
-   scenes. */
+/* The mesh's camera. It looks along z from (0, 0, -12); the world's y points down. */
 static const double view[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, -12, 1};
 static const double projection[16] = {1024.0 / WIDTH, 0, 0, 0, 0, 1024.0 / HEIGHT, 0, 0, 0, 0,
                                       (FAR + NEAR) / (NEAR - FAR), -1, 0, 0, 2 * FAR * NEAR / (NEAR - FAR), 0};
@@ -35,7 +35,7 @@ static int fail(const char *why)
     return 1;
 }
 
-/* ---- The engine -------------------------------------------------------------------------------------------------- */
+/* ---- The mesh and the textures ----------------------------------------------------------------------------------- */
 
 static void attach(int framebuffer, GLenum attachment, int texture, GLenum format)
 {
@@ -89,7 +89,7 @@ static GLuint make_program(void)
     return program;
 }
 
-/* A card in the plane z = 0, left of the middle. */
+/* Draws a rectangle in the plane z = 0, left of the middle. */
 static void draw_mesh(GLuint program)
 {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[MESH]);
@@ -108,7 +108,7 @@ static void show(SDL_Window *window)
     SDL_GL_SwapWindow(window);
 }
 
-/* ---- Its scene --------------------------------------------------------------------------------------------------- */
+/* ---- The Gaussian splatting scene -------------------------------------------------------------------------------- */
 
 static fxs_gl_function load(void *unused, const char *name)
 {
@@ -116,11 +116,11 @@ static fxs_gl_function load(void *unused, const char *name)
     return (fxs_gl_function)SDL_GL_GetProcAddress(name);
 }
 
-/* Two ways to draw a scene, with the same bytes: all stages in compute shaders; or the last stages in fragment
-   shaders and the others on the processor. */
+/* The compute back end draws all stages on the GPU, with OpenGL ES 3.1. The other back end projects and sorts on the
+   processor and blends in fragment shaders, with OpenGL ES 3.0. Both give the same bytes. */
 typedef struct drawer {
-    fxs_compute *compute;                                  /* null: OpenGL ES 3.0 */
-    fxs_compute_scene scene;                               /* on the device */
+    fxs_compute *compute;                                  /* null: the fragment shader back end draws */
+    fxs_compute_scene scene;
     fxs_gles *gles;
     fxs_context context;
     void *memory;
@@ -165,7 +165,7 @@ static void close_drawer(drawer *d)
     free(d->memory);
 }
 
-/* Prints the object at a pixel of the last frame, counted from the upper left. Does not draw another frame. */
+/* Prints the Gaussian at a pixel, counted from the upper left. */
 static void pick(int x, int y)
 {
     GLuint depth[4], id[4];
@@ -220,10 +220,10 @@ int main(int argc, char **argv)
         return fail(why.text);
     fxs_gl_target_init(&target);
     target.framebuffer = framebuffers[SCENE];
-    target.depth_buffer = textures[DEPTH];                 /* the mesh hides Gaussians behind it, */
+    target.depth_buffer = textures[DEPTH];
     target.plane_0 = (float)NEAR;
     target.plane_1 = (float)FAR;
-    target.backdrop = textures[COLOUR];                    /* and Gaussians in front cover it */
+    target.backdrop = textures[COLOUR];
     target.depths_and_ids = 1;
     for (SDL_Event event = {0}; event.type != SDL_QUIT && SDL_WaitEvent(&event);) {
         draw_mesh(program);

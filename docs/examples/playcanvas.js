@@ -1,4 +1,4 @@
-// A PlayCanvas mesh among Gaussians, drawn by one WebGPU device. The page needs an import map for `playcanvas` and
+// Draws a PlayCanvas mesh among Gaussians with one WebGPU device. The page needs an import map for `playcanvas` and
 // `fixsplat`, and a <canvas>.
 import * as pc from 'playcanvas'
 import { load, Screen } from 'fixsplat'
@@ -6,14 +6,13 @@ import { load, Screen } from 'fixsplat'
 const FOV = 50
 const [NEAR, FAR] = [0.1, 100]
 
-/** What is drawn into: colours as the canvas has them, and depths. */
 function targetOf(graphicsDevice, width, height) {
   const textureOf = (format) => new pc.Texture(graphicsDevice, { width, height, format, mipmaps: false })
   const [colorBuffer, depthBuffer] = [graphicsDevice.backBufferFormat, pc.PIXELFORMAT_DEPTH].map(textureOf)
   return new pc.RenderTarget({ colorBuffer, depthBuffer })
 }
 
-/** Opens a scene on a canvas; `draw` shows one picture. */
+/** Opens a scene on a canvas. `draw` shows one picture. */
 export async function open(canvas, address) {
   const { width, height } = canvas
   const how = { deviceTypes: [pc.DEVICETYPE_WEBGPU], antialias: false }
@@ -39,8 +38,8 @@ export async function open(canvas, address) {
 
   const screen = await Screen.open(null, 'webgpu', { device: graphicsDevice.wgpu })
   const scene = await load(address)
-  const placed = [{ scene, rotation: [0, 1, 0, 0] }]         // scenes have y down, PlayCanvas y up
-  const textureOf = (texture) => texture.impl.gpuTexture     // the WebGPU texture behind PlayCanvas's
+  const placed = [{ scene, rotation: [0, 1, 0, 0] }]         // flips y: a scene's y points down, PlayCanvas's y up
+  const textureOf = (texture) => texture.impl.gpuTexture     // the WebGPU texture behind a PlayCanvas texture
 
   async function draw(eye, look) {
     camera.setPosition(...eye)

@@ -1,10 +1,9 @@
-// Gaussians in a scene of three.js: a torus knot passes through them, a second object of the same scene floats above,
-// and a click marks a point. The pages three-webgl.html and three-webgpu.html use it.
+// Shows Gaussians in a three.js scene: a torus knot passes through them, and a click marks a point.
 import * as THREE from 'three'
 import { Splats } from 'fixsplat/three'
 
-/** Fills a scene for a WebGLRenderer or a WebGPURenderer; `draw` shows one picture, `click` marks what is at a pixel of
-    the page. */
+/** Fills a scene for a WebGLRenderer or a WebGPURenderer. `draw` shows one picture; `click` marks the surface at a
+   pixel. */
 export async function open(renderer, address) {
   const canvas = renderer.domElement
   const scene = new THREE.Scene()
@@ -33,7 +32,7 @@ export async function open(renderer, address) {
     return hit
   }
 
-  /** WebGPU draws splats before the rest, as it says only later whether they are whole; with WebGL there is no wait. */
+  /** WebGPU reports only later whether the splats are complete. WebGL does not wait. */
   async function draw() {
     await splats.update(camera)
     renderer.render(scene, camera)

@@ -1,10 +1,9 @@
 #!/bin/sh
-# Include rules. A room is a folder. Each room may include itself and the rooms listed after it, and those rooms' public
-# headers. So includes form no cycle of rooms.
+# Checks that each source folder includes only its own headers and the headers that the tables below allow.
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# room ALLOWED...: what a file of the room may include in addition to its own folder. The first matching room counts.
+# Each line has a folder, then the folders that its files may include headers of. The first matching line counts.
 rooms='
 src/core
 src/base        src/core
@@ -27,7 +26,6 @@ port            src kernels/gl kernels/gles kernels/compute kernels/cuda kernels
 tools           public
 '
 
-# The lowest room that may include each public header.
 public='
 src/core      fixsplat packed parts stage pixel fixed
 src/base      allocator message scene start system output
@@ -49,7 +47,6 @@ files() {
     find "$@" -type f \( -name '*.[ch]' -o -name '*.inc' -o -name '*.cu' -o -name '*.cuh' \) 2>/dev/null
 }
 
-# Lines "FILE KIND NAME" for every include; a name without a folder is in the file's own folder.
 files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
     sed -E 's/^([^:]*):[^"<]*(["<])([^">]*).*/\1 \2 \3/' |
     ROOMS=$rooms PUBLIC=$public awk '
@@ -61,7 +58,6 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
                 return i
         return 0
     }
-    # Whether room number i may include what lies at a path.
     function may(i, path,    words, k, n) {
         if (within(path, room[i]))
             return 1
@@ -107,7 +103,6 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
         isa = $3 ~ /^([a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys\/auxv\.h|wasm_simd128\.h)$/
         plain = $3 ~ /^std(int|def)\.h$/
         if ($2 == "<" && $3 ~ /^fixsplat\//) {
-            # stage.h and its like say what kernels are, and the texts of devices hold the stages.
             if (folder ~ /^tools/ || folder ~ /^port/)
                 next
             if (!(name in owner)) says("no public header " $3)
@@ -130,10 +125,8 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
 faults=$(cat "${TMPDIR:-/tmp}/include_rules.$$")
 rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
-# No include path may start with a dot; names without a folder are files of the same folder.
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-# File names of the product are unique.
 twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 

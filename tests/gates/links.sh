@@ -1,18 +1,15 @@
 #!/bin/sh
-# Pages (*.md) must refer to existing things: relative links and their anchors, paths from the root, and file and test
-# names in backticks. Fenced code is skipped.
+# Checks that links, anchors, paths and names of files in Markdown pages exist. Fenced code is skipped.
 cd "$(dirname "$0")/../.." || exit 1
 kept='( -name .git -o -name build -o -name node_modules ) -prune -o'
 pages=$(find . $kept -name '*.md' -print | sed 's|^\./||' | sort)
 here=${TMPDIR:-/tmp}/links.$$
 find . $kept -print | sed 's|^\./||' >"$here"
 
-# File names that stand for a reader's own file.
 examples='golden.sh'
 
 faults=$(awk -v examples=" $examples " '
     function says(why) { printf "%s:%d: %s\n", FILENAME, FNR, why }
-    # Of dots in "a/b/../c".
     function plain(path) {
         while (path ~ /[^\/]+\/\.\.(\/|$)/)
             sub(/[^\/]+\/\.\.(\/|$)/, "", path)
@@ -20,7 +17,6 @@ faults=$(awk -v examples=" $examples " '
         sub(/\/$/, "", path)
         return path
     }
-    # The anchor that a heading has.
     function anchor_of(text) {
         sub(/^#+ +/, "", text)
         text = tolower(text)
@@ -28,7 +24,6 @@ faults=$(awk -v examples=" $examples " '
         gsub(/ /, "-", text)
         return text
     }
-    # Whether a path is there; a * stands for any characters but /.
     function there(path,    pattern, p) {
         if (path !~ /\*/)
             return path in exists

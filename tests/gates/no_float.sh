@@ -1,7 +1,6 @@
 #!/bin/sh
-# No floating point in src/core, its headers and kernels: no such type or number in the text (GPU folders are skipped,
-# since a GPU may carry integers in float registers; the fit is float, but not part of rendering), no soft-float call in
-# src/core on a processor without floating point, and no vector or float register on AArch64.
+# Checks that rendering uses no floating point: no float type in the source, no soft-float call, and no float register
+# on AArch64. GPU code and the fit are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
@@ -12,8 +11,6 @@ fail() {
     exit 1
 }
 
-# build NAME COMPILER [FLAG...]: compiles every file of src to NAME_FILE.o. Returns 1 without such a compiler or its C
-# library.
 build() {
     name=$1 compiler=$2
     shift 2
@@ -35,9 +32,7 @@ text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kerne
     grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')
 [ -z "$text" ] || fail "in $text"
 
-# ARM's run-time ABI: arithmetic __aeabi_fadd, __aeabi_dmul, ..., comparison __aeabi_cfcmple, ..., conversion
-# __aeabi_i2f, __aeabi_ul2d, __aeabi_d2iz, __aeabi_f2lz, __aeabi_h2f, ...;
-# libgcc's own names: __addsf3, __muldf3, __floatsisf, __fixdfsi, ...
+# Names of soft-float functions: of ARM's ABI (__aeabi_fadd) and of libgcc (__addsf3).
 soft_float='__aeabi_(f|d|h|cf|cd|i2|ui2|l2|ul2)[a-z0-9_]*|__[a-z]+[hsdt]f[a-z0-9]*|__(float|fix)[a-z]+'
 hosted='malloc|calloc|realloc|free|[a-z]*printf|puts|abort|exit'
 if build cortexm3 arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -ffreestanding; then

@@ -1,6 +1,5 @@
 #!/bin/sh
-# src/include/fixsplat/internal/pixel.h compiles as three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C
-# (nvcc, if installed).
+# Checks that pixel.h compiles as three languages: C99, GLSL ES 3.00 and CUDA C (nvcc, if installed).
 cd "$(dirname "$0")/../.." || exit 1
 header=src/include/fixsplat/internal/pixel.h
 use=tests/gates/pixel_use.inc
@@ -17,7 +16,6 @@ have() {
     command -v "$1" >/dev/null 2>&1
 }
 
-# put FILE FN [LINE...]: writes LINEs, then the header and its use with FXS_FN as FN.
 put() {
     file=$work/$1 fn=$2
     shift 2

@@ -1,12 +1,10 @@
 #!/bin/sh
-# Stack on a Cortex-M3, built with FXS_SMALL_STACK: every function of src uses a known amount, at most 1.5 KB. Functions
-# that a colour picture in strips never calls are exempt. boards.sh tests the total of a frame: its firmware has 5 KB
-# and faults beyond.
+# Limits stack usage on a Cortex-M3 with FXS_SMALL_STACK. Each function of src uses at most 1.5 KB; functions that
+# colour pictures do not need are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
 most=1536
-# Depths and ids, picking, counting pairs, a tile without a strip. sort_by_top is not called.
 larger='fxs_trace_tile|pick_tile|count_tile|fxs_draw_tile'
 
 if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then

@@ -1,4 +1,4 @@
-# C without its comments, strings and characters; every line is printed as file:line:rest.
+# Prints C code without comments, strings and character constants, each line as file:line:rest.
 FNR == 1 { inside = 0 }
 {
     rest = $0

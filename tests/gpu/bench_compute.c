@@ -1,9 +1,9 @@
-/* Times the compute back end on this machine's GPU and prints a table. Arguments: FILE.fxs, an overview of the scene as
- * in bench_cuda.c; FILE.fxs:CAMERAS:N,N,..., views of a camera file; WIDTHxHEIGHT, the size for later arguments
- * (default 1920x1080).
- * Medians in milliseconds: each program alone and whole frames by the device's timer, frames into the caller's memory
- * by the clock. `same`: the picture equals the processor's. `MB`: device memory without the read-back buffer, which
- * drivers keep in host memory. */
+/* Times the compute shaders on a GPU. Prints medians in milliseconds for each shader program and for frames.
+ * Arguments:
+ *   FILE.fxs                an overview of the scene
+ *   FILE.fxs:CAMERAS:N,N    views N of a camera file
+ *   WIDTHxHEIGHT            the size for later arguments (default 1920x1080)
+ * Column `same`: the picture equals the processor's. `MB`: device memory. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include <fixsplat/internal/packed.h>
 #include "kernels/compute/gl31.h"
 
-#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constant of EXT_disjoint_timer_query */
 
 enum { WARM_UP = 5, REPEATS = 31, SIZE_MOST = 8192 };
 
@@ -59,8 +59,6 @@ static void GL_APIENTRY copy_untimed(GLenum from, GLenum to, GLintptr at, GLintp
     stop_query();
     copy_buffer(from, to, at, at_to, bytes);
 }
-
-/* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -139,7 +137,6 @@ static fxs_view overview(const fxs_packed_header *header)
     return view;
 }
 
-/* Takes a size argument, for later frames. Returns 0 for other arguments. */
 static int takes_size(const char *argument)
 {
     int w = 0, h = 0, length = 0;

@@ -1,10 +1,9 @@
-/* Times CUDA frames of 1920x1080 and prints a table of medians in milliseconds: single frames by stage and whole, then
- * a batch into device memory and into pinned host memory. Arguments: FILE.fxs, an overview of the scene;
- * FILE.fxs:CAMERAS:N,N,..., views of a camera file; FILE.fxs@N, N objects on a square; FILE.fxs%N, a budget of N
- * Gaussians.
- * Extra rows of each scene: square cut-off, a smaller picture, median depth and id, mean depth too; an eye of
- * 2064x2208, two independent eyes, two that share. Stages of two eyes overlap, so their frame takes less than the
- * sum. */
+/* Times CUDA frames of 1920x1080. Prints medians in milliseconds for the stages of single frames and for batches of
+ * frames. Arguments:
+ *   FILE.fxs                an overview of the scene
+ *   FILE.fxs:CAMERAS:N,N    views N of a camera file
+ *   FILE.fxs@N              N objects on a square
+ *   FILE.fxs%N              a budget of N Gaussians */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,18 +15,18 @@
 #include "peek.h"
 
 enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };
-enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes a pixel */
+enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes per pixel of
+                                                                                           depths and ids */
 
 static fxs_message failure;
 static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
 static fxs_object objects[OBJECTS];
 static uint32_t object_count, budget;
 
-/* The settings of a row. */
 typedef struct kind {
     enum fxs_cutoff cutoff;
-    int ids, means;                /* targets: median depth and id; mean depth too */
-    int eyes;                      /* 2: a stereo pair; 0: one frame */
+    int ids, means;                /* 1: median depth and id targets (ids), mean depth target (means) */
+    int eyes;                      /* eyes: 2 for a stereo pair, 0 for one frame */
 } kind;
 
 static int compare_floats(const void *a, const void *b)
@@ -54,7 +53,7 @@ static fxs_options options_of(const kind *k)
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
-    for (int a = 0; a < 3 && k->eyes; a++)     /* eyes 0.0625 apart */
+    for (int a = 0; a < 3 && k->eyes; a++)     /* the eyes are 0.0625 apart */
         frame.camera.position_q32[a] += (int64_t)camera->rotation_q30[a] * (i ? 1 : -1) >> 3;
     const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
     if (k->ids) {
@@ -175,7 +174,6 @@ static fxs_view overview(const fxs_packed_header *header, uint32_t aside)
     return view;
 }
 
-/* Places `count` objects of the scene on a square. Returns its side. */
 static uint32_t place(const fxs_scene *scene, const fxs_packed_header *header, uint32_t count)
 {
     uint32_t side = 1;

@@ -1,9 +1,7 @@
 #!/bin/sh
-# Builds and tests the compute shaders on a machine with a GPU, then prints times of compute and CUDA, measured in
-# turns, and times of a million Gaussians of the profile small at a phone's and a headset's sizes. About 3 minutes.
+# Tests and times the compute shaders on a machine with a GPU, next to CUDA.
 #   sh tests/gpu/compute.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# Makes a procedural landscape of 1 million Gaussians (SIZES="1 10": of 10 million too). B: the build folder (default
-# build). PREBUILT=1: no build.
+# SIZES: millions of Gaussians of the procedural scene (1). B: build folder. PREBUILT=1: skips the build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1}
@@ -21,7 +19,6 @@ done
 
 hash_of() { "$B/fixsplat" render "$work/scene.fxs" --hash --quiet "$@"; }
 
-# same WHAT OPTION...: compute shaders and processor must give the same picture.
 same() {
     what=$1
     shift

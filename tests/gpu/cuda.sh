@@ -1,8 +1,7 @@
 #!/bin/sh
-# Builds and tests the CUDA back end on a machine with a GPU, then prints a table of times. About 3 minutes.
+# Tests and times the CUDA back end on a machine with a GPU.
 #   sh tests/gpu/cuda.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# Makes procedural scenes of 1 and 4 million Gaussians (SIZES="1 4 10": of 10 million too). B: the build folder (default
-# build). PREBUILT=1: no build.
+# SIZES: millions of Gaussians of the procedural scenes ("1 4"). B: build folder. PREBUILT=1: skips the build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1 4}
@@ -15,7 +14,6 @@ say() {
     echo "== $* ($(($(date +%s) - start)) s)"
 }
 
-# scene NAME COUNT FILE
 scene() {
     { "$B/fixsplat" make-scene "$1" --count "$2" -o "$work/$3.ply" &&
         "$B/fixsplat" convert "$work/$3.ply" "$work/$3.fxs" >/dev/null || echo "no $3"
@@ -77,7 +75,7 @@ for options in "--stereo 0.063" "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" 
                "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
     options="$options --size 960x1024 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
-    for limit in "" "--max-memory 240M"; do    # with the limit the device holds part of the scene
+    for limit in "" "--max-memory 240M"; do    # below the limit, only part of the scene is on the device
         cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda $limit 2>&1)
         echo "$options $limit: $cpu $cuda"
         [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"

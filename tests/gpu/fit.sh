@@ -1,8 +1,7 @@
 #!/bin/sh
-# Fits on a machine with GPUs: same bytes as the processor, time of each part, memory, quality.
+# Tests fits on a machine with GPUs: the bytes must equal the processor's. Prints times, memory and quality.
 #   sh tests/gpu/fit.sh PHOTOS...
-# PHOTOS: folders for fixsplat fit; names with lego get a white background. B: the build folder (default build).
-# PREBUILT=1: no build. STEPS: steps of the long fits (default 30000).
+# PHOTOS: folders of photographs. B: build folder. PREBUILT=1: skips the build. STEPS: steps of the long fits (30000).
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 STEPS=${STEPS:-30000}
@@ -15,7 +14,6 @@ say() {
     echo "== $* ($(($(date +%s) - start)) s)"
 }
 
-# fit PHOTOS OUT [OPTION...]
 fit() {
     photos=$1 out=$2
     shift 2
@@ -25,7 +23,6 @@ fit() {
     failed="$failed $out"
 }
 
-# same A B: the files must have the same bytes.
 same() {
     if cmp "$work/$1" "$work/$2"; then
         sha256sum <"$work/$1" | cut -c1-16

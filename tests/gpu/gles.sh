@@ -1,11 +1,9 @@
 #!/bin/sh
-# tests/gpu/gles.sh [FOLDER [SIZE]]: compares the GLES back end with the processor and times both, for each .fxs scene
-# in FOLDER (default: procedural scenes) at SIZE (default 1280x720), from view 8 of NAME.json if it exists. Needs OpenGL
-# ES 3.0 through EGL; no display. Prints a table in milliseconds:
-#   frame         a whole frame: the processor's stages, upload, draw, reading back
-#   blend         the part that replaces blend and resolve, by the processor's clock
-#   device        the same by the device (EXT_disjoint_timer_query); 0 without the extension
-# Exit status 1 if a picture differs from the processor's.
+# tests/gpu/gles.sh [FOLDER [SIZE]]: compares pictures of the OpenGL ES back end with the processor's, for each .fxs
+# scene in FOLDER. Prints milliseconds:
+#   frame         a whole frame, including upload and reading back
+#   blend         blend and resolve, by the processor's clock
+#   device        blend and resolve, by the GPU's timer; 0: no timer
 cd "$(dirname "$0")/../.." || exit 1
 folder=$1 size=${2:-1280x720} B=${B:-build}
 fixsplat=$B/fixsplat
@@ -23,7 +21,6 @@ fi
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# hash_of SCENE SIZE BACKEND OPTION...: the picture's hash.
 hash_of() {
     shown=$1 at=$2 backend=$3
     shift 3
@@ -32,8 +29,6 @@ hash_of() {
 
 differing=0
 ways=$("$fixsplat" info --backends | sed -n 's/^\(gles\|gles-fetch\)  *here.*/\1/p')
-# compare SCENE: counts pictures that differ, over all sizes and, at one size, cut-offs and formats. (The first frame of
-# gles uses lists.)
 compare() {
     pictures=0 same=0
     for case in "$size --bg 336699" "$size --alpha" "$size --cutoff square" 1x1 15x17 1279x719 4096x64; do

@@ -1,4 +1,4 @@
-/* Access to internals of the CUDA back end: compiled with the back end's source, so that tests see its buffers. */
+/* Gives tests access to buffers of the CUDA back end, by including its source. */
 #include <stdlib.h>
 
 #include "kernels/cuda/cuda.cu"
@@ -62,10 +62,9 @@ namespace {
 
 const uint32_t STEPS_OF_COORDINATES = 80001;
 
-/* Counts levels and alphas that differ from pixel.h, for all coordinates and row levels. */
 __global__ void compare_levels(unsigned long long *wrong)
 {
-    /* Steps of 1 to +-33000, then wider ones to +-128, where coordinates wrap. */
+    /* Steps of 1 to +-33000, then of 144 to +-128 in u, where coordinates wrap. */
     const int step = (int)(blockIdx.x % STEPS_OF_COORDINATES) - 40000, beyond = max(abs(step) - 33000, 0);
     const int u = step + (step < 0 ? -beyond : beyond) * 144;
     const int offset = (int)(threadIdx.x + blockIdx.x / STEPS_OF_COORDINATES * blockDim.x);
@@ -73,7 +72,6 @@ __global__ void compare_levels(unsigned long long *wrong)
         return;
     const uint32_t u_q24 = (uint32_t)u << 11 | (uint32_t)(offset * 37 & 2047);
     for (int swap = 0; swap < 2; swap++) {
-        /* First a row at v = 0 with any u, then the reverse. */
         const float row = row_level(swap ? u_q24 : 0, offset), coordinate = coordinate_q6(swap ? 0 : u_q24);
         const int level = __float_as_int(__fmaf_rd(coordinate, coordinate, row));
         const int limit = LEVEL_ONE + 2 * fxs_limit_q11(offset, FXS_CUT_Q11) + 1;

@@ -1,4 +1,4 @@
-/* Access to internals of fits on CUDA: compiled with the engine's source, so that tests see its buffers. */
+/* Gives tests access to buffers of fits on CUDA, by including the engine's source. */
 #include <stdlib.h>
 
 #include "kernels/fit/cuda/cuda_fit.cu"

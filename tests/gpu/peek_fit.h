@@ -1,4 +1,4 @@
-/* Access to internals of fits on CUDA, for tests. */
+/* Gives tests access to buffers of fits on CUDA. */
 #ifndef PEEK_FIT_H
 #define PEEK_FIT_H
 
@@ -8,30 +8,27 @@
 extern "C" {
 #endif
 
-/* Host copies of the buffers after the first device's last photograph; release with peek_fit_free. */
+/* Host copies of the first device's buffers after the last photograph. Free with peek_fit_free. */
 typedef struct peeked_fit {
-    fxs_fit_splat *splats;         /* by Gaussian */
+    fxs_fit_splat *splats;
     uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
-    float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes */
+    float *picture, *derivatives, *gradient;   /* float planes: 3 for picture, 9 for derivatives, 3 for gradient */
 } peeked_fit;
 
-/* Returns 0 on success. */
 int peek_fit(void *engine, const fxs_fit_camera *camera, peeked_fit *out);
 void peek_fit_free(peeked_fit *p);
 
-/* Shrinks the capacity of the lists. Returns 0 on success. */
 int peek_fit_narrow(void *engine, uint32_t capacity);
 
-/* Bytes of device memory used from the first device's budget. */
+/* Returns the bytes of device memory in use. */
 uint64_t peek_fit_bytes(const void *engine);
 
-/* Returns for how many alpha from 2^-9 to 0.99 odds_of differs from the quotient; -1 on failure. */
+/* Returns for how many alpha the kernels' alpha / (1 - alpha) differs from the exact quotient; -1 on failure. */
 long peek_fit_odds(void);
 
-/* Runs a kernel that traps on the first device. From then on all CUDA calls of the process fail, as after a lost
-   device. */
+/* Runs a kernel that traps. Afterwards all CUDA calls of the process fail, as after a lost device. */
 void peek_fit_lose(void *engine);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
-/* The CUDA back end against the processor: splats, tile lists and every target. `test_cuda [--quick] [FILE.fxs...]`;
- * --quick: few random frames, for the sanitizers. */
+/* Compares the CUDA back end with the processor: splats, tile lists and every target.
+ *   test_cuda [--quick] [FILE.fxs...]
+ * --quick: few random frames. */
 #include <inttypes.h>
 
 #include <fixsplat/backend.h>
@@ -80,7 +81,6 @@ static void random_object(fxs_object *object, fxs_crop crops[CROPS])
         random_crop(&crops[i]);
 }
 
-/* Scenes of all profiles with up to `most` Gaussians each, and `count` random objects. */
 static void random_world(world *w, uint32_t count, int32_t most)
 {
     for (int i = 0; i < SCENES; i++) {
@@ -103,7 +103,6 @@ static void random_options(fxs_options *options)
         options->background[c] = (uint8_t)between(0, 255);
 }
 
-/* Enlarges the picture, so that splats cover more than 8x8 tiles. */
 static void enlarge(fxs_camera *camera, int32_t times)
 {
     camera->width *= times;
@@ -132,7 +131,6 @@ static void varied_view(fxs_camera *camera, int i)
 
 enum { COLOUR = 1, COVERAGE = 2, MEAN = 4, MEDIAN = 8, ID = 16, OCCLUDER = 32, BACKDROP = 64, PLANES = 7 };
 
-/* Targets in one block of memory, with padding between rows. */
 typedef struct pictures {
     fxs_targets targets;
     size_t bytes;
@@ -146,7 +144,6 @@ static void images_of(fxs_targets *t, fxs_image *images[PLANES])
     memcpy(images, all, sizeof all);
 }
 
-/* Sets up the images in `which`, with strides wider than rows or negative. */
 static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
 {
     const size_t pixel_bytes[PLANES] = {(size_t)fxs_pixel_bytes(format), 1, 4, 4, 8, 4, 4};
@@ -175,7 +172,7 @@ static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum 
     }
 }
 
-/* Random backdrop; occluder depths near random scenes', some FXS_NOTHING or 0. */
+/* Some occluder depths are 0 or FXS_NOTHING, which means no depth. */
 static void fill_in(pictures *p, const fxs_camera *camera)
 {
     for (size_t i = 0; i < p->bytes; i++)
@@ -210,7 +207,7 @@ static void twice(pictures p[2], const fxs_camera *camera, unsigned which, enum 
     memcpy(p[1].memory, p[0].memory, p[0].bytes);
 }
 
-/* ---- A frame by the C stages ------------------------------------------------------------------------------------- */
+/* ---- The expected frame, by the plain C stages ------------------------------------------------------------------- */
 
 typedef struct expected {
     fxs_stage_view view;
@@ -280,7 +277,6 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Compares the list of a tile: sorted entries, or entries with depths above, in any order. */
 static int list_equal(const expected *e, uint32_t tile, uint64_t *list)
 {
     const uint32_t count = e->lists.counts[tile], *entries = e->lists.entries + e->lists.ends[tile] - count;
@@ -320,7 +316,6 @@ static int buffers_equal(const expected *e, const peeked *p)
     return 1;
 }
 
-/* Compares the buffers of the last frame, in slot 0. */
 static int stages_equal(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_cuda_stats *stats)
 {
     expected e;
@@ -373,7 +368,6 @@ static int pictures_equal(pictures p[2], const fxs_camera *camera)
     return 0;
 }
 
-/* Pictures and buffers must equal the processor's. */
 static int frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
                        unsigned which, enum fxs_format format, int depth_bits)
 {
@@ -434,7 +428,6 @@ static void test_small(void)
     check_random(FXS_PROFILE_SMALL, cases(100));
 }
 
-/* Random objects; in every second case with random targets. */
 static void check_objects(int count, uint32_t most_objects, int32_t most_gaussians)
 {
     for (int i = 0; i < count; i++) {
@@ -467,7 +460,6 @@ static void test_hundred_objects(void)
     check_objects(quick ? 1 : 12, OBJECTS, quick ? 600 : 3000);
 }
 
-/* Each target alone, then random sets with occluders, backdrops and long lists. */
 static void test_targets(void)
 {
     for (int i = 0; i < cases(250); i++) {
@@ -551,7 +543,7 @@ static void test_files(void)
 enum { TREES = 2, TREE_OBJECTS = 4 };
 
 typedef struct forest {
-    packed_scene packed[TREES + 1];        /* the last without a tree */
+    packed_scene packed[TREES + 1];        /* the last scene has no tree */
     fxs_object objects[TREE_OBJECTS];
     uint32_t count, chunks;
 } forest;
@@ -583,7 +575,6 @@ static void forest_free(forest *w)
     }
 }
 
-/* Compares the device's cut of the last frame with the processor's. */
 static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, int *by_device)
 {
     uint32_t wanted_count, count;
@@ -618,8 +609,8 @@ static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_
     return equal;
 }
 
-/* Random trees, some with equal keys, from any camera and with any limits must give the processor's cut and picture.
-   Every tenth tree is too deep for the device. */
+/* Random level-of-detail trees must give the processor's nodes and picture. Every tenth tree is too deep for the
+   device. */
 static void test_cut(void)
 {
     int of_device = 0, of_host = 0;
@@ -644,7 +635,6 @@ static void test_cut(void)
     CHECK(of_device > of_host || quick);
 }
 
-/* More nodes with equal keys than shared memory sorts; a damaged tree with the processor's error. */
 static void test_equal_keys(void)
 {
     fxs_camera camera;
@@ -674,7 +664,6 @@ static void test_equal_keys(void)
 
 enum { POOL_FRAMES = 3 };
 
-/* Compares a batch with the processor. Returns the renderer's error. */
 static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget, fxs_cuda_stats *stats)
 {
     pictures p[POOL_FRAMES][2];
@@ -699,7 +688,6 @@ static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget
     return error;
 }
 
-/* Renders batches within a memory limit. Returns the renderer's error. */
 static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats *stats)
 {
     fxs_cuda *small;
@@ -711,8 +699,6 @@ static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats
     return error;
 }
 
-/* Scenes larger than the memory limit, from an empty pool on: with a budget and without, two objects of one scene, one
-   without a tree. */
 static void test_pool(void)
 {
     state = 57;
@@ -743,8 +729,6 @@ static void test_pool(void)
 
 enum { BATCH_FRAMES = 7, BATCH_BYTES = 1 << 25 };
 
-/* Frames of different objects and targets in several slots, to device or pinned memory; some lists overflow at
-   first. */
 static void check_batch(uint8_t *memory)
 {
     enum { SLOTS = 3 };
@@ -813,7 +797,6 @@ static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, 
     return error;
 }
 
-/* Small pictures with long lists that several blocks share; with depth targets they are split into bins first. */
 static void check_long_lists(int count)
 {
     uint64_t most = 0;
@@ -837,7 +820,6 @@ static void check_long_lists(int count)
         CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
         CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
                           FXS_FORMAT_RGBA8, 0));
-        /* With little or no capacity for bins, lists have fewer parts and blend in rounds. */
         for (uint64_t split = 0; split < stats.entries; split = 3 * split + stats.entries / 20) {
             peek_limit_room(cuda, stats.entries, split);
             CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));
@@ -857,7 +839,6 @@ static void test_long_lists(void)
     check_long_lists(cases(12));
 }
 
-/* GPUs with 99 KiB of shared memory a block: fewer tiles at a time, no blend_dense. */
 static void test_small_blocks(void)
 {
     fxs_cuda *const whole = cuda;
@@ -871,7 +852,6 @@ static void test_small_blocks(void)
     cuda = whole;
 }
 
-/* A scene is uploaded once, until it is forgotten or its fxs_scene changes. */
 static void test_scenes(void)
 {
     fxs_cuda *other;
@@ -897,7 +877,6 @@ static void test_scenes(void)
     CHECK(!draw(other, &w.scenes[1], &camera, &stats) && stats.memory.scenes < bytes);
     fxs_cuda_destroy(other);
 
-    /* Changed bytes are uploaded after fxs_cuda_forget, another fxs_scene at once. */
     CHECK(scene_equal(&w.scenes[0], &camera, &options));
     for (uint32_t c = 0; c < w.scenes[0].chunk_count; c++)
         w.packed[0].chunks[c].colour_q16[0] ^= 0x3fff;
@@ -908,7 +887,7 @@ static void test_scenes(void)
     world_free(&w);
 }
 
-/* Too little device memory is refused with the bytes needed; with them the frame renders. */
+/* A frame with too little device memory fails, reports the bytes needed, and renders with them. */
 static void test_memory(void)
 {
     fxs_cuda *small;
@@ -933,7 +912,6 @@ static void test_memory(void)
     }
     CHECK(needed > 1000 && needed < 8000000 && stats.memory.total && stats.memory.total <= needed);
 
-    /* With one frame's memory: repeated, and after forgetting. */
     CHECK(!fxs_cuda_create(&small, 0, stats.memory.total, 1, &why));
     for (int i = 0; i < 3; i++) {
         CHECK(!draw(small, &scene, &camera, &stats));
@@ -953,7 +931,6 @@ static int render_error(const fxs_cuda_frame *frames, uint32_t count)
     return error;
 }
 
-/* CUDA refuses the frames that fxs_render refuses, and leaves none pending. */
 static void test_errors(void)
 {
     fxs_cuda *none;
@@ -974,10 +951,10 @@ static void test_errors(void)
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0].targets.colour.pixels = device + 1;
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
-    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};   /* shorter than a row */
+    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};
     CHECK(camera.height == 1 || render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0] = good;
-    frames[0].targets.id = good.targets.colour;                             /* overlap */
+    frames[0].targets.id = good.targets.colour;
     CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
     frames[0] = good;
     frames[1].camera.width = 0;
@@ -990,7 +967,7 @@ static void test_errors(void)
     CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
     fxs_object_init(&object, &scene);
     object.scale_q32 = 1 << 16;
-    object.translation_q32[0] = (int64_t)1 << 50;                           /* too far, in the object's units */
+    object.translation_q32[0] = (int64_t)1 << 50;
     CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
     object.scene = 0;
     CHECK(render_error(&good, 1) == FXS_ERR_ARGUMENT);
@@ -1000,7 +977,7 @@ static void test_errors(void)
     CHECK(fxs_cuda_create(&none, 0, 0, 17, &why) == FXS_ERR_ARGUMENT && !none);
     CHECK(scene_equal(&scene, &camera, &options));
 
-    /* A chunk header damaged after opening fails a visible object only. */
+    /* A chunk header damaged after opening causes an error only if its object is visible. */
     packed.chunks[scene.chunk_count / 2].step_shift = 63;
     fxs_cuda_forget(cuda, &scene);
     CHECK(draw(cuda, &scene, &camera, 0) == FXS_ERR_SCENE);
@@ -1010,7 +987,6 @@ static void test_errors(void)
     fxs_cuda_forget(cuda, &scene);
     CHECK(scene_equal(&scene, &camera, &options));
 
-    /* Without Gaussians the picture is the background. */
     CHECK(frame_equal(0, 0, &camera, &options, COLOUR | COVERAGE | MEAN | MEDIAN | ID, FXS_FORMAT_RGBA8, 0));
     scene.chunk_count = scene.count = 0;
     scene.rows = scene.chunks;
@@ -1024,7 +1000,6 @@ static int stop_third(void *times)
     return ++*(int *)times == 3;
 }
 
-/* A batch stopped before its third frame; the next one renders. */
 static void test_stopped(void)
 {
     world w;
@@ -1044,7 +1019,7 @@ static void test_stopped(void)
     options.stop.argument = &times;
     CHECK(fxs_cuda_render(cuda, frames, 4, &options, 0, &why) == FXS_ERR_STOPPED && times == 3);
     CHECK(!strcmp(why.text, fxs_strerror(FXS_ERR_STOPPED)) &&
-          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);                  /* no frame to finish */
+          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);
     CHECK(!fxs_cuda_render(cuda, frames, 4, &options, 0, &why) && !fxs_cuda_finish(cuda, 0, &why) && times >= 7);
     options.stop.call = 0;
     CHECK(frame_equal(w.objects, 4, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
@@ -1052,7 +1027,6 @@ static void test_stopped(void)
     world_free(&w);
 }
 
-/* The backdrop may be the colour target. */
 static void test_in_place(void)
 {
     fxs_scene scene;
@@ -1078,9 +1052,8 @@ static void test_in_place(void)
     free(packed.data);
 }
 
-/* ---- Two eyes ---------------------------------------------------------------------------------------------------- */
+/* ---- Stereo ------------------------------------------------------------------------------------------------------ */
 
-/* Two eyes by the processor. Returns an error. */
 static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *options, const fxs_targets targets[2],
                          fxs_stats *stats)
 {
@@ -1097,7 +1070,6 @@ static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *opti
     return error;
 }
 
-/* Through the table of src/include/fixsplat/backend.h: two eyes, and one. */
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;

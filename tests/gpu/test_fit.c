@@ -1,5 +1,6 @@
-/* Fit steps on CUDA against the processor: every buffer, bit by bit, for random models and pictures. `test_fit
- * [--quick]`; --quick: few small ones, for the sanitizers. test_fit_steps --cuda tests whole fits. */
+/* Compares fit steps on CUDA with the processor: every buffer, bit by bit.
+ *   test_fit [--quick]
+ * --quick: a few small models. */
 #include "src/fit/stepper.c"
 
 #include <fixsplat/system.h>
@@ -15,13 +16,13 @@ typedef struct what {
     int32_t width, height, is_square;
     size_t count;
     int degree, batch;
-    float by_opacity, noise, near_size;    /* near_size: ln of a typical width */
-    uint32_t gains, poses;         /* with an exposure, with a pose; 0: none; equal if both */
-    int is_affine;                 /* affine exposures */
-    int is_antialiased;            /* and scales bounded by the batch's cameras with divisors of 1, 2, none */
-    int has_far;                   /* angular sizes for about half of the Gaussians */
-    int is_in_one_place;           /* equal depths */
-    int has_masks;                 /* for all photographs except the second; these have at most MASK_PIXELS */
+    float by_opacity, noise, near_size;    /* near_size: ln of a typical sigma */
+    uint32_t gains, poses;         /* number of fitted exposures and of fitted poses; 0: none */
+    int is_affine;
+    int is_antialiased;            /* 1: antialiased, with scales limited by the cameras */
+    int has_far;                   /* 1: about half of the Gaussians have angular sizes */
+    int is_in_one_place;           /* 1: all depths are equal */
+    int has_masks;                 /* 1: all photographs except the second have masks */
 } what;
 
 enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200, MASK_PIXELS = 160 * 120 };
@@ -42,7 +43,7 @@ static void fill_model(fxs_fit_model *m, const what *w)
     }
 }
 
-/* Values that no fit should meet: zero rotations, NaN, infinity, huge and tiny numbers. */
+/* Sets zero rotations, NaN, infinity, and huge and tiny numbers. */
 static void spoil_model(fxs_fit_model *m)
 {
     static const float bad[] = {0, NAN, INFINITY, 1e30f, -1e30f, 1e-30f};
@@ -62,7 +63,6 @@ static int copy_model(fxs_fit_model *to, const fxs_fit_model *from)
     return 0;
 }
 
-/* Exposures with the moments of a running fit, in two copies. */
 static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -76,7 +76,6 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }
 
-/* Likewise for poses. */
 static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
 {
     for (int i = 0; i < MOST_GAINS; i++) {
@@ -91,7 +90,6 @@ static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
     memcpy(poses[1], poses[0], sizeof poses[1]);
 }
 
-/* Ignores discs and single pixels. */
 static void fill_mask(uint8_t *out, int32_t width, int32_t height)
 {
     for (int32_t i = 0; i < width * height; i++) {
@@ -105,7 +103,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
     static uint8_t masks[MOST_BATCH][MASK_PIXELS];
     const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
     for (size_t i = 0; i < bytes * MOST_BATCH; i++)
-        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* with saturated white */
+        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* a fifth of the bytes is saturated */
     for (int i = 0; i < MOST_BATCH; i++) {
         fxs_fit_photograph *p = &photographs[i];
         memset(p, 0, sizeof *p);
@@ -144,9 +142,8 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
         o->background[c] = 0.2f * (float)c;
 }
 
-/* ---- Comparing --------------------------------------------------------------------------------------------------- */
+/* ---- Comparisons ------------------------------------------------------------------------------------------------- */
 
-/* Compares bits; all NaNs are equal. */
 static int same(const float *a, const float *b, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -233,8 +230,8 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Runs some steps of one model on both, and compares the last step's buffers. narrow: initial capacity of the lists; 0:
-   as usual. */
+/* Compares the buffers of the last step with the processor's. narrow: initial capacity of the tile lists; 0:
+   default. */
 static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t steps)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
@@ -316,7 +313,6 @@ static void test_steps(void)
     }
 }
 
-/* More entries with one depth in a list than one sort takes keep their order. */
 static void test_one_depth(void)
 {
     const what w = {.width = 37, .height = 27, .count = quick ? 2500 : 20000, .degree = 1, .batch = 1,
@@ -324,7 +320,6 @@ static void test_one_depth(void)
     compare(&w, 0, 0, 1);
 }
 
-/* Full sizes of pictures and models, with some Gaussians as large as the picture. */
 static void test_large(void)
 {
     for (int i = 0; i < (quick ? 0 : 2); i++) {
@@ -343,7 +338,6 @@ static void test_batches(void)
     }
 }
 
-/* Exposures of more photographs than a sum has parts, of five and of one; a photograph may be in a batch twice. */
 static void test_exposures(void)
 {
     static const uint32_t gains[] = {MOST_GAINS, 5, 1};
@@ -365,7 +359,6 @@ static void test_masks(void)
     }
 }
 
-/* Poses of five photographs or one, with exposures and without; Gaussians with few and with many parts. */
 static void test_poses(void)
 {
     static const size_t counts[] = {200, 3000, 20000};
@@ -378,7 +371,6 @@ static void test_poses(void)
     }
 }
 
-/* Gaussians smaller and larger than a pixel, both cut-offs, with poses and without. */
 static void test_antialiased(void)
 {
     static const size_t counts[] = {200, 3000, 20000};
@@ -391,7 +383,6 @@ static void test_antialiased(void)
     }
 }
 
-/* A step repeats if its lists overflow. */
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
@@ -401,7 +392,6 @@ static void test_no_room(void)
     compare(&batch, 0, 64, MOST_STEPS);
 }
 
-/* The kernels' own division equals the rounded quotient. */
 static void test_odds(void)
 {
     CHECK(peek_fit_odds() == 0);
@@ -411,7 +401,6 @@ static void test_odds(void)
 
 static const what ordinary = {.width = 160, .height = 120, .count = 5000, .degree = 3, .batch = 2, .near_size = -2.5f};
 
-/* FNV-1a over words. */
 static uint64_t hash_of(const fxs_fit_model *m)
 {
     uint64_t hash = 14695981039346656037u;
@@ -424,7 +413,6 @@ static uint64_t hash_of(const fxs_fit_model *m)
     return hash;
 }
 
-/* Runs some steps within a memory limit. Returns 0, or an error with a message. */
 static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];
@@ -457,7 +445,7 @@ static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
     return error;
 }
 
-/* The memory that the message asks for suffices in the end. */
+/* A fit with too little memory fails, and succeeds with the memory that its messages ask for. */
 static void test_too_little_memory(void)
 {
     uint64_t wanted, hash, most = 1000;
@@ -473,7 +461,7 @@ static void test_too_little_memory(void)
     CHECK(!error && hash == wanted);
 }
 
-/* Runs last: CUDA is unusable in this process afterwards. */
+/* Runs last, because CUDA is unusable in the process afterwards. */
 static void test_lost_device(void)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];

@@ -1,11 +1,8 @@
 #!/bin/sh
-# tests/gpu/web.sh PACKAGE SCENES MODULES: the npm package with WebGPU on this machine's graphics card, in headless
-# Chromium. Compares pixels with the command's, for procedural scenes in each profile and for SCENES, then prints
-# milliseconds a frame next to other engines. 3 to 6 minutes.
-# SCENES: a folder with NAME/NAME.ply for guitar and snowmiku. MODULES: a node_modules with playcanvas, three and
-# puppeteer-core. CHROMIUM: the browser (default /usr/bin/chromium). FXS_WEBGPU_FLAGS: its flags (default: flags that
-# find a card). B: the build folder (default build). SIZE: of the pixel comparison (default 1280x720). SIZES, ROUNDS,
-# FRAMES: of each engine.
+# tests/gpu/web.sh PACKAGE SCENES MODULES: tests the npm package with WebGPU on a graphics card, in headless Chromium,
+# and compares frame times with other engines. SCENES has NAME/NAME.ply for guitar and snowmiku. MODULES is a
+# node_modules folder. CHROMIUM: the browser. FXS_WEBGPU_FLAGS: its flags. SIZE: picture size. SIZES, ROUNDS, FRAMES:
+# settings of the timing.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 package=$(realpath "$1") scenes=$(realpath "$2") modules=$(realpath "$3")
@@ -25,7 +22,6 @@ echo "flags: $FXS_WEBGPU_FLAGS"
 
 say "scenes"
 
-# made NAME KIND COUNT OPTION...: makes a scene like tests/scripts/webgpu.sh
 made() {
     name=$1
     "$B/fixsplat" make-scene "$2" --count "$3" -o "$work/$name.ply" --quiet || failed="$failed $name"

@@ -1,5 +1,4 @@
-/* all SCENE PACKED: opens a scene file, draws it, and writes the packed scene. In the common subset of C99 and
-   C++17. */
+/* all SCENE PACKED: opens a scene file, draws the scene, and writes the packed scene. Compiles as C99 and as C++17. */
 #include "picture.h"
 
 #include <fixsplat/renderer.h>

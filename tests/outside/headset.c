@@ -1,7 +1,6 @@
-/* headset SCENE gles|compute: the frame loop of an OpenXR program, with a small imitation of the runtime: two views
- * with asymmetric fields of view, and swapchains of textures. Each eye's colour is drawn on the GPU into the runtime's
- * framebuffer, with the median depth for the runtime's reprojection to the latest head pose. Prints "ok", or the
- * fault. */
+/* headset SCENE gles|compute: the frame loop of an OpenXR program, with a small imitation of the OpenXR runtime. The
+ * GPU draws each eye's colour and median depth, and the imitation reprojects by depth to a newer head pose. Prints
+ * "ok" or a fault. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -17,17 +16,17 @@
 #include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
-#define NEAR_PLANE 0.1f            /* of the depth images; the far plane is at 100 */
+#define NEAR_PLANE 0.1f            /* planes of the depth images: 0.1 and 100 */
 
-/* ---- From openxr.h: XrPosef, XrFovf, XrView, and a swapchain with its images ------------------------------------- */
+/* ---- Imitations of XrPosef, XrFovf, XrView and a swapchain ------------------------------------------------------- */
 
 typedef struct pose {
-    double orientation[4];         /* x, y, z, w */
+    double orientation[4];
     double position[3];            /* x right, y up, z back; metres */
 } pose;
 
 typedef struct fov {
-    double left, right, up, down;  /* angles, radians; left and down negative */
+    double left, right, up, down;  /* angles in radians; left and down are negative */
 } fov;
 
 typedef struct view {
@@ -36,11 +35,11 @@ typedef struct view {
 } view;
 
 typedef struct swapchain {
-    GLuint colours[IMAGES], depths[IMAGES], framebuffers[2][IMAGES];   /* colours and depths */
-    unsigned acquired;             /* counts up */
+    GLuint colours[IMAGES], depths[IMAGES], framebuffers[2][IMAGES];
+    unsigned acquired;
 } swapchain;
 
-/* ---- OpenGL ES, by the program's loader -------------------------------------------------------------------------- */
+/* ---- OpenGL ES functions ----------------------------------------------------------------------------------------- */
 
 #define FUNCTIONS(_) \
     _(void, GenTextures, (GLsizei, GLuint *)) \
@@ -81,7 +80,7 @@ static int load_functions(void *egl)
     return all;
 }
 
-/* ---- The runtime ------------------------------------------------------------------------------------------------- */
+/* ---- The imitated OpenXR runtime --------------------------------------------------------------------------------- */
 
 static GLuint make_texture(GLenum format)
 {
@@ -100,8 +99,6 @@ static void attach(GLuint framebuffer, GLenum attachment, GLuint texture)
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
 }
 
-/* xrCreateSwapchain and xrEnumerateSwapchainImages: colour textures, and depth textures for
-   XR_KHR_composition_layer_depth. The program attaches its own textures for medians and ids. */
 static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
 {
     static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -118,7 +115,7 @@ static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
     }
 }
 
-/* xrLocateViews: eyes 63 mm apart, in a head that turns and moves; fields of view of a real headset. */
+/* Imitates xrLocateViews: eyes 63 mm apart in a moving head, with the fields of view of a real headset. */
 static void locate_views(int frame, view views[2])
 {
     const double turn = 0.05 * frame, sine = sin(turn / 2), cosine = cos(turn / 2);
@@ -131,17 +128,17 @@ static void locate_views(int frame, view views[2])
     }
 }
 
-/* ---- The program ------------------------------------------------------------------------------------------------- */
+/* ---- The OpenXR program ------------------------------------------------------------------------------------------ */
 
-/* Rows of the rotation from world to camera, with y down and z forward. OpenXR's orientation is camera to world,
-   with y up and z back. The scene's y points down, so the world is flipped once more. */
+/* Fills in the rotation from world to camera, with y down and z forward. OpenXR's orientation is camera to world,
+   with y up and z back. */
 static void turn(const pose *p, double rotation[9], double position[3])
 {
     const double x = p->orientation[0], y = p->orientation[1], z = p->orientation[2], w = p->orientation[3];
     const double to_world[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
                                 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
                                 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
-    const double flip[3] = {1, -1, -1};        /* the camera's axes, and the world's */
+    const double flip[3] = {1, -1, -1};        /* flips y and z of the camera's and of the world's axes */
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
             rotation[3 * row + column] = flip[row] * to_world[3 * column + row] * flip[column];
@@ -170,13 +167,13 @@ typedef struct program {
     fxs_context context;
     fxs_options options;
     fxs_gles *gles;
-    fxs_compute *compute;          /* null: gles */
-    fxs_compute_scene copy;        /* on the device */
-    GLuint medians, ids, copies, copying;          /* textures; a texture and its framebuffer, for comparison */
-    GLuint to_depth, to_words;     /* programs */
+    fxs_compute *compute;
+    fxs_compute_scene copy;
+    GLuint medians, ids, copies, copying;
+    GLuint to_depth, to_words;
     void *allocation, *memory;
     size_t bytes;
-    uint32_t depths[2][HEIGHT * WIDTH];            /* median depths by the processor, times 2^16, for comparison */
+    uint32_t depths[2][HEIGHT * WIDTH];            /* median depths by the processor, times 2^16 */
     unsigned char colours[2][HEIGHT * WIDTH * 4];
 } program;
 
@@ -206,7 +203,7 @@ static void draw_over(GLuint framebuffer, GLuint program, GLuint texture)
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Converts median depth to the depth buffer value for these planes; none: the far plane. */
+/* Fragment shader that converts median depths to the depth buffer. Pixels without a depth get the far plane. */
 static const char to_depth[] =
     "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp usampler2D medians;\n"
     "void main() {\nuint depth = texelFetch(medians, ivec2(gl_FragCoord.xy), 0).x;\n"
@@ -229,7 +226,6 @@ static int draw(program *p, const fxs_request *request, const fxs_gl_target *tar
                       : fxs_gles_render(p->gles, &p->context, request, target, p->memory, p->bytes, 0);
 }
 
-/* Draws an eye into the image from xrAcquireSwapchainImage, after xrWaitSwapchainImage. */
 static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapchain *s)
 {
     const unsigned image = s->acquired % IMAGES;
@@ -243,7 +239,7 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
     target.depths_and_ids = 1;
     int error = draw(p, &request, &target);
     fill_depth(p, s->framebuffers[1][image]);
-    request.targets[0].median_depth.pixels = p->depths[eye];      /* for comparison only */
+    request.targets[0].median_depth.pixels = p->depths[eye];
     request.targets[0].median_depth.stride = WIDTH * 4;
     request.targets[0].colour.pixels = p->colours[eye];
     request.targets[0].colour.stride = WIDTH * 4;
@@ -252,7 +248,7 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
     return error ? printf("eye %d: %s\n", eye, fxs_strerror(error)), 1 : 0;
 }
 
-/* ---- The runtime's checks ---------------------------------------------------------------------------------------- */
+/* ---- Checks of the eyes' pictures -------------------------------------------------------------------------------- */
 
 static int compare_colours(const program *p, int eye, const swapchain *s)
 {
@@ -272,7 +268,6 @@ static const char to_words[] =
     "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp sampler2D depths;\nout uint word;\n"
     "void main() { word = floatBitsToUint(texelFetch(depths, ivec2(gl_FragCoord.xy), 0).x); }";
 
-/* The depth image has the processor's median depths, between the planes. */
 static int compare_depths(const program *p, int eye, const swapchain *s)
 {
     static GLuint words[HEIGHT * WIDTH][4];
@@ -290,8 +285,8 @@ static int compare_depths(const program *p, int eye, const swapchain *s)
     return 0;
 }
 
-/* Mean squared difference of the right picture and the left one reprojected to it, by depth or as if at infinity
-   (`by_depth` 0), over pixels with a depth in the left eye. */
+/* Reprojects the left picture to the right eye, by depth or as if at infinity. Returns the mean squared difference
+   from the right picture. */
 static double difference(const program *p, const fxs_camera cameras[2], int by_depth)
 {
     double sum = 0;
@@ -317,7 +312,6 @@ static double difference(const program *p, const fxs_camera cameras[2], int by_d
     return count > 10000 ? sum / count : 1e9;
 }
 
-/* xrWaitFrame, xrBeginFrame, xrLocateViews; each eye; xrReleaseSwapchainImage, xrEndFrame. */
 static int run_frame(program *p, int frame, swapchain chains[2])
 {
     view views[2];
@@ -345,11 +339,10 @@ static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
         return puts(message.text), 1;
     fxs_scene_file_close(file);
     fxs_object_init(&p->object, &p->scene);
-    p->object.scale_q32 = (int64_t)1 << 30;        /* a quarter: about two metres wide */
+    p->object.scale_q32 = (int64_t)1 << 30;
     return fxs_scene_open(&p->scene, packed->data, packed->bytes) != 0;
 }
 
-/* Whole frames by compute shaders, if OpenGL ES 3.1 is available. */
 static int open_compute(program *p, void *egl)
 {
     fxs_message message;
@@ -384,7 +377,7 @@ static int open_graphics(program *p, int by_compute, void **egl)
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
     p->context.config.kernels = &fastest;
     fxs_options_init(&p->options);
-    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);      /* more than compute shaders need */
+    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);
     p->allocation = malloc(p->bytes + 63);
     p->memory = (void *)(((uintptr_t)p->allocation + 63) / 64 * 64);
     return p->allocation == 0;

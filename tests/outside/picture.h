@@ -1,4 +1,4 @@
-/* Renders a picture of a scene, for programs outside the tree. In the common subset of C99 and C++17. */
+/* Renders a picture of a scene, for test programs outside the tree. Compiles as C99 and as C++17. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,6 @@ static inline void *aligned(size_t bytes)
     return block ? block + (64 - (size_t)block % 64) : 0;
 }
 
-/* Looks along z, from 10 units before the origin. */
 static inline void picture_camera(fxs_camera *camera)
 {
     fxs_camera_init(camera, WIDTH, HEIGHT);
@@ -22,7 +21,6 @@ static inline void picture_camera(fxs_camera *camera)
     camera->position_q32[2] = -((int64_t)10 << 32);
 }
 
-/* Prints the hash of the picture's bytes. Returns 0, or 1 if the picture is empty. */
 static inline int picture_print(const unsigned char *pixels)
 {
     uint32_t sum = 2166136261u, lit = 0;
@@ -34,7 +32,7 @@ static inline int picture_print(const unsigned char *pixels)
     return fxs_version() != FXS_VERSION_NUMBER || lit < 1000;
 }
 
-/* Draws the scene with the core alone and prints its hash. Returns 0 or 1 like picture_print. */
+/* Draws the scene with the core alone and prints the picture's hash. Returns 0, or 1 if the picture is empty. */
 static inline int picture(const fxs_scene *scene)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];

@@ -165,8 +165,8 @@ ok("repr of Gaussians", repr(knot) == "<fixsplat.Gaussians, 3000, SH degree 3>",
 # ---- Fits ------------------------------------------------------------------------------------------------------------
 
 views = fixsplat.load_cameras("set/sparse/0")
-photos = [packed.render(view).colour[..., :3] for view in views]    # as set/images has them
-kept = [i for i in range(len(views)) if i % 8]                      # and what --hold-out 8 leaves
+photos = [packed.render(view).colour[..., :3] for view in views]
+kept = [i for i in range(len(views)) if i % 8]
 text = np.loadtxt("set/sparse/0/points3D.txt", usecols=range(7))
 points, colours = text[:, 1:4], text[:, 4:7].astype(np.uint8)
 run("fit", "set", "--steps", "40", "-o", "command.fxs")
@@ -272,7 +272,7 @@ else:
     print("skip memory that is left: no /proc here")
 os.remove("x.ply")
 
-# ---- What is wrong ---------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 
 def with_arrays(**other):

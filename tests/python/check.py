@@ -18,7 +18,7 @@ from checks import grows, hash_of, interrupted, ok, read, refuses, run, same
 ALL = ("colour", "coverage", "mean_depth", "median_depth", "ids")
 os.chdir(sys.argv[2])
 
-# ---- The command's pictures ------------------------------------------------------------------------------------------
+# ---- Pictures of the command -----------------------------------------------------------------------------------------
 
 def pictures(scene, path, cameras, count, label):
     views = fixsplat.load_cameras(cameras)
@@ -285,7 +285,7 @@ with fixsplat.Renderer() as renderer, fixsplat.load("knot.ply") as first:
     ok("a device drops what it keeps of a closed scene, once", calls == wanted, calls)
 
 
-# A picture that is stopped: by what is true, by what is raised; else it is the same.
+# A stop function that returns true or raises ends the frame. Otherwise the picture is unchanged.
 asked = []
 whole_picture = scene.render(large, threads=2).colour
 same_picture = scene.render(large, threads=2, stop=lambda: asked.append(0)).colour
@@ -309,7 +309,7 @@ if status == (0, 0):
     os.kill(child, 9)
 ok("behind a fork: the same picture", status == (child, 0), status)
 
-# ---- What is left behind ---------------------------------------------------------------------------------------------
+# ---- Leaked files and memory -----------------------------------------------------------------------------------------
 
 def load_and_drop():
     fixsplat.load("knot.ply", threads=2).render(camera)
@@ -341,7 +341,7 @@ if os.path.exists("/proc/self/statm"):
 else:
     print("skip memory that is left: no /proc here")
 
-# ---- As on Windows ---------------------------------------------------------------------------------------------------
+# ---- Imitated Windows ------------------------------------------------------------------------------------------------
 
 ok("Windows: the library's name", fixsplat._library._names("win32") == ("libfixsplat-1.dll",))
 stroke, os.sep = os.sep, "\\"
@@ -349,7 +349,7 @@ ok("Windows: paths for C have / between folders", fixsplat._library.file_name("C
 os.sep = stroke
 ok("but here \\ is a character of names", fixsplat._library.file_name("a\\b/c.ply") == b"a\\b/c.ply")
 
-# ---- What is wrong ---------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 K, pose = camera.K, camera.world_to_camera
 
@@ -452,7 +452,6 @@ for name, kind, words, call in (
 ok("bad input: nothing is left", not [name for name in os.listdir(".") if name.startswith("x.") or
                                            name.endswith(".tmp")])
 
-# A progress function that raises ends the call, and nothing is written over.
 for ending in ("ply", "splat", "spz", "sog", "glb", "fxs"):
     with open(f"kept.{ending}", "wb") as file:
         file.write(b"before")

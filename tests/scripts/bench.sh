@@ -1,6 +1,5 @@
 #!/bin/sh
-# bench --compare, and tools/scripts/bench.sh on a copy of docs/measured.md, with smaller scenes: 2,000 Gaussians for a million,
-# 10 frames for 60. A part of the document is replaced whole, or the document stays unchanged.
+# Tests bench --compare, and tools/scripts/bench.sh on a copy of docs/measured.md.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -13,7 +12,7 @@ small='--size 64x48 --threads 1'
 if [ "$("$fixsplat" bench knot.ply $small --compare before.json 2>&1 | grep -c 'built without cJSON')" = 1 ]; then
     skip "bench --compare" "built without cJSON"
 else
-    # Every earlier time is 2 ms, so each ratio is half the time measured here.
+    # Every time of the earlier run is 2 ms, so each ratio is half of the new time.
     sed 's/\(_ms\|project\|shade\|sort\|bin\|blend\|resolve\)": [0-9.]*/\1": 2.000/g' before.json >twos.json
     succeeds "--compare" bench knot.ply $small --compare twos.json
     sed '1,/^medians/d' logs/out >ratios
@@ -65,7 +64,6 @@ exec "$COMMAND" "$@"
 END
 chmod +x programs/fixsplat
 
-# measure COMMAND... PART: sets $status, logs/out, logs/err and the document $work/document.md.
 measure() {
     cat "$root/docs/measured.md" >document.md
     (cd "$root" && SCENES=$work/${SCENES_HERE:-none} B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
@@ -96,7 +94,6 @@ if "$fixsplat" info --backends | grep -q '^gles  *here'; then
 else
     skip "render and compare fail" "no gles here"
 fi
-# Levels, with two made scenes for the captured ones, and cameras for view 8.
 mkdir -p captured/snowmiku captured/statue-st-peter
 cp knot.ply captured/snowmiku/snowmiku.ply
 cp other.ply captured/statue-st-peter/st-peter.ply
@@ -116,7 +113,6 @@ check "levels: the whole is near its floats, fewer are further from them" awk -F
     /%/ { rows++; if (!($5 > 0 && $7 > 0)) wrong = 1 }
     END { exit wrong || rows != 10 }' part.md
 
-# Budgets, with a made scene as luma-seal, and its refined levels provided.
 if have node; then
     mkdir -p captured/luma-seal kept programs/page/node_modules
     cp knot.ply captured/luma-seal/luma-seal.ply
@@ -163,7 +159,6 @@ Measured today, on a machine; not this.
 | b | small | 30 | 45.00 (30.00, close) | 1 | 1 |'
 printf '%s\n' "$sizes" >table.md
 draw sizes table.md >plot.svg
-# From 70, 400 (20 bytes, 40 dB) to 700, 70 (60 bytes, 60 dB).
 check "plot: default at 60 bytes, 50 dB" grep -q '<circle cx="700.0" cy="235.0"' plot.svg
 check "plot: small at 20 bytes, 40 dB" grep -q 'd="M70.0 400.0' plot.svg
 check "plot: compact at 40 bytes, 60 dB" grep -q 'd="M385.0 70.0' plot.svg
@@ -182,7 +177,6 @@ Measured today; not this.
 | b | 5 % | 5 | 500 | 30.0 | 2 |'
 printf '%s\n' "$levels" >table.md
 draw levels table.md >plot.svg
-# From 70, 400 (0 ms, 30 dB) to 700, 70 (10 ms, 50 dB).
 check "plot: a line from 50 % to 25 %" grep -q '<path d="M700.0 70.0L385.0 235.0" class="path l1"/>' plot.svg
 check "plot: 50 % of b" grep -q 'd="M196.0 400.0' plot.svg
 check "plot: what is left" equal "$(grep -o '>[0-9]* %<' plot.svg | tr '\n' ' ')" ">50 %< >25 %< >50 %< "

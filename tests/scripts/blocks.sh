@@ -1,10 +1,9 @@
 #!/bin/sh
-# fixsplat fit --block: a set fitted in two jobs, merged by convert.
+# Tests fixsplat fit --block: two jobs fit blocks of one scene, and convert merges the blocks.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 
-# The knot again, 200 units away, in photographs that do not see the first: each block has its own photographs.
 make_photographs 12
 model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
@@ -22,7 +21,6 @@ done
 succeeds "merged" convert part-1.ply part-2.ply all.ply
 count() { LC_ALL=C sed -n 's/^element vertex //p;/^end_header/q' "$1"; }
 check "merged: all of both" equal "$(count all.ply)" "$(($(count part-1.ply) + $(count part-2.ply)))"
-# measure SCENE VIEW PHOTOGRAPH: PSNR in tenths of a dB.
 measure() {
     "$fixsplat" render "$1" --cameras set/sparse/0 --view "$2" -o seen.png >logs/out &&
         "$fixsplat" compare "set/images/$3" seen.png >logs/out

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Board firmware under qemu: the host's bytes in strips of any height, also with levels and a budget; in the least
-# memory, but not in one byte less; with a stack of 4 KB (5 KB with a budget); and a message, never a fault, for any
-# contents of flash. FXS_PROCESSORS=all: every board, and a screen.
+# Tests board firmware under qemu: frames in strips have the host's bytes, and damaged flash gives a message.
+# FXS_PROCESSORS=all adds all boards and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -15,7 +14,6 @@ made=$work/made
 boards=mps3-an547 budget=
 [ "$FXS_PROCESSORS" = all ] && boards="$boards mps2-an385 mps2-an500"
 
-# firmware SCENE [BOARD...]: builds the firmware of these boards (default: the tested ones) with this scene.
 firmware() {
     scene_of_firmware=$1
     shift
@@ -25,7 +23,6 @@ firmware() {
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
-# run BOARD ELF WORD...: prints the output and "exit STATUS". Files are in $work.
 run() {
     board=$1 elf=$2 words=arg=firmware
     shift 2
@@ -37,8 +34,6 @@ run() {
 
 hashes() { grep -o '^step [0-9]* hash [0-9a-f]*'; }
 
-# same_hashes BOARD WIDTH HEIGHT FRAMES WORD...: compares with the host's hashes, with $budget; without a budget in a
-# stack of 4 KB.
 same_hashes() {
     board=$1 width=$2 height=$3 frames=$4
     shift 4
@@ -51,7 +46,6 @@ same_hashes() {
     return 1
 }
 
-# refuses BOARD ELF WORDS PATTERN: exit status 1 and one line that matches PATTERN.
 refuses() {
     run "$1" "$2" $3 >"$work/log"
     equal "$(tail -n 1 "$work/log")" 'exit 1' && equal "$(grep -c . "$work/log")" 2 &&
@@ -66,7 +60,6 @@ one_byte_short() {
         refuses "$1" "$made/firmware/$1.elf" "width=160 height=120 memory=$((least - 1))" 'too little memory'
 }
 
-# make_scene COUNT OPTION...: writes a knot of COUNT Gaussians as $work/COUNT.fxs.
 make_scene() {
     count=$1
     shift
@@ -84,8 +77,6 @@ kernels_are_exact() {
     return 1
 }
 
-# drives_a_display BOARD WIDTH HEIGHT WORD...: the bytes sent over the bus are ILI9341 commands and the host's last
-# picture.
 drives_a_display() {
     board=$1 width=$2 height=$3
     shift 3
@@ -97,7 +88,6 @@ drives_a_display() {
     return 1
 }
 
-# The display model refuses the stream with a byte missing, or of another picture.
 display_is_seen() {
     head -c -2 "$work/ili9341.stream" >"$work/short.stream"
     ! "$B/tests/test_ili9341" "$scene" 131 77 2 "$work/short.stream" &&
@@ -122,7 +112,7 @@ for board in $boards; do
     check "$board: its versions of the stages are exact" kernels_are_exact "$board"
 done
 
-# ---- The screen of the Versatile Express after three pictures --------------------------------------------------------
+# ---- The screen of the Versatile Express -----------------------------------------------------------------------------
 
 shown() {
     mkfifo "$work/monitor" && : >"$work/said"
@@ -149,7 +139,6 @@ fi
 
 # ---- A scene with levels of detail ------------------------------------------------------------------------------------
 
-# draws_at_most BOARD: each frame of the last run draws nearly as many slots as the budget, and never more.
 draws_at_most() {
     grep -o '^step .* drawn [0-9]*' "$work/log" | awk -v budget="$budget" '
         { frames++; if ($NF > budget || $NF < 0.9 * budget) wrong = 1 }
@@ -170,20 +159,16 @@ for board in $boards; do
 done
 budget=
 
-# ---- Contents of flash: a scene of three chunks with changed bytes in its headers ------------------------------------
+# ---- Damaged contents of flash ---------------------------------------------------------------------------------------
 
-# place: offset of the scene in an ELF file.
 place() {
     arm-none-eabi-readelf -SW "$1" | sed -n 's/.* \.scene *PROGBITS *[0-9a-f]* \([0-9a-f]*\) .*/0x\1/p'
 }
 
-# poke ELF OFFSET BYTE: sets a byte of the scene.
 poke() { printf "\\$(printf %o "$3")" | dd of="$1" bs=1 seek=$(($(place "$1") + $2)) conv=notrunc 2>/dev/null; }
 
-# byte FILE OFFSET
 byte() { od -An -tu1 -j "$2" -N 1 "$1" | tr -d ' '; }
 
-# damage_bytes STEP: changes every STEP-th byte in turn.
 damage_bytes() {
     elf=$work/damaged.elf refused=0
     for at in $(seq 0 "$1" 319); do
@@ -210,7 +195,6 @@ check "makes a smaller scene" make_scene 700
 check "builds with another scene" firmware "$scene"
 check "three chunks" same_hashes mps3-an547 64 48 1
 check "a scene of another version" other_version
-# tests/test_scene.c and tests/fuzz_fxs.c damage other bytes on the host.
 check "bytes of the headers damaged" damage_bytes $([ "$FXS_PROCESSORS" = all ] && echo 1 || echo 3)
 head -c 10000 "$scene" >"$work/short.fxs"
 check "builds with a scene cut short" firmware "$work/short.fxs"

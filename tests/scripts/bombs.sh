@@ -1,5 +1,5 @@
 #!/bin/sh
-# Small files that claim huge scenes (made by tests/test_bombs.c), and special files: one line, soon, within 256 MB.
+# Checks that small files which claim huge scenes give an error soon and within 256 MB.
 . tests/scripts/lib/check.sh
 build=$PWD/${B:-build}
 case $B in /*) build=$B ;; esac
@@ -12,7 +12,7 @@ ${CC:-cc} -O1 -o helper "$root/tests/scripts/lib/helper.c" || exit 1
 "$build/tests/test_bombs" --write . >log || { skip "bombs" "built without zlib, libwebp, libzip or cJSON"; finish; exit; }
 have timeout || { skip "bombs" "no timeout"; finish; exit; }
 
-# refuses NAME WORDS ARGUMENT...: exit status 1 within 20 s and 256 MB, no output file, and one line with those words.
+# refuses NAME WORDS ARGUMENT...: exit status 1 within 20 s and 256 MB, and one line with WORDS.
 refuses() {
     name=$1 words=$2
     shift 2
@@ -42,7 +42,7 @@ refuses "info" "inflating.spz: 4000000 $gaussians" info inflating.spz
 check "tiny numbers" timeout 20 "$fixsplat" convert exponents.ply out.fxs
 rm -f out.fxs
 
-# ---- The limits as options ---------------------------------------------------------------------------------------------
+# ---- Limits set by options -------------------------------------------------------------------------------------------
 
 "$fixsplat" make-scene knot --count 20000 -o knot.ply || exit 1
 "$fixsplat" convert knot.ply knot.spz

@@ -1,13 +1,11 @@
 #!/bin/sh
-# Rebuilds after a change of compiler, flags or available libraries; the Makefile's choices; setup while another apt-get
-# runs, and by npm.
+# Tests the Makefile: rebuilds after changes of compiler, flags or libraries, chosen kernels, and `make setup`.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/include"
 
-# A compiler that finds neither the header nor the library named in the file `hidden`. Its folder is a header search
-# path, so changes in it are noticed.
+# A compiler that does not find the header and library named in the file `hidden`.
 cat >"$work/cc" <<'END'
 #!/bin/sh
 if word=$(cat "${0%/*}/include/hidden" 2>/dev/null); then
@@ -29,7 +27,6 @@ hide() {
 
 make_() { env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory NVCC=none "$@" 2>&1; }
 
-# Builds three objects: the first depends on OSMesa, the second on zstd, the third on neither. Prints the rebuilt ones.
 build() {
     make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/port/backend/backend_gles.o" \
         "$work/build/src/scene/read/spz.o" "$work/build/src/core/frame.o" >"$work/log" || cat "$work/log"
@@ -37,7 +34,6 @@ build() {
 }
 every='port/backend/backend_gles.c src/scene/read/spz.c src/core/frame.c '
 
-# is NAME EXPECTED SAID
 is() { if [ "$2" = "$3" ]; then ok "$1"; else fail "$1" "$3"; fi; }
 uses() { grep -q "$2" "$work/build/$1"; }
 lacks() { ! uses "$@"; }
@@ -85,9 +81,8 @@ rm "$work/build/src/core/frame.o"
 build CFLAGS=-O1 V=1 >/dev/null
 check "V=1: whole commands" grep -q -- "-c -o $work/build/src/core/frame.o src/core/frame.c" "$work/log"
 
-# ---- Choices ---------------------------------------------------------------------------------------------------------
+# ---- Chosen kernels and tests ----------------------------------------------------------------------------------------
 
-# chosen COMPILER: prints the kernel folder and the archiver that make would use.
 chosen() {
     make_ -n V=1 B="$work/chosen" CC="$1" $2 "$work/chosen/libfixsplat-core.a" >"$work/log"
     folders=$(sed -n 's|.* kernels/simd/\([a-z0-9]*\)/[a-z_0-9]*\.c$|\1|p' "$work/log" | sort -u | tr '\n' ' ')
@@ -108,7 +103,6 @@ for target in i586-linux-gnu:x86 arm64-apple-macos:arm aarch64_be-linux-gnu: was
     fi
 done
 
-# tests NAME: the tests that `make test T=NAME` would run.
 tests() { make_ -n B="$work/chosen" test T="$1" | sed -n 's/.* tests\/run\.sh *//p'; }
 is "T: a test by its name" test_scene "$(tests test_scene)"
 is "T: without test_" test_scene "$(tests scene)"
@@ -139,7 +133,7 @@ check "setup: ends well" env PATH="$work/bin:$PATH" APT_LOG="$work/apt" sh tools
 check "setup: waits for the lock of update" [ "$(grep -c update "$work/apt")" = 3 ]
 check "setup: installs, waiting for the lock of dpkg" grep -q 'Lock::Timeout=300 install .*one two$' "$work/apt"
 
-# ---- Packages that setup takes from npm ------------------------------------------------------------------------------
+# ---- Setup from npm --------------------------------------------------------------------------------------------------
 
 cat >"$work/bin/npm" <<'END'
 #!/bin/sh

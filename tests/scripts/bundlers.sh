@@ -1,7 +1,6 @@
 #!/bin/sh
-# The npm package as programs use it (docs/web.md): packed, installed, built by the bundlers of tests/web/bundlers and
-# without one, opened in Chromium, and checked by TypeScript. FXS_PROCESSORS=all: every bundler; default: some.
-# ONLY=PATTERN: cases with such names. PICTURES=FOLDER keeps pictures of failures.
+# Tests the npm package in programs: installed, bundled, opened in Chromium, and checked by TypeScript.
+# FXS_PROCESSORS=all tests every bundler. ONLY=PATTERN selects cases. PICTURES=FOLDER keeps pictures of failures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs bundlers chromium esbuild npm -- puppeteer-core playcanvas
@@ -16,7 +15,6 @@ if [ ! -d "$tools/$missing" ]; then
     exit
 fi
 
-# ready: the tarball has the registry's files and the library's version, and no file without use for programs.
 ready() {
     tar xzf "$tarball" -C "$work" || return 1
     for file in README.md LICENSE CHANGELOG.md fixsplat.d.ts playcanvas.d.ts react.d.ts three.d.ts viewer/viewer.d.ts inline/worker.js; do
@@ -27,8 +25,7 @@ ready() {
         equal "$(node -p 'require(process.argv[1]).version' "$work/package/package.json")" "$("$B/fixsplat" --version | sed 's/[^ ]* //')"
 }
 
-# entries: every file named in package.json exists. Those for browsers can become a classic script, which an import from
-# Node or a top-level await would prevent.
+# Files for browsers must not import from Node, nor use top-level await.
 entries() {
     cd "$work/package" && node -e '
         const files = (entry) => typeof entry === "string" ? [entry] : Object.values(entry).flatMap(files)
@@ -38,8 +35,6 @@ entries() {
             --outdir="$work/entries" --log-level=error
 }
 
-# minified: the element, its worker and a thread, as a bundler makes them. Parts loaded on demand stay separate:
-# headsets, tours, films, walking, gamepads, sticks and languages; for `worker.js` also WebGPU, paged scenes and skies.
 minified() {
     for entry in viewer/element.js viewer/worker_whole.js viewer/worker.js thread.js; do
         set -- --external:./xr.js --external:./ar.js --external:./drop.js --external:./words.js --external:./tour.js --external:./film.js '--external:./language_*.js' \
@@ -57,7 +52,6 @@ check "its entries" eval "(entries)"
 check "is minified" minified
 check "size of the element" at_most 43000 "$work/minified/viewer/element.js" "$work/minified/viewer/worker.js" \
     "$work/minified/thread.js"
-# 28.5 KB of it are WebGPU.
 check "size of the element in a bundle" at_most 76500 "$work/minified/viewer/element.js" \
     "$work/minified/viewer/worker_whole.js" "$work/minified/thread.js"
 "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null

@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and record their
-# calls, so that each failure can be tested. FXS_PROCESSORS=all: the real programs place a film of a real scene.
+# Tests fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
+# failures. FXS_PROCESSORS=all adds the real programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -11,17 +11,17 @@ cp set/images/*.png plain
 export PLAY=$PWD
 with() { PATH="$work/bin:$PATH" "$@"; }
 
-# COLMAP: its mapper makes two models; the second has all cameras of the set.
+# Imitates COLMAP: the mapper makes two models; the second has all cameras.
 cat >bin/colmap <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
-case "$QT_QPA_PLATFORM $* " in           # without a display and a GPU
+case "$QT_QPA_PLATFORM $* " in
 offscreen\ m* | offscreen\ *.use_gpu\ 0\ *) ;;
 *) kill -6 $$ ;;
 esac
 [ "$1" != "$KILLED" ] || kill -9 $$
 [ "$1" != "$FAILS" ] || { echo "ERROR: played"; exit 1; }
-if [ "$1" = "$WAITS" ]; then               # with a program of its own, and the file that helper signal looks for
+if [ "$1" = "$WAITS" ]; then               # creates the file that helper signal waits for, and waits
     sleep 60 &
     echo $$ $! >"$PLAY/waiting"
     : >"$PLAY/.fixsplat-waiting.tmp"
@@ -39,7 +39,7 @@ mapper)
     for model in 0 1; do
         mkdir -p "$2/$model"
         perl "$PLAY/model.pl" "$PLAY/set/sparse/0" "$2/$model" $((model ? 12 : 4))
-        for file in $CUT; do               # as a full disk leaves it
+        for file in $CUT; do
             head -c 50 "$2/$model/$file" >"$PLAY/cut" && cp "$PLAY/cut" "$2/$model/$file"
         done
     done
@@ -49,7 +49,6 @@ model_analyzer) printf 'Points: %s\nMean reprojection error: %s\n' "${POINTS:-40
 esac
 PLAYED
 
-# Writes the first cameras of a text model in binary.
 cat >model.pl <<'PLAYED'
 my ($from, $to, $count) = @ARGV;
 sub lines { open(my $f, "<", "$from/$_[0]") or die; return grep { /\S/ } <$f>; }
@@ -69,7 +68,7 @@ $bytes .= pack("Q<d<3C3d<Q<", @$_[0 .. 7], 0) foreach map { [split ' '] } @point
 out("points3D.bin", $bytes);
 PLAYED
 
-# ffmpeg: in a film of $FRAMES frames every seventh is sharp; the written frames are those of the set.
+# Imitates ffmpeg: every seventh of $FRAMES frames is sharp.
 cat >bin/ffmpeg <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
@@ -82,7 +81,7 @@ case "$*" in
     n=0
     for image in "$PLAY"/set/images/*.png; do
         n=$((n + 1))
-        [ "$n" != "$LAST" ] || exit "$ENDS"            # a full disk: no more frames
+        [ "$n" != "$LAST" ] || exit "$ENDS"
         cp "$image" "$(printf "${last#file:}" $n)"
         [ "$n" != "$CUT" ] || head -c 900 "$image" >"$(printf "${last#file:}" $n)"
     done
@@ -116,7 +115,7 @@ mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
 check "they are the same" cmp below.fxs set.fxs
 
-# All-white and all-black masks: COLMAP gets them under its own names, white where photographs count.
+# COLMAP gets masks under COLMAP's file names, white where photographs count.
 cp -r plain masked && mkdir masked/masks inverse
 for colour in ffffff 000000; do
     "$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 --bg $colour -o $colour.png
@@ -148,7 +147,6 @@ rm plain/other.png
 
 # ---- Several sizes, and HEIF -----------------------------------------------------------------------------------------
 
-# bytes FILE NAME: prints an array of a tests header.
 bytes() {
     for byte in $(sed -n "/ $2/,/}/ { /uint8/ !p }" "$root/tests/$1" | tr -dc '0-9 \n'); do
         printf "\\$(printf %o "$byte")"
@@ -230,7 +228,6 @@ for said in "-1 0.511px" "99999999999999999999 0.511px" "400 nan" "400 -1px" "40
 done
 POINTS= ERROR=
 
-# On a full disk the mapper leaves truncated files, whatever its exit status.
 for file in images.bin cameras.bin points3D.bin; do
     CUT=$file
     [ $file != cameras.bin ] || CUT="images.bin points3D.bin"
@@ -257,9 +254,8 @@ rm calls
 check "OUT begins with -" "$fixsplat" fit plain --cameras-only --quiet --output=-x.fxs
 check "it is no option for COLMAP" equal "$(grep -c ' -x' calls)" 0
 
-# ---- Interruptions, and a second run ---------------------------------------------------------------------------------
+# ---- Interruptions and second runs -----------------------------------------------------------------------------------
 
-# over PID...: these processes end within five seconds; zombies count as ended.
 over() {
     for pid; do
         for try in $(seq 50); do
@@ -298,7 +294,7 @@ WAITS=
 over $(cat waiting)
 check "after a kill: the same command goes on" "$fixsplat" fit plain -o waits.fxs --cameras-only --quiet
 
-# ---- Errors with single photographs ----------------------------------------------------------------------------------
+# ---- Errors of single photographs ------------------------------------------------------------------------------------
 
 mkdir one && cp plain/00.png one
 fails "one photograph" 1 "one: 1 photograph: at least 3" fit one -o f.fxs --quiet
@@ -340,7 +336,6 @@ rm -rf film.fxs.cameras calls
 check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet
 check "60 of few" equal "$(grep -o 'eq(n' calls | wc -l | tr -d ' ')" 60
 
-# full NAME WORDS: the disk is full while frames are written, and later has space.
 full() {
     rm -rf full.fxs.cameras
     fails "$1" 1 "$2.*: ffmpeg did not write all frames whole, .*: see full.fxs.cameras/log.txt; the same command goes on" \
@@ -373,7 +368,7 @@ DAMAGED=
 FRAMES=1
 fails "a film of one frame" 1 "film.mp4: a film of 1 frame: at least 3" fit film.mp4 -o k.fxs --quiet
 
-# ---- The programs themselves -----------------------------------------------------------------------------------------
+# ---- The real ffmpeg and COLMAP --------------------------------------------------------------------------------------
 
 rm -r bin
 if have ffmpeg; then
@@ -410,7 +405,7 @@ else
         n=$((n + 1))
         ffmpeg -v error -y -i "$photo" -vf scale=$((n % 2 ? 1000 : 800)):-2 -q:v 2 small.jpg
         perl -e 'local $/; open A, "<:raw", $ARGV[0]; $a = <A>; open B, "<:raw", $ARGV[1]; $b = <B>;
-            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF, of which ffmpeg writes none
+            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF data; ffmpeg writes none
             print substr($b, 0, 2), substr($a, $i, $n), substr($b, 2)' "$photo" small.jpg >"two/$(basename "$photo")"
     done
     "$fixsplat" fit two --steps 20 --resolution 200 -o two.fxs >logs/out 2>logs/err

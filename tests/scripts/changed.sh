@@ -1,6 +1,5 @@
 #!/bin/sh
-# A mapped .fxs file is truncated or overwritten while a long bench renders it: one line and exit status 1, with the
-# full memory of a frame and in bands. A SIGBUS sent by a process ends the program as usual.
+# Truncates or overwrites a mapped .fxs file while bench renders it. The command ends with one line and exit status 1.
 . tests/scripts/lib/check.sh
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d) || exit 1
@@ -12,7 +11,6 @@ if ! "$fixsplat" convert "$work/knot.ply" "$work/whole.fxs" 2>"$work/err"; then
     exit
 fi
 
-# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE on $fxs, the bench ends with status 1 and the words.
 ends() {
     name=$1 words=$2 change=$3 fxs=$work/scene.fxs
     shift 3

@@ -1,30 +1,28 @@
 #!/bin/sh
-# The command from outside: its exit codes, messages, options and pictures.
+# Tests the command from outside: exit codes, messages, options and pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
 
-# ---- Expectations ----------------------------------------------------------------------------------------------------
+# ---- Helpers ---------------------------------------------------------------------------------------------------------
 
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 
-# Pixels as lines of numbers: a .raw without its alpha, or a .ppm of size WxH.
 raw_colours() { od -An -v -tu1 "$1" | awk '{ for (i = 1; i <= NF; i++) if (i % 4) print $i }'; }
 ppm_colours() { tail -c "$(($2 * 3))" "$1" | od -An -v -tu1 | awk '{ for (i = 1; i <= NF; i++) print $i }'; }
 
 differ() { [ "$1" != "$2" ] || { echo "both are $1"; return 1; }; }
 all_zero() { cmp -n "$(wc -c <"$1")" "$1" /dev/zero; }
 
-# ---- Scenes and cameras made here ------------------------------------------------------------------------------------
+# ---- Test scenes and cameras -----------------------------------------------------------------------------------------
 
-# ply_header COUNT
 ply_header() {
     printf 'ply\nformat ascii 1.0\nelement vertex %s\n' "$1"
     printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
     echo end_header
 }
 
-# ply FILE LINE...: x y z r g b opacity, three ln(sigma), quaternion
+# ply FILE LINE...: each LINE has x y z r g b opacity, three ln(sigma), quaternion.
 ply() {
     file=$1
     shift
@@ -32,7 +30,6 @@ ply() {
     printf '%s\n' "$@" >>"$file"
 }
 
-# inria_camera NAME X WIDTH HEIGHT FX ROTATION: looks along z from (X, 0, -6)
 inria_camera() {
     echo "{\"id\": 0, \"img_name\": \"$1\", \"width\": $3, \"height\": $4, \"position\": [$2, 0, -6],"
     echo " \"rotation\": ${6:-$identity}, \"fx\": $5, \"fy\": $5}"
@@ -60,7 +57,6 @@ fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
-# Each option is a row in a table of tools/*/*.c: name, value, and function that takes it.
 "$fixsplat" help --table >table
 cut -f 2 table | sort -u >options
 check "each row belongs to a command" equal "$(cat options)" \
@@ -168,7 +164,6 @@ away='--eye 0,0,-100 --look 0,0,-200'
 succeeds "everything behind the camera" render knot.ply $small $away -o black.ppm
 tail -c $((64 * 48 * 3)) black.ppm >black.rgb
 check "everything behind the camera: black" all_zero black.rgb
-# The size in the message is enough, and one byte less is not.
 words='a frame of 64x48 does not fit in --max-memory [0-9]*: it needs at least [0-9]* bytes$'
 fails "--max-memory 1: too little" 1 "$words" render knot.ply $small --threads 1 --max-memory 1 --hash
 needed() { sed -n 's/.*at least \([0-9]*\) bytes$/\1/p' logs/err; }
@@ -187,7 +182,6 @@ check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
 check "--alpha: coverage from 0 to 255" equal "$(od -An -v -tu1 coverage.raw |
     awk '{ for (i = 4; i <= NF; i += 4) { low += $i == 0; high += $i > 250; middle += $i > 9 && $i < 246 } }
          END { print (low > 0) + (high > 0) + (middle > 0) }')" 3
-# Side by side: each half has the bytes of its own camera.
 eyes='--eye 0,-2,-9 --look 0,-2,0'
 succeeds "--stereo" render knot.ply $small $eyes --stereo 0.5 -o eyes.ppm
 check "--stereo: twice as wide" equal "$(sed -n 2p eyes.ppm)" "128 48"
@@ -200,7 +194,6 @@ check "--stereo: the right half" equal "$(halves eyes.raw 0)" "$(od -An -v -tx1 
 check "--stereo: in bands" equal "$(hash_of knot.ply $small --stereo 0.5 --threads 1 --max-memory 100K)" \
     "$(hash_of knot.ply $small --stereo 0.5)"
 fails "--stereo: too little memory" 1 "$words" render knot.ply $small --stereo 0.5 --max-memory 1 --hash
-# The right eye's tangents mirror the left eye's.
 "$fixsplat" render knot.ply $small $eyes --stereo 0.5 --tangents -1.38,1.19,1.0,-1.2 -o eyes.raw
 "$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 --tangents -1.38,1.19,1.0,-1.2 -o left.raw
 "$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 --tangents -1.19,1.38,1.0,-1.2 -o right.raw
@@ -321,7 +314,6 @@ done
 
 near="$small --eye 1,-2,-6 --look 0,0,0"
 good='0 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' other='1 .5 1 -1 .5 1 1 -2 -1 -1 .7 .7 0 .1'
-# Memory for 2 * 10^9 Gaussians is missing. (A sanitizer itself needs more.)
 room=2000000
 (ulimit -v $room && "$fixsplat" --version) >/dev/null 2>&1 || room=unlimited
 for count in 2000000000 4000000000 99999999999999999999 -1 x; do
@@ -437,7 +429,6 @@ fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene kn
 fails "no scene, existing output" 1 "none.ply" render none.ply -o kept.png
 fails "a bad scene, existing output" 1 "bad.ply" render bad.ply -o kept.png
 fails "compare: no picture, existing difference" 1 "none.png" compare none.png knot.png --diff kept.png
-# A disk that is full after 512 bytes.
 (
     trap '' XFSZ
     ulimit -f 1
@@ -485,7 +476,7 @@ fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|b
     --backend gles-compute
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
 unset __EGL_VENDOR_LIBRARY_FILENAMES
-MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # hides a part of OpenGL ES 3.1
+MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # Mesa then lacks a part of OpenGL ES 3.1
 if "$fixsplat" info --backends | grep -q '^gles  *here: llvmpipe'; then
     fails "--backend gles-compute of OpenGL ES 3.0" 1 \
         "--backend gles-compute: OpenGL ES 3.1 is needed, this is OpenGL ES 3.0" render knot.ply $small --hash \
@@ -545,8 +536,6 @@ check "bench --json: keys" keys logs/out gaussians width height threads cpu cuto
 check "bench --json: values" grep -q '^{"gaussians": 2000, "width": 64, "height": 48, "threads": 2, "cpu": "c", '\
 '"cutoff": "square", "backend": "cpu", ' logs/out
 
-# ---- compare ---------------------------------------------------------------------------------------------------------
-
 "$fixsplat" render knot.ply $small --bg 010101 -o near.png
 succeeds "compare" compare knot.png near.png --diff difference.png
 check "compare: says how far" grep -Eq '^PSNR [0-9.]+ dB, SSIM [0-9.]+, largest difference 1$' logs/out
@@ -565,7 +554,6 @@ fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
 
 # ---- convert ---------------------------------------------------------------------------------------------------------
 
-# worst_of SCENE: the worst of the views that convert compares, with its PSNR.
 worst_of() {
     "$fixsplat" info "$1" --compare knot.ply --views 6 --size 480x320 |
         awk '/ degrees, / { if (!p || $6 < p) { p = $6; v = $2 " degrees, " $4 } } END { printf "%s is %.1f", v, p }'
@@ -605,7 +593,6 @@ loses more of .*: a view $(worst_of $profile.fxs) dB from the floats, where $(us
     check "$profile: one hash with --cpu c" equal "$(hash_of $profile.fxs $small --cpu c)" \
         "$(hash_of $profile.fxs $small --cpu all)"
 done
-# 300 Gaussians with random SH, beyond 2^27 units on two axes, so that some views would lie beyond too
 {
     ply_header 300 | sed '$d'
     printf 'property float f_rest_%s\n' 0 1 2 3 4 5 6 7 8
@@ -658,7 +645,6 @@ check "convert .splat to .spz: PSNR" at_least "$(psnr_of plain.spz plain.ply)" 4
 "$fixsplat" convert plain.ply plain.fxs
 head -c 9000 plain.fxs >cut.fxs
 { head -c 20000 plain.fxs && printf '\377\001\377\001' && tail -c +20005 plain.fxs; } >damaged.fxs
-# Row i: x = i; logits of the opacity -3.5, -2.5, -1.5, 0.5, 1.5.
 { ply_header 5 && for i in 0 1 2 3 4; do echo "$i 0 0 1 .5 .2 $((i - 3)).5 -1 -1.5 -2 1 0 0 0"; done; } >rows.ply
 for out in ply splat spz fxs; do
     run convert rows.ply left.$out --crop 1,-1,-1,3,1,1
@@ -748,12 +734,10 @@ check "info --compare: the worst of equal views" grep -q \
 "$fixsplat" render knot4.spz --cameras three.json --view 0 -o knot4.png
 "$fixsplat" render knot.ply --cameras three.json --view 0 -o knot1.png
 run info knot4.spz --compare knot.ply --cameras three.json --views 1 --json
-# Packing loses far less than .spz.
 check "info --compare: nearly as compare says of the packed scenes" awk "BEGIN {
     d = $(sed 's/.*"worst_psnr": \([0-9.]*\).*/\1/' logs/out) - \
         $("$fixsplat" compare knot4.png knot1.png --json | sed 's/.*"psnr": \([0-9.]*\).*/\1/')
     exit d * d > 0.25 }"
-# In layers, two Gaussians of different colours share every place.
 run info layers.fxs --compare layers.ply --views 2 --size 320x240
 check "info --compare: what nudging coincident Gaussians changes" grep -Eq \
     '^nudged +[0-9.]+ +view [01] of the original, each Gaussian moved by 1e-6 of the distance$' logs/out
@@ -771,8 +755,7 @@ for profile in default compact small; do
     check "info --compare --profile $profile: a loss, of the floats too" equal "$(grep -c ' equal ' "views of knot.ply")" 0
 done
 rm -f packed.fxs "views of packed.fxs" "views of knot.ply"
-# Comparing a scene with itself under two cut-offs, from the floats, differs as much as two pictures of the packed
-# scene.
+# The PSNR between two cut-offs is nearly equal for the source scene and the packed scene.
 "$fixsplat" render knot.ply --cameras three.json --view 0 --cutoff square -o square.png
 for cutoffs in 'mahalanobis square' 'square mahalanobis'; do
     run info knot.ply --compare knot.ply --cameras three.json --views 1 --json --cutoff ${cutoffs% *} \
@@ -821,7 +804,6 @@ check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP
     built=$(grep -c "^FOUND += ${part%:*}\$" "$0/probe.mk")
     [ "$(grep -c "^${part#*:} *here" logs/out)" = "$built" ] || exit; done' "${fixsplat%/*}"
 run doctor
-# with_it: what doctor says of ffmpeg, with a PATH of one folder.
 mkdir apt_here && printf '#!/bin/sh\n' >apt_here/apt && chmod +x apt_here/apt
 with_it() { PATH=$1 "$fixsplat" doctor | sed -n '/^ffmpeg *not here/{n;s/^ *with it: //p}'; }
 check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films: apt install ffmpeg"
@@ -1126,7 +1108,7 @@ if [ $status = 0 ]; then
 else
     skip "a .glb with an .spz" "$(cat logs/err)"
 fi
-# One Gaussian: its position and SH, rotation, scales of -1, opacity of 1.5
+# A glTF file with one Gaussian.
 accessor='"componentType":5126,"count":1,"type"'
 cat >draft.gltf <<END
 {"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"mode":0,
@@ -1171,9 +1153,8 @@ if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
 else
     skip "memory for a million Gaussians" "less than 1 GB free"
 fi
-# ---- Lenses: the cameras of a fit are cameras of render, drawn as by a pinhole -----------------------------------------
+# ---- Lens distortion -------------------------------------------------------------------------------------------------
 
-# colmap FOLDER CAMERA: a model of one view
 colmap() {
     mkdir -p "$1" && echo "$2" >"$1/cameras.txt" && printf '1 1 0 0 0 0 0 6 7 a.jpg\n\n' >"$1/images.txt"
 }

@@ -1,12 +1,11 @@
 #!/bin/sh
-# Blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and with a Slurm on this machine.
+# Tests blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and Slurm.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 . "$root/tests/scripts/lib/slurm.sh"
 export FIXSPLAT="$fixsplat"
 
-# The knot again, 200 units away: each block has its own photographs.
 make_photographs 12
 model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
@@ -32,7 +31,6 @@ check "merged: all of them" gaussians all.fxs $(($(count part-0.ply) + $(count p
 succeeds "measured" fit set --quiet --measure all.fxs
 check "merged: at most 1.5 dB below the whole" at_least "$(mean_of)" "$(awk "BEGIN { print $whole - 1.5 }")"
 
-# Photographs of the other knot are not decoded, and a plane separates the blocks.
 mkdir one && cp -r set/sparse one && mkdir one/images && cp set/images/* one/images
 for block in 1 2; do
     "$fixsplat" $fit --coarse coarse.fit --block $block/2 -o half-$block.ply >logs/out
@@ -93,7 +91,7 @@ fails "block 0 without a coarse fit" 2 "0 is for --coarse" $fit --block 0/3 -o x
 fails "coarse without block" 2 "coarse needs --block" $fit --coarse coarse.fit -o x.ply
 check "nothing was written" test ! -e x.ply
 
-# ---- The jobs --------------------------------------------------------------------------------------------------------
+# ---- Jobs of GNU parallel and Slurm ----------------------------------------------------------------------------------
 
 cluster() {
     to=$1
@@ -101,7 +99,6 @@ cluster() {
     sh "$root/tools/scripts/cluster.sh" set -o "$to" --blocks 3 --coarse-steps 100 --coarse-resolution 32 --steps 300 "$@" \
         -- --threads 1 >logs/out 2>logs/err
 }
-# refused NAME WORDS ARGUMENT...
 refused() {
     name=$1 words=$2
     shift 2
@@ -118,7 +115,6 @@ refused "steps" "more than the coarse fit's 3000" set -o x.fxs --blocks 2 --step
 refused "an engine" "expected parallel or slurm" set -o x.fxs --blocks 2 --engine lsf
 refused "an option" "no such option" set -o x.fxs --blocks 2 --recipe fast
 
-# Names with characters special to echo, a shell, GNU parallel and Slurm.
 odd='a\tb\c "$(exit)" %a {} '"'"
 mkdir "$odd"
 cp -r set "$odd/set"
@@ -159,7 +155,6 @@ if ! slurm_start "$work/slurm" >logs/slurm; then
     finish
     exit
 fi
-# Each block waits once for a file, so that one can be killed.
 printf '#!/bin/sh\ncase "$*" in *"--block 2/"*) [ -e %s/go ] || sleep 60 ;; esac\nexec %s "$@"\n' "$work" "$fixsplat" \
     >slow && chmod +x slow
 FIXSPLAT="$work/slow" cluster two.fxs --engine slurm --submit-only

@@ -1,7 +1,6 @@
 #!/bin/sh
-# CMakeLists.txt: it compiles make's files with make's flags, and programs of another folder draw the picture of make's
-# library, by add_subdirectory and by find_package. FXS_PROCESSORS=all: with the whole library too; and its picture on
-# AArch64, and the core for WebAssembly.
+# Tests CMakeLists.txt: files and flags are make's, and outside programs draw the same picture. FXS_PROCESSORS=all adds
+# AArch64 and WebAssembly.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 case $B in /*) ;; *) B=$PWD/$B ;; esac
@@ -25,7 +24,6 @@ check "the picture of $workflow" grep -q "PICTURE: $(picture "$B/fixsplat")$" $w
 
 # ---- Files and flags -------------------------------------------------------------------------------------------------
 
-# Of commands of a compiler, each file with the flags that the text of make/sources.mk decides.
 flags() {
     sed -e "s|$root/||g" -e "s|$work/[a-z]*/||g" -e 's/",$//' | awk '/\.c$/ {
         line = $NF
@@ -49,14 +47,13 @@ libraries <"$work/cmake" >"$work/cmake.libraries"
 libraries <"$work/make" >"$work/make.libraries"
 check "make's optional libraries" diff "$work/make.libraries" "$work/cmake.libraries"
 
-# ---- Programs of another folder --------------------------------------------------------------------------------------
+# ---- Outside programs ------------------------------------------------------------------------------------------------
 
 "$B/fixsplat" make-scene cubes -o "$work/cubes.ply" && "$B/fixsplat" convert "$work/cubes.ply" "$work/cubes.fxs" &&
     ${CC:-cc} -Isrc/include tests/outside/core.c "$B/libfixsplat-core.a" -o "$work/by_make" || exit 1
 sum=$("$work/by_make" "$work/cubes.fxs")
 check "make's library draws" [ "$sum" ]
 
-# project NAME LINE: a project with the programs of tests/outside, which finds fixsplat by this line.
 project() {
     mkdir "$work/$1"
     cp tests/outside/*.[ch] "$work/$1"
@@ -77,7 +74,7 @@ check "find_package: configures" configure found/build -S "$work/found" -DCMAKE_
 check "find_package: builds" build found/build
 check "find_package: draws" equal "$("$work/found/build/with-core" "$work/cubes.fxs")" "$sum"
 
-# ---- The whole library, other processors -----------------------------------------------------------------------------
+# ---- The whole library and other processors --------------------------------------------------------------------------
 
 if [ "$FXS_PROCESSORS" != all ]; then
     skip "the whole library, AArch64, WebAssembly" "only with FXS_PROCESSORS=all (make test-all)"

@@ -1,6 +1,5 @@
 #!/bin/sh
-# The compute shaders: kernels/compute/generated is what tools/scripts/compute_shaders.mjs makes of the WGSL above it and of
-# pixel.h; and the WGSL compiles as it is in Chromium, for WebGPU by SwiftShader.
+# Checks that kernels/compute/generated matches its WGSL sources, and that the WGSL compiles in Chromium.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}

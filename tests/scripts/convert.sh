@@ -1,5 +1,5 @@
 #!/bin/sh
-# fixsplat convert as an editor: placing, filtering, merging, and every written format.
+# Tests fixsplat convert: placing, filtering, merging, and every written format.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -8,13 +8,13 @@ case ${NODE_MODULES:-${B:-build}/page/node_modules} in
 *) modules=$root/${NODE_MODULES:-${B:-build}/page/node_modules} ;;
 esac
 endings='ply compressed.ply splat spz rad sog glb csv fxs'
-read_back='ply compressed.ply spz rad sog glb'       # formats with SH that the command also reads
+read_back='ply compressed.ply spz rad sog glb'
 
-# ---- Scenes made here ------------------------------------------------------------------------------------------------
+# ---- Test scenes -----------------------------------------------------------------------------------------------------
 
 names='x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3'
 
-# ply FILE COMMENT LINE...: x y z, dc, logit of the opacity, three ln(sigma), quaternion
+# ply FILE COMMENT LINE...: each LINE has x y z, dc, logit of the opacity, three ln(sigma), quaternion.
 ply() {
     file=$1 comment=$2
     shift 2
@@ -28,7 +28,6 @@ ply row.ply 'one Gaussian' '1 2 3 0 0 0 0 -1 -2 -3 1 0 0 0'
 ply rows.ply 'along x' '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
     '2 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '3 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '4 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'
 
-# placed NAME "X Y Z" OPTION...: row.ply's Gaussian is then there, to 4 digits
 placed() {
     wanted=$1
     shift
@@ -37,7 +36,7 @@ placed() {
         "$wanted"
 }
 
-# ---- Placing the whole -----------------------------------------------------------------------------------------------
+# ---- Placing ---------------------------------------------------------------------------------------------------------
 
 check "--translate" placed "11.0000 22.0000 33.0000" --translate 10,20,30
 check "--scale" placed "2.0000 4.0000 6.0000" --scale 2
@@ -57,7 +56,6 @@ for bad in 'translate 1,2' 'translate x' 'rotate 1,2,nan' 'rotate 90' 'scale 0' 
     check "--$bad: nothing is written" [ ! -e x.ply ]
 done
 
-# A turned scene looks like one turned by --place, since both turn the SH.
 "$fixsplat" convert knot.ply turned.ply --rotate 0,90,0 --scale 0.5 --translate 1,0,0
 view='--size 160x120 --eye 3,-2,-6 --look 1,0,0'
 "$fixsplat" render knot.ply --place knot.ply:1,0,0,0.70710678118654752,0,0.70710678118654752,0,0.5 $view -o placed.png
@@ -87,9 +85,8 @@ check "and the third line has the count, where Inria's viewer reads it" sh -c 's
 succeeds "several, placed as one" convert rows.ply row.ply moved.csv --translate 0,0,5
 check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 }' moved.csv | tr '\n' ' ')" "5 5 5 5 5 8 "
 
-# ---- Level -----------------------------------------------------------------------------------------------------------
+# ---- The up direction ------------------------------------------------------------------------------------------------
 
-# The ground is x = 0 and the knot stands at x > 0, so up is along x, whatever the order of the points.
 "$fixsplat" convert knot.ply beside.ply --translate 20,0,0
 "$fixsplat" convert beside.ply stands.ply --up 1,0,0
 for points in 0,0,0,0,1,0,0,0,1 0,0,5,0,0,1,0,7,0; do
@@ -127,14 +124,12 @@ printf "1 0.7071067811865476 0 0 0.7071067811865476 0 0 13 1 a.png\n\n" >side/im
 "$fixsplat" convert knot.ply side.fxs --start-view side:0
 check "--start-view: of a scene that lies on its side, turned about what is up there" equal \
     "$(hash_of side.fxs --orbit 3 --near 0.2)" "$(hash_of side.fxs --orbit 3 --near 0.2 --cameras side --up -1,0,0)"
-# Also `up`, which is not an axis here.
 start_of() { "$fixsplat" info "$1" | grep -e '^up ' -e '^start view '; }
 succeeds "--up is kept" convert knot.ply leant.fxs --up 0.2,-0.5,0.1 --rotate 0,0,30 --start-view 3,-2,-5,0,0,0,40
 check "--up is kept: turned" equal "$(start_of leant.fxs)" "up            0.5000 -0.8660 0.0000
 start view    from 3 -2 -5, 40.0 degrees"
 "$fixsplat" convert knot.ply level.ply --up 0.2,-0.5,0.1 --rotate 0,0,30
 "$fixsplat" convert level.ply level.fxs
-# alike NAME OPTIONS OPTIONS: two equal pictures; the second gets the options that the first has in its file
 alike() {
     for n in 1 2; do
         what=$([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3)
@@ -190,7 +185,6 @@ fails "--start-view of a .ply" 2 "--start-view is for .fxs" convert knot.ply x.p
 
 # ---- Filtering -------------------------------------------------------------------------------------------------------
 
-# kept NAME FILE "X..." OPTION...: checks the x of the remaining Gaussians
 kept() {
     file=$1 wanted=$2
     shift 2
@@ -245,7 +239,7 @@ check "--decimate to .fxs: half" gaussians half.fxs 1500 3
 check "--decimate: two become their mean" kept rows.ply "0.5 2 3 4" --decimate 4
 ply pair.ply 'two, side by side' '0 0 0 1 0 0 -1 -1 -1 -1 1 0 0 0' '1 0 0 3 0 0 -1 -1 -1 -1 1 0 0 0'
 "$fixsplat" convert pair.ply one.csv --decimate 1
-# variance along x: e^-2 + 1/4; opacity: twice, divided by the root of the variance's growth
+# The merged Gaussian has the variance e^-2 + 1/4 along x.
 check "--decimate: mean, colour, covariance, opacity" equal "$(awk -F, 'NR == 2 {
         most = $8 > $9 ? $8 > $10 ? $8 : $10 : $9 > $10 ? $9 : $10
         printf "%.3f %.3f %.3f %.3f", $1, $4, exp(2 * most), 1 / (1 + exp(-$7)) }' one.csv)" "0.500 2.000 0.385 0.319"
@@ -304,7 +298,6 @@ check "to .spz --spz-fine: PSNR" looks_as fine.spz knot.ply 44
 succeeds "to .csv" convert knot.ply knot.csv
 check "to .csv: a line each, and one of names" equal "$(awk -F, '{ print NF }' knot.csv | sort | uniq -c | awk '{ print $1, $2 }')" \
     "3001 59"
-# .csv converted to .ply by text tools
 { printf 'ply\nformat ascii 1.0\nelement vertex 3000\n' && head -n 1 knot.csv | tr ',' '\n' | sed 's/^/property float /' &&
     echo end_header && sed 1d knot.csv | tr ',' ' '; } >text.ply
 "$fixsplat" convert text.ply text-floats.ply
@@ -321,7 +314,6 @@ for name in x x.gltf x.ksplat x.html x.ply.gz meta.json .sog .compressed.sog/x; 
     fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
 done
 
-# In place: all of IN is read before OUT replaces it.
 for ending in $endings; do
     case $ending in csv | fxs) continue ;; esac
     "$fixsplat" convert knot.ply in.$ending 2>logs/err
@@ -368,7 +360,7 @@ succeeds "of a folder with a tileset" convert tiles tiles2.ply
 check "of a folder with a tileset: the same" cmp tiles.ply tiles2.ply
 "$fixsplat" convert tiles.ply tiles.csv
 "$fixsplat" convert knot.ply knot.csv
-# A tileset's axes (z up) differ from a .ply's, but distances agree.
+# The axes of a tileset differ from a .ply's, so only distances are compared.
 radii() { awk -F, 'NR > 1 { printf "%.3f\n", sqrt($1 * $1 + $2 * $2 + $3 * $3) }' $1 | sort -n; }
 cp tiles/0.glb 0.glb
 for force in '' --force; do
@@ -420,9 +412,9 @@ succeeds "to .rad: a coarse level" convert knot2.rad coarse.ply --lod 2
 check "to .rad, level 2: less than a third" sh -c "[ \$('$fixsplat' info coarse.ply | sed -n 's/^Gaussians *\([0-9]*\).*/\1/p') -lt 1000 ]"
 fails "to .rad: no level 99" 1 "no level 99: levels of detail in this scene: " convert knot2.rad x.ply --lod 99
 
-# ---- Read by other programs ------------------------------------------------------------------------------------------
+# ---- Formats read by other programs ----------------------------------------------------------------------------------
 
-# Its palettes start at random; a fixed seed makes them repeatable.
+# splat-transform palettes start at random; a fixed seed makes them repeatable.
 transform() { node --random-seed=1 "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
 if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     for ending in compressed.ply sog spz; do
@@ -434,11 +426,11 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
         ratio = $(wc -c <theirs.spz) / $(wc -c <knot2.spz); exit !(ratio > 0.95 && ratio < 1.05) }"
     check "splat-transform writes .glb" transform knot.ply theirs.glb
     check "splat-transform writes .glb: as we do" looks_as knot2.glb theirs.glb 75
-    # It places in its viewer's axes: x and y negated.
+    # splat-transform's coordinates have x and y negated.
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
-    if [ "$lcc" ]; then   # it writes an environment only to a lod-meta.json; its palettes need more rounds
+    if [ "$lcc" ]; then   # splat-transform writes environments only to lod-meta.json
         "$fixsplat" make-scene knot --count 300 -o small.ply
         "$fixsplat" convert small.ply sky.ply --scale 3 --translate 1,-4,9
         make_lcc sky small.ply sky.ply
@@ -479,9 +471,8 @@ else
     skip "the glTF validator" "no node or no gltf-validator here (make setup test)"
 fi
 
-# ---- A real tile as a tileset of two ---------------------------------------------------------------------------------
+# ---- A real tile as a tileset of two halves --------------------------------------------------------------------------
 
-# Two halves, one moved away and put back by its own tileset's transform, replace a coarse whole.
 boatyard=$scenes/boatyard-tile3/boatyard-tile3.glb
 if [ -f "$boatyard" ] && [ "$lcc" ]; then
     mkdir -p boatyard/left
@@ -527,7 +518,6 @@ else
     skip "snowmiku" "no real scenes at FXS_SCENES"
 fi
 
-# A few large Gaussians fill most of the picture.
 if [ -f "$scenes/luma-seal/luma-seal.splat" ]; then
     "$fixsplat" convert "$scenes/luma-seal/luma-seal.splat" seal.sog
     check "luma-seal as .sog: PSNR" looks_as seal.sog "$scenes/luma-seal/luma-seal.splat" 53

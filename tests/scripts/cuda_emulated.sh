@@ -1,5 +1,5 @@
 #!/bin/sh
-# The CUDA back end without a GPU: its kernels compiled as C++ and run thread by thread, compared with the processor.
+# Runs the CUDA tests without a GPU: the kernels are compiled as C++ and run thread by thread.
 . tests/scripts/lib/check.sh
 program=${B:-build}/tests/gpu/emulated_cuda
 if [ -x "$program" ]; then
@@ -8,7 +8,6 @@ if [ -x "$program" ]; then
     "$program" --quick >"$log" 2>&1 || fail "$program" "status $?"
     grep -v '^  skipped\|^skip test_files\|passed, ' "$log"
     passed=$(grep -c '^ok ' "$log") failed=$((failed + $(grep -c '^FAIL ' "$log")))
-    # Except test_levels, which needs a GPU, and test_files, which needs files.
     check "all tests ran" equal "$((passed + failed))" "$(($(grep -c '^ *RUN(test_' tests/gpu/test_cuda.c) - 2))"
 else
     skip "emulated" "no ${CXX:-c++} here"

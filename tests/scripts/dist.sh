@@ -1,6 +1,5 @@
 #!/bin/sh
-# Installs each result of `make dist` on a bare system and uses it once. Runs with FXS_PROCESSORS=all, since it builds
-# everything twice. FXS_DIST: folder of a finished `make dist`, for a run without building.
+# Installs each result of `make dist` on a bare system and uses it once. FXS_DIST: folder of a finished `make dist`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -41,20 +40,17 @@ report() {
     echo "$name: $size KB installed, $(awk "BEGIN { printf \"%.1f\", $(now) - $begun }") seconds"
 }
 
-# small NAME COMMAND LIBRARY: each is at most 12 MB without CUDA.
 small() {
     check "$1: the command and the library are small" equal "$(find "$2" "$3" -size +12000000c)" ""
     wc -c "$2" "$3" | sed -n '$d; s|^\( *[0-9]*\) .*/|    \1 bytes: |p'
 }
 
-# bare COMMAND...: runs as on a machine without a driver, with an empty environment.
 bare() { env -i PATH=/usr/bin:/bin HOME="$work" LANG=C.UTF-8 "$@"; }
 
 # ---- Tarballs --------------------------------------------------------------------------------------------------------
 
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$'; }
 
-# dead FOLDER: prints links of its pages that lead to no file.
 dead() {
     find "$1/share/doc" -name '*.md' | while read -r page; do
         sed '/^ *```/,/^ *```/d' "$page" | grep -o '\]([^) ]*)' | sed 's/^](//; s/[#)].*//' | while read -r to; do
@@ -63,7 +59,6 @@ dead() {
     done
 }
 
-# tarball ARCHITECTURE RUN...: checks the command's hash, started by RUN.
 tarball() {
     begin
     arch=$1 folder=$work/fixsplat-$version-linux-$1
@@ -82,12 +77,10 @@ tarball() {
     check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
     check "$arch: no dead link in its pages" equal "$(dead "$folder")" ""
     report "tarball, $arch" "$folder"
-    # CUDA builds include the C++ library.
     [ -e "$folder/share/doc/fixsplat/licences/libstdc++" ] ||
         small "tarball, $arch" "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version"
 }
 
-# window COMMAND...: shows knot.ply in a window on a virtual screen; Escape closes it.
 window() {
     rm -f display
     Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>display >server 2>&1 &
@@ -131,7 +124,6 @@ fi
 
 # ---- Wheels ----------------------------------------------------------------------------------------------------------
 
-# Dependencies come from PyPI; without a network, from this system.
 python=${PYTHON:-python3}
 "$python" -c 'import numpy, cffi' 2>/dev/null || python=/usr/bin/python3
 begin
@@ -170,7 +162,7 @@ elif [ -z "$wine" ]; then
 else
     trap 'end_wine; rm -rf "$work"' EXIT
     check "zip for Windows: unpacked" "$python" -m zipfile -e "$zip" .
-    w fixsplat.exe --version >log 2>&1                    # creates wine's folder
+    w fixsplat.exe --version >log 2>&1
     check "Windows: render" equal "$(w fixsplat.exe render knot.ply --size 320x180 --hash)" "$hash"
     check "Windows: demo" w fixsplat.exe demo -o windows.png
     check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
@@ -186,7 +178,7 @@ else
         "$folder/share/fixsplat/web/viewer/served.html"
     check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/element.js"
-    end_wine                                                             # restarts with a screen
+    end_wine
     if have Xvfb && have xdotool; then
         check "Windows: a window with a scene dropped on its program, which Escape closes" window \
             env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \
@@ -212,7 +204,7 @@ else
     done
 fi
 
-# Debian has no Python for Windows, so a program makes the package's calls to the wheel's library.
+# Debian has no Python for Windows. tests/windows/wheel.c makes the calls of the Python package.
 installed=$(ls -d venv/lib/python3*/site-packages/fixsplat 2>/dev/null)
 wheel=$(ls "$dist"/*-py3-none-win_amd64.whl 2>/dev/null)
 if [ ! -e "$zip" ]; then
@@ -289,7 +281,7 @@ if [ "$(id -u)" = 0 ] && have mmdebstrap && mmdebstrap --quiet --variant=apt boo
     begin
     before=$(du -sk --apparent-size "$root" | cut -f 1)
     cp "$dist"/*.deb knot.ply "$root/tmp"
-    # Without recommended packages, since COLMAP is large.
+    # Recommended packages are left out because COLMAP is large.
     cp /etc/resolv.conf "$root/etc"
     if chroot "$root" sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
         --no-install-recommends /tmp/*.deb' >log 2>&1; then

@@ -1,7 +1,5 @@
 #!/bin/sh
-# docs/examples/engine.c, built as its first comment says against the installed library. Its picture around the mesh
-# equals the processor's, the mesh occludes and is occluded, and picks equal `render --pick`; with compute shaders, and
-# with fragment shaders where Mesa lacks a part of OpenGL ES 3.1.
+# Builds docs/examples/engine.c against the installed library. Picture and picks must equal the command's.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -27,13 +25,11 @@ render() { "$B/fixsplat" render "$work/knot.ply" --cameras "$work/cameras.json" 
 shown() { timeout 60 "$work/engine" "$work/knot.ply" "$work/shown.ppm" "$1" "$2" 2>&1 | sed '/^by /w'"$work/way"'
     //d'; }
 
-# rows PICTURE: a line of hexadecimal digits per row, 9 characters a pixel.
 rows() { od -An -v -tx1 -j15 -w1920 "$work/$1.ppm"; }
-right() { rows "$1" | cut -c 2890-; }               # from column 321 on: right of the card
+right() { rows "$1" | cut -c 2890-; }               # from column 321 on, right of the mesh
 pixel() { rows "$1" | sed -n "$(($3 + 1))p" | cut -c $((9 * $2 + 1))-$((9 * $2 + 9)); }
 cards() { od -An -v -tx1 -j15 -w3 "$work/$1.ppm" | grep -c ' cc 66 33'; }
 
-# picks X Y: compares with the object and Gaussian that `render` picks.
 picks() {
     want=$(render --pick "$1,$2" | sed -n 's/.*, \(Gaussian [0-9]*\), .*/object 7, \1/p')
     got=$(shown "$1" "$2")
@@ -42,7 +38,6 @@ picks() {
 
 before_the_card() { shown 190 250 | awk '{ exit !($NF > 9 && $NF < 12) }'; }
 
-# checks WAY
 checks() {
     check "$1: the engine runs" test -s "$work/shown.ppm"
     check "$1: beside the card, the processor's picture" equal "$(right shown | cksum)" "$(right plain | cksum)"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Scenes far from 0, as in UTM coordinates, keep their places when read, placed, edited, packed and written.
+# Checks that scenes far from the origin, as in UTM coordinates, keep their positions in all file formats.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -8,7 +8,6 @@ back=--translate=-500000,-4500000,0
 near_view='--size 200x150 --eye 1,-2,-7 --look 0.5,0.25,0'
 far_view='--size 200x150 --eye 500001,4499998,-7 --look 500000.5,4500000.25,0'
 
-# rows FILE TYPE X Y: 1200 Gaussians within 4 units of X, Y, 0, at multiples of 2^-12, as exact text
 rows() {
     awk -v type="$2" -v x="$3" -v y="$4" '
         function random() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }
@@ -125,7 +124,7 @@ steps of up to 0.5 units; objects of a world (--scene, --place of render) keep t
 succeeds "two far out" convert far.ply plain.ply both.csv --place plain.ply:500010,4500000,0
 check "two far out: all places" equal "$(sort -u both.csv | wc -l)" 2401
 
-# The place of most Gaussians counts: here a third is a sky, 200000 units away on one side.
+# The position of most Gaussians counts. A third are a sky, 200000 units away on one side.
 awk 'NR > 18 && NR % 3 == 0 { $1 = -200000 - NR; $8 = $9 = $10 = 8 } { print }' plain.ply >sky.ply
 nearby() {
     "$fixsplat" convert "$1" nearby.csv --quiet "$2"
@@ -165,7 +164,6 @@ check "--block: nothing is written" [ ! -e part.fxs ]
 
 mkdir tiles
 "$fixsplat" convert plain.ply tiles/tile.glb
-# a tile's transform is z up; the Gaussians get a .ply's axes: -x, -z, -y
 cat >tiles/tileset.json <<'END'
 {"asset": {"version": "1.1"}, "geometricError": 1, "root": {"refine": "ADD", "geometricError": 0,
  "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, -500000,0,-450000,1], "content": {"uri": "tile.glb"}}}

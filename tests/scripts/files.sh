@@ -1,9 +1,8 @@
 #!/bin/sh
-# Files written by the command: outputs other than plain new files, signals, the order of disk writes, full devices.
+# Tests files written by the command: special outputs, signals and full devices.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
-# All begin alike, in several pieces.
 write="make-scene knot --count 2000 -o"
 "$fixsplat" $write knot.ply || exit 1
 convert="convert knot.ply"
@@ -44,7 +43,6 @@ check "a link to nothing: its target is made" cmp there/new.ply knot.ply
 fails "a link into no folder" 1 "lost.ply: cannot be written: No such file" $write lost.ply
 fails "a link to itself" 1 "loop.ply: cannot be written: Too many" $write loop.ply
 
-# through NAME ARGUMENT...: the output of pipe.NAME equals plain.NAME.
 through() {
     ending=$1
     shift
@@ -52,7 +50,7 @@ through() {
     ln pipe.$ending held.$ending
     cat held.$ending >got &
     run "$@" pipe.$ending
-    : <>held.$ending   # ends cat if nothing was written
+    : <>held.$ending
     wait
     check "a FIFO as .$ending: stays" [ -p pipe.$ending ]
     check "a FIFO as .$ending: the bytes" cmp got plain.$ending
@@ -67,7 +65,7 @@ through rad $convert
 through glb $convert
 through csv $convert
 through png render knot.ply --size 64x48 -o
-# Through links, since a fault would then replace the link, not a device.
+# A faulty command replaces the links, not the devices.
 ln -s /dev/stdout out.ply
 check "standard output, to a pipe" equal "$("$fixsplat" $write out.ply | cksum)" "$(cksum <knot.ply)"
 { echo before && "$fixsplat" $write out.ply && echo after; } >mixed
@@ -80,7 +78,6 @@ check "a device: stays" [ -c /dev/null ]
 
 # ---- Inputs ----------------------------------------------------------------------------------------------------------
 
-# Inputs are recognised by device and inode, under any name; every part stays unchanged.
 taken='is read and cannot be written too$'
 render='render knot.ply --size 64x48'
 succeeds "a scene for its folder" convert knot.ply set.sog
@@ -119,7 +116,7 @@ check "standard input behind itself" equal "$? $(cat logs/err)" \
     "2 fixsplat: standard output: is read and cannot be written too"
 check "the scene is as it was" cmp grown.ply knot.ply
 
-# A packed scene is rendered from the file that was opened, even if replaced.
+# A packed scene is rendered from the opened file, even after the file is replaced.
 "$fixsplat" convert knot.ply mapped.fxs
 "$fixsplat" render mapped.fxs --size 64x48 --orbit 3 -o turn.rgba
 mkfifo turn
@@ -142,7 +139,6 @@ check "/dev/stdout as a pipe" cmp stdout.png plain.png
 "$fixsplat" $render -o closed.png --hash >&- 2>logs/err
 check "standard output is closed: said" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
 check "standard output is closed: the picture" cmp closed.png plain.png
-# More hashes than stdio buffers while the film is open.
 "$fixsplat" render knot.ply --size 8x6 --orbit 600 -o open.rgba --hash >logs/out
 "$fixsplat" render knot.ply --size 8x6 --orbit 600 -o closed.rgba --hash >&- 2>logs/err
 check "standard output is closed: the film has nothing else" cmp closed.rgba open.rgba
@@ -159,7 +155,6 @@ for arguments in "info knot.ply" "info --backends" "bench knot.ply --size 64x48"
     { sleep 0.1; "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
     check "a pipe that nobody reads: $arguments" equal "$(cat logs/status logs/err)" 141
 done
-# The shell's own message about a signal goes to logs/shell.
 for arguments in "render knot.ply --size 640x480 -o -" "make-scene knot --count 100000 -o -"; do
     { "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | head -c 100 >logs/out
     check "a pipe that is closed after 100 bytes: ${arguments%% *}" equal "$(cat logs/status logs/err)" 141
@@ -186,7 +181,7 @@ fi
 
 # ---- Signals ---------------------------------------------------------------------------------------------------------
 
-# These run for seconds; a small file would be done too soon, and a FIFO would be kept.
+# Large files keep the commands running until the signal.
 for signal in 1 2 13 15; do
     ended=$($helper signal $signal "$fixsplat" make-scene landscape --count 20000000 -o ended.ply)
     check "signal $signal: ends the command" equal "$ended" "signal $signal"
@@ -214,7 +209,6 @@ check "beyond the limit of a file's size: nothing is left" equal "$(left; ls end
 
 # ---- Leftovers of killed writers -------------------------------------------------------------------------------------
 
-# A running writer of killed.ply, $!, with its temporary file.
 begin() {
     "$fixsplat" make-scene landscape --count 20000000 -o killed.ply &
     until ls -l /proc/$!/fd 2>/dev/null | grep -q 'fixsplat-.*tmp$' || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
@@ -242,7 +236,7 @@ succeeds "names that are taken" $write killed.ply
 check "names that are taken: stay" equal "$(left | wc -l) $(readlink "${left_over%0.tmp}1.tmp")" "2 knot.ply"
 rm -f .fixsplat-*
 
-# ---- On the disk -----------------------------------------------------------------------------------------------------
+# ---- Order of disk writes --------------------------------------------------------------------------------------------
 
 faults=$work/logs/faults.so
 if ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ldl 2>logs/err &&

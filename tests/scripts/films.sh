@@ -1,6 +1,5 @@
 #!/bin/sh
-# Films, streams and expected pictures: pipes and formats of render, views of an orbit and of a path, crops of a
-# picture, and failures of builds with golden pictures.
+# Tests films, streams and golden pictures: formats of render, orbits, paths and crops.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -8,7 +7,6 @@ differ() { [ "$1" != "$2" ] || { echo "both are $1"; return 1; }; }
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 lines_of() { wc -l <"$1" | tr -d ' '; }
 
-# ply FILE LINE...: x y z r g b opacity, three ln(sigma), quaternion
 ply() {
     file=$1
     shift
@@ -20,7 +18,6 @@ ply() {
     } >"$file"
 }
 
-# camera NAME X FX [ROTATION]: looks along z from (X, 0, -6)
 camera() {
     echo "{\"id\": 0, \"img_name\": \"$1\", \"width\": 64, \"height\": 48, \"position\": [$2, 0, -6],"
     echo " \"rotation\": ${4:-[[1, 0, 0], [0, 1, 0], [0, 0, 1]]}, \"fx\": $3, \"fy\": $3}"
@@ -67,7 +64,7 @@ check "--view all as .y4m: the same frames" cmp frames.one frames.two
 succeeds "--stereo as .y4m" render $three --view all --stereo 0.1 -o eyes.y4m
 check "--stereo as .y4m: both eyes" equal "$(head -n 1 eyes.y4m | cut -d ' ' -f 2,3)" "W128 H48"
 
-# Looking away from the scene shows only the background: Y, Cb and Cr by BT.709.
+# Y, Cb and Cr by BT.709 of a picture that shows only the background colour.
 away='--eye 0,0,-9 --look 0,0,-20'
 for colour in 'ffffff 235 128 128' '000000 16 128 128' 'ff0000 63 102 240' '00ff00 173 42 26' '0000ff 32 240 118'; do
     "$fixsplat" render knot.ply --size 1x1 $away --bg ${colour%% *} -o colour.y4m
@@ -105,7 +102,6 @@ if [ -c /dev/full ]; then
 else
     skip "a full device" "no /dev/full here"
 fi
-# The shell's own message about a signal goes to logs/shell.
 { "$fixsplat" render $three --view all --size 640x480 -o - 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
 check "a closed pipe: ended as by SIGPIPE, without a word" equal "$(cat logs/status logs/err)" 141
 
@@ -167,7 +163,7 @@ for list in 0..3 0, ,0 0..1..2 .. 1.. 0,,1 99999999999999999999,0; do
 done
 fails "bench --view 0..1" 2 "one view" bench $three --view 0..1
 
-# Six frames from one key to the next; keys are frames themselves.
+# Six frames from one key camera to the next. Key cameras are frames themselves.
 succeeds "--frames" render $three --view 0..2 --frames 13 --hash
 check "--frames: as many" equal "$(lines_of logs/out)" 13
 check "--frames: the views are among them" equal "$(sed -n '1p;7p;13p' logs/out | tr '\n' ' ')" "$front $side $far "
@@ -277,7 +273,6 @@ check "golden.sh: what a build keeps" equal "$(ls project/out | tr '\n' ' ')" \
 
 # ---- Crops -----------------------------------------------------------------------------------------------------------
 
-# part FILE WIDTH BYTES X Y W H: rows of a picture WIDTH pixels wide, BYTES per pixel.
 part() {
     row=$5
     while [ $row -lt $(($5 + $7)) ]; do
@@ -356,7 +351,7 @@ fails "-o and --diff one file" 2 "hard.png: $twice" render knot.ply $small --exp
 succeeds "a device twice" render knot.ply $small -o /dev/null --format png --ids file.tmp.png
 fails "-o the expected picture" 2 "golden.png: is read and cannot be written too" render knot.ply $small --expect golden.png \
     -o golden.png
-cp golden0.png again.png && mv again.png golden0.png   # a later inode than golden1.png's
+cp golden0.png again.png && mv again.png golden0.png
 fails "-o one of the expected pictures" 2 "golden0.png: is read and cannot be written too" render $three --threads 1 --view 1..2 \
     --expect golden%d.png --diff golden%d.png
 cp knot.ply scene.raw
@@ -371,7 +366,7 @@ fails "compare --diff one of the pictures" 2 "golden.png: is read and cannot be 
 
 # ---- Time ------------------------------------------------------------------------------------------------------------
 
-# Processor time, which depends less on other work; `times` prints that of children last.
+# Processor time depends less on other work than wall time.
 seconds() { (run "$@" && times) | awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }'; }
 if [ -d "$scenes/snowmiku" ] && [ -s file.png ]; then
     views="snowmiku.fxs --cameras $scenes/snowmiku/cameras.json --view 0..23 --threads 2"

@@ -1,11 +1,10 @@
 #!/bin/sh
-# fixsplat fit: photographs of a knot, made here from all around. The file does not depend on threads or interruptions.
+# Tests fixsplat fit on rendered photographs of a knot.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
 . "$root/tests/scripts/lib/photos.sh"
 
-# `loud` runs a fit with its messages; `said` prints them without progress.
 export FIXSPLAT_QUIET=1
 loud() {
     (unset FIXSPLAT_QUIET && exec "$fixsplat" "$@") >logs/out 2>logs/err
@@ -16,12 +15,11 @@ said() { grep -Ev -e "$progress" -e '^fixsplat: (reading photographs:|measuring)
 
 # ---- Photographs -----------------------------------------------------------------------------------------------------
 
-# Past a densification, with some photographs held out.
 steps=620
 make_photographs 12
 fit="fit set --steps $steps"
 
-# ---- What is fitted --------------------------------------------------------------------------------------------------
+# ---- Fitted scenes ---------------------------------------------------------------------------------------------------
 
 psnr() { sed -n 's/.*"psnr": \([0-9.]*\), "ssim": [0-9.]*, "worst_psnr".*/\1/p' logs/out | tr -d . | cut -c 1-4; }
 
@@ -58,7 +56,6 @@ check "another seed: another file" [ "$(cmp -s whole.fxs other.fxs; echo $?)" = 
 succeeds "into .ply" $fit -o floats.ply
 "$fixsplat" convert floats.ply packed.fxs
 check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <whole.fxs)" "$(wc -c <packed.fxs)"
-# Below ten steps there is no last tenth, so nothing is rounded before packing.
 "$fixsplat" fit set --steps 9 -o few.fxs >logs/out
 "$fixsplat" fit set --steps 9 -o few.ply >logs/out
 "$fixsplat" convert few.ply packed.fxs --start-view set/sparse/0:1 --up 0,-1,0
@@ -68,7 +65,6 @@ check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' 
 
 # ---- Messages --------------------------------------------------------------------------------------------------------
 
-# ends NAME LINES ARGUMENT...: compares the lines after the table, figures as N.
 ends() {
     name=$1 lines=$2
     shift 2
@@ -121,9 +117,8 @@ else
 fi
 rm -f it.* "it's.ply"
 
-# ---- The subject -----------------------------------------------------------------------------------------------------
+# ---- Crop to the subject ---------------------------------------------------------------------------------------------
 
-# The cameras look at the middle, and see 13 * 24 / 60 units up and down there.
 cp -r set around
 awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * sin(i), 90, 90, 90, 0 }' \
     >>around/sparse/0/points3D.txt
@@ -162,7 +157,7 @@ fixsplat: measuring few.fxs"
 check "into a file: the last step" grep -Eq '^30/30, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, 0 s' logs/err
 (unset FIXSPLAT_QUIET && exec "$fixsplat" fit set --steps 1000000 -o long.fxs) >logs/out 2>logs/err &
 waited=0
-# The fit is stopped for most of the ten seconds between the first line and the second.
+# The fit is paused for most of the ten seconds between two progress lines.
 lines() {
     until [ "$(grep -Ec "$progress" logs/err)" -ge "$1" ] || [ $waited = 25 ]; do
         sleep 1 && waited=$((waited + 1))
@@ -175,7 +170,7 @@ kill $! && wait $! 2>logs/shell
 check "into a file: two lines in the first seconds" [ $waited -lt 25 ]
 rm -f long.fxs.fit
 
-# ---- On a terminal ---------------------------------------------------------------------------------------------------
+# ---- Progress on a terminal ------------------------------------------------------------------------------------------
 
 if have script; then
     line="'$fixsplat' fit set --steps 1200 --threads 1 -o few.fxs"
@@ -204,7 +199,7 @@ set/images ../sparse/0/points3D.txt
 set/images ..
 END
 
-# ---- Held out --------------------------------------------------------------------------------------------------------
+# ---- Photographs held out --------------------------------------------------------------------------------------------
 
 succeeds "--hold-out 0" fit set --steps 20 -o few.fxs --hold-out 0
 check "--hold-out 0: says so" grep -q '^Photographs fitted: 12. None was held out; of those fitted:$' logs/out
@@ -220,7 +215,6 @@ done
 
 # ---- The log ---------------------------------------------------------------------------------------------------------
 
-# of 620 steps every seventh, three measured ones, and the last
 echo old >fit.log
 loud $fit -o logged.fxs --log fit.log --metrics-every 200
 check "--log: the same file" cmp whole.fxs logged.fxs
@@ -268,7 +262,7 @@ fails "--log and --cameras-only" 2 "leave out --write-cameras and --log" fit set
 fails "--log of block 0" 2 "--block 0: nothing is fitted" fit set -o x.ply --block 0/2 --coarse set.fit --log fit.log
 rm -f part.fxs.fit set.fit fit.log new.log
 
-# ---- Quality ---------------------------------------------------------------------------------------------------------
+# ---- Measured quality ------------------------------------------------------------------------------------------------
 
 mkdir -p large/sparse/0 large/images
 sed 's/64 48 60 60 32 24/1700 1275 1594 1594 850 637/' set/sparse/0/cameras.txt >large/sparse/0/cameras.txt
@@ -374,7 +368,6 @@ fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another
 run fit set -o resumed.fxs --resume part.fxs.fit
 check "--resume: the steps are the file's" cmp whole.fxs resumed.fxs
 
-# stops SIGNAL NAME: stops at the first of many saves, and resumes as the message says.
 stops() {
     rm -f "it's.fxs" "it's.fxs.fit"
     ended=$(unset FIXSPLAT_QUIET && $helper signal "$1" "$fixsplat" $fit -o "it's.fxs" --save-every 2 2>logs/err)
@@ -402,7 +395,7 @@ fails "--resume: another kind of file" 1 "knot.ply: not a saved fit" $fit -o x.f
 head -c 20000 part.fxs.fit >short.fit
 fails "--resume: a part of one" 1 "short.fit: damaged: it ends early" $fit -o x.fxs --resume short.fit
 
-# ---- Disks that are full ---------------------------------------------------------------------------------------------
+# ---- Full disks ------------------------------------------------------------------------------------------------------
 
 if [ -c /dev/full ]; then
     ln -s /dev/full full.fxs

@@ -1,13 +1,10 @@
 #!/bin/sh
-# One fit everywhere: some hundred steps of tests/test_fit_steps.c, checked by constant hashes, with fused
-# multiplication if available, under sanitizers, and by qemu-user with NEON. Builds
-# with wider float arithmetic refuse to fit. FXS_PROCESSORS=all (make test-all): more compilers, optimisations and
-# processors.
+# Checks that a fit has the same bytes with each compiler, under sanitizers and by qemu-user. Builds with wider float
+# arithmetic refuse to fit. FXS_PROCESSORS=all adds compilers and processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
-# Without the readers of photographs and the saving of fits.
 sources="tests/test_fit_steps.c $(ls src/fit/*.c src/pack/*.c src/core/*.c | grep -v '/photo\|/checkpoint' | tr '\n' ' ')
     src/camera/camera.c src/gaussian/transform.c src/base/message.c src/base/allocator.c src/base/crc32.c
     src/base/scene_start.c
@@ -15,7 +12,6 @@ sources="tests/test_fit_steps.c $(ls src/fit/*.c src/pack/*.c src/core/*.c | gre
 few="$flags -w -DFXS_FIT_FEW -ffunction-sections -Wl,--gc-sections"
 one="$(echo $sources) -o % -lm -lpthread"
 
-# fit NAME COMPILER FLAGS [EMULATOR]
 fit() {
     if ! links $2 ${3%% [a-z]*}; then
         skip "$1" "no $2 $3 with its C library here"
@@ -51,7 +47,6 @@ if [ "$FXS_PROCESSORS" = all ]; then
 fi
 run_variants
 
-# refuses NAME COMPILER FLAGS EMULATOR: no hash is printed, since fitting is refused.
 refuses() {
     if ! links $2 $3; then
         skip "$1" "no $2 with its C library here"
@@ -66,7 +61,6 @@ refuses() {
 refuses "i686 with x87" i686-linux-gnu-gcc '-O0 -static' qemu-i386
 [ "$FXS_PROCESSORS" != all ] || refuses m68k m68k-linux-gnu-gcc '-O1 -static' qemu-m68k
 
-# The Makefile's flags for a fit there.
 for compiler in i686-linux-gnu-gcc s390x-linux-gnu-gcc; do
     if have $compiler; then
         env -u MAKEFLAGS make -n V=1 B="$work/made" CC=$compiler NVCC=none "$work/made/src/fit/fit.o" >"$work/log" 2>&1

@@ -1,3 +1,3 @@
 #!/bin/sh
-# Fuzzes each target for a moment.
+# Fuzzes each target for one second, or five with FXS_PROCESSORS=all.
 exec sh tests/fuzz.sh "$([ "$FXS_PROCESSORS" = all ] && echo 5 || echo 1)"

@@ -1,6 +1,5 @@
 #!/bin/sh
-# The command's own texts: help on commands and topics, suggestions, --quiet, man pages, completions; JSON of the back
-# ends.
+# Tests the command's own texts: help, suggestions, --quiet, man pages and completions.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -23,7 +22,6 @@ for command in $commands; do
     check "$command -V: the version" equal "$(cat logs/out)" "$("$fixsplat" --version)"
 done
 
-# Each command has --help all. A command with more than 25 options has a short --help too.
 "$fixsplat" help --table >logs/table
 for command in $commands; do
     count=$(cut -f 1 logs/table | grep -cx -- "$command")
@@ -74,7 +72,7 @@ fails "a value too many" 2 "info: --json=3: it takes no value" info x.ply --json
 fails "a scene in place of a command" 2 "no command before knot.ply: render it" knot.ply
 fails "a film that ffmpeg writes" 2 "-o - [|] ffmpeg -i - x.mp4" render knot.ply -o x.mp4
 
-# ---- Quiet -----------------------------------------------------------------------------------------------------------
+# ---- --quiet ---------------------------------------------------------------------------------------------------------
 
 run convert knot.ply knot.splat
 check "a note" says logs/err "cannot hold the SH"
@@ -84,7 +82,6 @@ fails "--quiet: errors stay" 1 "none.ply" --quiet convert none.ply knot.splat
 succeeds "a file whose name begins with --quiet" convert knot.ply -- --quiet.ply
 check "a file whose name begins with --quiet: is there" test -s ./--quiet.ply
 
-# One of its Gaussians is dropped, which causes a note.
 { printf 'ply\nformat ascii 1.0\nelement vertex 3\n'
   printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
   printf '%s\n' end_header '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \

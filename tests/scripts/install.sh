@@ -1,6 +1,5 @@
 #!/bin/sh
-# The files of `make install`, and programs outside the tree that use only these: C99, C++17 and CMake, with the core
-# alone and with everything, static and shared. tests/outside/picture.h draws their picture.
+# Checks the files of `make install`, and outside programs in C99, C++17 and CMake that use only these files.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -47,7 +46,6 @@ fi
 check "modes" equal "$(find "$prefix" -type f ! -perm 644 | sort | tr '\n' ' ')" \
     "$(find "$prefix/bin" -type f -perm 755 | sort | tr '\n' ' ')"
 
-# each COMPILER LANGUAGE STANDARD: compiles a program of each header alone.
 mkdir "$work/alone"
 for header in $headers; do
     echo "#include <fixsplat/$header>" >"$work/alone/$(basename "$header" .h).c"
@@ -67,7 +65,7 @@ each clang c c99
 each clang c c11
 each clang++ c++ c++17
 
-# The core's undefined symbols: four functions of the C library, and functions that compilers call by themselves.
+# The core needs only four functions of the C library, and functions that compilers call.
 needs() {
     nm "$1" | awk 'NF == 2 && $1 == "U" { need[$2] } NF == 3 { has[$3] }
         END { for (name in need) if (!(name in has)) print name }' |
@@ -83,15 +81,15 @@ if [ "$shared" ]; then
     nm -D --defined-only "$library/libfixsplat.so" | awk '$2 != "A" { print $3 }' | sort >"$work/versions"
     check "it shows names with fxs_ alone" equal "$(grep -v '^fxs_' "$work/versions")" ""
     check "each has the version that brought it" equal "$(grep -Ev '@@FIXSPLAT_1\.[0-9]+$' "$work/versions")" ""
-    # A program built with 1.0 needs these symbols in this version. Until 1.0 is released, its list may grow.
+    # Programs built with 1.0 need these symbols. The list may grow until 1.0 is released.
     sed 's/$/@@FIXSPLAT_1.0/' tests/outside/names-1.0 >"$work/names-1.0"
     check "a program that was built with 1.0 finds its names" equal "$(comm -23 "$work/names-1.0" "$work/versions")" ""
     case $version in 1.0.0-*) ;; *)
         check "and no later name is said to be of 1.0" equal \
             "$(grep '@@FIXSPLAT_1\.0$' "$work/versions" | comm -13 "$work/names-1.0" -)" "" ;;
     esac
-    # And the layout of 1.0's structs. Until 1.0 is released it may change, and is then noted again with:
-    # /usr/bin/python3 tests/outside/layout.py build/libfixsplat.so.* | LC_ALL=C sort >tests/outside/layout-1.0
+    # Programs built with 1.0 need the listed struct layouts. To update the list before 1.0:
+    #  /usr/bin/python3 tests/outside/layout.py build/libfixsplat.so.* | LC_ALL=C sort >tests/outside/layout-1.0
     if [ "$(getconf LONG_BIT)" != 64 ]; then
         skip "structs of 1.0" "they are noted for machines of 64 bits"
     elif ! /usr/bin/python3 -c 'import cffi' 2>/dev/null; then
@@ -113,13 +111,12 @@ fi
 # ---- Programs --------------------------------------------------------------------------------------------------------
 
 outside=$work/outside
-cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # a read-only checkout
+cp -r tests/outside "$outside" && chmod -R u+w "$outside"
 "$prefix/bin/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
 
 mkdir "$work/static"
 cp "$library"/*.a "$work/static"
 
-# A program built against a stub library with only the names of 1.0 runs with this library.
 if [ "$shared" ]; then
     sed 's/.*/void &(void);\nvoid &(void) {}/' tests/outside/names-1.0 >"$work/stub.c"
     mkdir "$work/1.0" && $CC -w -shared -fPIC -Wl,-soname,libfixsplat.so.1 -o "$work/1.0/libfixsplat.so" "$work/stub.c" \
@@ -136,7 +133,6 @@ if [ "$shared" ]; then
 fi
 
 sum=
-# draws NAME COMMAND...: prints the hash of the picture, which equals the others'.
 draws() {
     name=$1
     shift
@@ -152,7 +148,6 @@ done
 
 flags() { PKG_CONFIG_PATH=$library/pkgconfig pkg-config "$@"; }
 
-# program NAME SOURCE LANGUAGE FLAGS: builds $work/program.
 program() {
     case $3 in c99) set -- "$@" "$CC -x c -std=c99" ;; *) set -- "$@" "${CXX:-c++} -x c++ -std=c++17" ;; esac
     check "$1: built" $5 $strict "$outside/$2.c" -x none -o "$work/program" $4

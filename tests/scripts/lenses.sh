@@ -1,5 +1,5 @@
 #!/bin/sh
-# fixsplat render --lens, and camera files of other programs.
+# Tests fixsplat render --lens, and camera files of other programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -44,7 +44,7 @@ for options in "--depth d.png" "--ids i.png" "--pick 1,1" "--stats" "--scissor 0
         render knot.ply --cameras barrel --lens $options -o a%d.png
 done
 
-# ---- Round trip: a fit undoes what --lens draws ----------------------------------------------------------------------
+# ---- Round trip from --lens to a fit ---------------------------------------------------------------------------------
 
 . "$root/tests/scripts/lib/photos.sh"
 make_photographs 9
@@ -58,9 +58,8 @@ for camera in "SIMPLE_RADIAL 320 240 300 160 120 -0.2" "OPENCV 320 240 300 300 1
         at_least "$(sed -n 's/.*"psnr": \([0-9.]*\).*/\1/p' logs/out | sort -n | head -n 1)" 40
 done
 
-# ---- Other programs --------------------------------------------------------------------------------------------------
+# ---- Camera files of other programs ----------------------------------------------------------------------------------
 
-# Camera 0 of `barrel`: it looks along z with y down, a pitch of 180 degrees from looking down with y north.
 mkdir exports
 echo '#name,x,y,alt,heading,pitch,roll,f,px,py,k1
 a.jpg,0,0,-6,0,180,0,33.75,0,0,-0.3' >exports/a.csv

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Scenes with levels of detail on the command line: the trees in info, --budget and --detail of the commands that
-# render, and pictures of paged scenes, from a file and from servers of all kinds.
+# Tests levels of detail: trees in info, --budget and --detail, and paged scenes from files and servers.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/scripts/lib/check.sh
 fixsplat=$PWD/${B:-build}/fixsplat lib=$PWD/tests/scripts/lib
@@ -14,7 +13,6 @@ export FIXSPLAT_QUIET=1
 "$fixsplat" convert knot.ply flat.fxs
 small='--size 160x100'
 
-# refused NAME STATUS PATTERN ARGUMENT...: the command fails with one matching line.
 refused() {
     name=$1 wanted=$2 pattern=$3
     shift 3
@@ -109,8 +107,6 @@ refused "render --pool: cut short" 1 'short.fxs: damaged or cut short' render sh
 { head -c 300000 knot.fxs; printf damaged; tail -c +300008 knot.fxs; } >damaged.fxs
 refused "render --pool: damaged" 1 'damaged.fxs: chunk .* is damaged' render damaged.fxs --pool 9M --hash
 
-# An .fxs of 64 MiB or more is paged without --pool if the budget is a small part of it. Paging verifies chunk
-# checksums; the damaged root's rows are drawn with a budget of 256.
 "$fixsplat" make-scene landscape --count 600000 -o large.ply
 "$fixsplat" convert large.ply large.fxs --levels
 camera='--eye 4.6,-1.9,-12.7 --look 0,-2.2,0'
@@ -178,7 +174,7 @@ served early 'the server ended early'
 check "without a start view the scene is framed whole, which is said" equal \
     "$(env -u FIXSPLAT_QUIET "$fixsplat" render $at/right/knot.fxs $small -o x.png 2>&1 | grep -c 'has no start view')" 1
 
-# For redirects from https: a libcurl that prints the options set.
+# Redirects from https are tested with a libcurl that prints its options.
 cat >curl.c <<'END'
 #include <curl/curl.h>
 #include <stdarg.h>

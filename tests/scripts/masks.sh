@@ -1,5 +1,5 @@
 #!/bin/sh
-# fixsplat fit with masks: ignored pixels of photographs influence nothing. COLMAP and masks: cameras.sh.
+# Tests fixsplat fit with masks. Ignored pixels of photographs must influence nothing.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -8,12 +8,10 @@ have perl || { skip "masks" "no perl here"; finish; exit; }
 
 # ---- Photographs and masks -------------------------------------------------------------------------------------------
 
-# .ppm files named .png, read by their contents.
 make_photographs 12
 "$fixsplat" render knot.ply --cameras set/sparse/0 --view all -o set/images/%02d.ppm
 for i in 00 01 02 03 04 05 06 07 08 09 10 11; do mv set/images/$i.ppm set/images/$i.png; done
 
-# shapes FOLDER KIND: masks 00.png to 11.png, a disc each, with pixels of that kind.
 shapes() {
     mkdir -p "$1"
     perl -e 'my ($folder, $kind) = @ARGV;
@@ -32,7 +30,6 @@ shapes discs disc
 shapes inverse inverse
 shapes white none
 
-# change FOLDER CODE: copies the set, with the bytes of ignored pixels changed by Perl code.
 change() {
     mkdir -p "$1"/images && cp -r set/sparse "$1"
     for i in 00 01 02 03 04 05 06 07 08 09 10 11; do

@@ -1,6 +1,6 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c with each compiler, and under sanitizers.
-# FXS_PROCESSORS=all (make test-all): every optimisation level too. For processors see processors.sh.
+# Checks that the random frames of tests/test_random.c are equal with each compiler and under sanitizers.
+# FXS_PROCESSORS=all adds every optimisation level.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

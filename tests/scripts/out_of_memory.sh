@@ -1,7 +1,7 @@
 #!/bin/sh
-# Each command with one failing allocation, or with all failing from there on: it succeeds with the right output, or
-# ends with one line, status 1 and no leftovers. About 40 of each command's allocations, evenly spread;
-# FXS_PROCESSORS=all: 80; EVERY=1: all.
+# Runs each command with one failing allocation, or with all later allocations failing too. The command must succeed,
+# or end with one line, status 1 and no leftovers. Tests 40 allocations of each command, 80 with FXS_PROCESSORS=all,
+# all with EVERY=1.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -19,8 +19,7 @@ fi
 "$fixsplat" render knot.ply --size 64x48 -o a.png || exit 1
 "$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
 
-# wrong COMMAND: prints the fault of the run without memory; `written` is its output. A fitted scene stays though it
-# could not be measured. A fit whose scene could not be packed is saved, or reports that too.
+# wrong COMMAND: prints the fault of a run without memory. A finished fit is kept even if packing or measuring fails.
 wrong() {
     case $status in
     0) [ ! -e logs/right ] || cmp "$written" logs/right ;;
@@ -29,11 +28,10 @@ wrong() {
         if [ "$1" != fit ]; then ls "$written"; elif [ -e "$written" ]; then cmp "$written" logs/right; fi 2>/dev/null ;;
     *) echo "status $status: $(cat logs/err)" ;;
     esac
-    grep -E 'damaged|bad JSON|ot a zip' logs/err           # wrong messages, as the files are whole
+    grep -E 'damaged|bad JSON|ot a zip' logs/err
     ls .fixsplat-* 2>/dev/null
 }
 
-# survives OUTPUT ARGUMENT...: OUTPUT is the file that the command writes, or - for none.
 survives() {
     written=$1
     shift
@@ -100,7 +98,6 @@ survives o.png compare a.png b.png --diff o.png
 survives o.png compare a.jpg b.png --diff o.png
 survives - bench knot.ply --size 64x48 --threads 2
 
-# The server skips an answer and ends when told to, or ends with one line at its start.
 serves() {
     rm -f logs/served
     FAULT_AT=$1 FAULT_EVER=$2 LD_PRELOAD=$faults "$fixsplat-web" --web --port 0 knot.ply >logs/served 2>logs/err &

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The viewer's page (docs/web.md) in headless Chromium: the command's pixels, controls, error messages, sizes.
-# PICTURES=FOLDER keeps pictures of the page. FXS_PROCESSORS=all: every scene of shared/scenes too.
+# Tests the viewer's page in headless Chromium: pixels, controls, error messages and download sizes. PICTURES=FOLDER
+# keeps pictures. FXS_PROCESSORS=all adds every captured scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs page chromium -- puppeteer-core
@@ -32,28 +32,23 @@ make_scenes() {
 }
 
 check "builds" builds
-of_parts="$package/paged.js $package/store.js"      # loaded with the first paged scene
+of_parts="$package/paged.js $package/store.js"      # files loaded with the first paged scene
 of_webgpu="$package/webgpu.js $package/stages.js"
-of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # not loaded by pages; nor are Node's
-of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"      # other pages
-# Loaded with the first annotation, track, settings file, film, sky, or text in another language.
+of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # files that pages never load
+of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
-of_hands="walk.js gamepad.js joystick.js"        # loaded for walking, a gamepad, or a touchscreen
+of_hands="walk.js gamepad.js joystick.js"        # files loaded for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
-of_headsets='xr.js eyes.js'      # loaded with a headset, or
-of_rooms=ar.js                   # with AR
-of_drops=drop.js                 # with dropped or chosen files
-of_errors=words.js               # with the first error
+of_headsets='xr.js eyes.js'      # files loaded with a headset
+of_rooms=ar.js                   # files loaded with AR
+of_drops=drop.js                 # files loaded with dropped scenes
+of_errors=words.js               # files loaded with the first error
 others=$(printf '/%s$|' $of_pages $of_tour_pages $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js \
     $of_bundlers)
-# 1.3 KB of it find the package's other files, also from another server's page, and report missing ones. 3.4 KB end
-# slow, endless or wrong downloads, keep a scene to its folder's files, and check calls.
 check "size" at_most 55800 "$package"/viewer/index.html "$package"/viewer/page.css \
     $(ls "$package"/viewer/*.js "$package"/*.js | grep -Ev "${others%|}")
 check "size of what scenes in parts need" at_most 7500 $of_parts
-# 0.5 KB of it are depth and id targets, and messages about textures and buffers; 1.4 KB are shaders: two pixels per
-# thread, merges, tiles of 8x8 and tiles without a list.
 check "size of annotations, tracks and settings files" at_most 12500 $of_tours
 check "size of walking, gamepads and the stick" at_most 5500 $(printf "$package/viewer/%s " $of_hands)
 check "size of films" at_most 2800 "$package/viewer/film.js"

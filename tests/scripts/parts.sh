@@ -1,6 +1,5 @@
 #!/bin/sh
-# fixsplat convert --block: parts packed separately and merged have the bytes of one run, for every number of parts and
-# profile, and as jobs of GNU parallel, one of them killed. Wrong parts are refused and nothing is written.
+# Tests fixsplat convert --block. Parts packed separately and merged must have the bytes of one run.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -20,7 +19,6 @@ for profile in default compact small; do
     done
 done
 
-# Seven parts of profile small with levels are left from the last loop.
 rm -f all.fxs
 refused() {
     fails "$@"
@@ -58,7 +56,6 @@ for at in 100 300 9000 $((size / 2)) $((size - 2000)) $((size - 9)); do
     refused "damaged at $at" 1 "wrong.fxs: .*damaged|of another" convert part-[124567].fxs wrong.fxs all.fxs
 done
 
-# forge WHERE: damages part 3, with right checksums.
 forge() {
     python3 - "$1" part-3.fxs wrong.fxs <<'END'
 import struct, sys, zlib
@@ -74,7 +71,7 @@ headers = sums + (40 * nodes + 63) // 64 * 64
 node_rows = headers + 128 * nodes
 top = node_rows + nodes * chunk_bytes
 coarse = ((len(part) - top) // tops - 64) // 256
-if where == "node":                    # below the topmost ones: a shift of its steps above 12
+if where == "node":                    # in a chunk deep in the tree: step_shift above 12
     size = (len(part) - top) // tops
     topmost = {struct.unpack_from("<I", part, top + i * size)[0] for i in range(tops)}
     node = max(set(range(nodes)) - topmost)
@@ -85,7 +82,7 @@ if where == "node":                    # below the topmost ones: a shift of its 
     struct.pack_into("<I", part, at + 64, checksum)
 elif where == "sums":
     part[sums:sums + 40 * nodes] = struct.pack("<5d", *[float("nan"), float("inf"), -1e308, 0, -1]) * nodes
-else:                                  # areas or opacities of the topmost nodes' Gaussians
+else:                                  # in the topmost nodes: wrong areas or opacities
     value, field = struct.pack("<f", float(where.split()[1])), 8 if where.startswith("area") else 4
     for i in range(256 * tops):
         at = top + i // 256 * (64 + 256 * coarse) + 64 + (i % 256 + 1) * coarse - field

@@ -1,8 +1,6 @@
 #!/bin/sh
-# A phone (AArch64, OpenGL ES 3.0 and a window), simulated by qemu-user and Mesa's software driver: one hash by NEON and
-# by both exact ways of GLES, test_gles and test_window, and the window's keys on a virtual screen. Long: make test-all
-# (FXS_PROCESSORS=all). Needs Debian's arm64 libraries, installed by hand, since they make the system
-# multi-architecture: docs/porting.md has the command.
+# Simulates a phone (AArch64, OpenGL ES 3.0) with qemu-user and Mesa's software driver, and compares pictures.
+# docs/porting.md lists the arm64 libraries that Debian needs.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -20,7 +18,6 @@ int main(int argc, char **argv) { (void)argc, (void)argv; return SDL_Init(0) + !
     $arm -I/usr/include/SDL2 -x c - -lSDL2 -lEGL -o "$work/links" 2>/dev/null; then
     skip phone "no libraries of arm64 here: docs/porting.md says how to get them"
 else
-    # Wraps the arm64 command as a program of this machine.
     mkdir "$work/by_qemu"
     cat >"$work/by_qemu/fixsplat" <<END
 #!/bin/sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# fixsplat fit --preview: served files during a fit, the same scene as without, shutdown, misuse; and its page in
-# Chromium. PICTURES=FOLDER keeps pictures of the page.
+# Tests fixsplat fit --preview: served files, shutdown, errors, and the page in Chromium. PICTURES=FOLDER keeps
+# pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -32,7 +32,6 @@ begins() {
 ends() { wait $fit; status=$?; fit=; }
 get() { curl -s "$@"; }
 code() { get -o logs/body -w '%{http_code}' "$@"; }
-# number KEY FILE
 number() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p" "$2"; }
 points() { sed 's/.*"points": \[\(\[.*\]\)*\].*/\1/; s/\], /]\n/g' "$1" | grep -c '^\['; }
 
@@ -78,7 +77,7 @@ ends 2>logs/shell
 check "a signal: saved" equal "$status $(grep -c 'stopped after .*; to go on: fixsplat fit .* --resume long.fxs.fit$' logs/errors)" "143 1"
 check "a signal: no scene, and nobody answers" equal "$(ls long.fxs 2>/dev/null) $(code -m 5 "$at/fit.json")" " 000"
 
-# ---- Its end -----------------------------------------------------------------------------------------------------------
+# ---- The end of a fit ------------------------------------------------------------------------------------------------
 
 "$fixsplat" fit set --steps 620 -o whole.fxs >logs/out 2>logs/shell
 shortest=--pre begins --steps 620 -o seen.fxs --threads 2
@@ -108,7 +107,7 @@ ln -s /dev/null null.fxs
 check "no room for a scene: said once, and it goes on" equal "$? $(grep -c \
     'preview: a temporary file: File too large; the fit goes on$' logs/errors)" "0 1"
 
-# ---- Misuse ------------------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 fails "--port without it" 2 "port needs --preview" fit set -o x.fxs --port 80
 fails "--port 65536" 2 "port 65536: expected" fit set -o x.fxs --preview --port 65536
@@ -131,7 +130,7 @@ else
     check Valgrind equal "$status $(grep -c '^==' logs/errors)" "0 0"
 fi
 
-# ---- In a browser ------------------------------------------------------------------------------------------------------
+# ---- In a browser ----------------------------------------------------------------------------------------------------
 
 unset FIXSPLAT_WEB
 cd "$root" || exit 1

@@ -1,7 +1,6 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c and the files of tests/test_fxs_bytes.c on a 32-bit
-# and a big-endian processor; photographs, kernels and a renderer without float registers on AArch64. By qemu-user if
-# needed. FXS_PROCESSORS=all: 18 processors, clang and musl, the golden images on AArch64 and the kernels on i686 too.
+# Checks that random frames (tests/test_random.c) and scene files (tests/test_fxs_bytes.c) are equal on 32-bit and
+# big-endian processors. FXS_PROCESSORS=all tests 18 processors, clang and musl.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -16,8 +15,7 @@ photos="tests/test_photo_bytes.c src/base/*.c src/camera/[!fgswy]*.c src/image/i
     src/core/view.c src/scene/read/ply_*.c src/fit/photo*.c port/posix/files.c port/posix/output.c port/posix/pool.c"
 files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"
 
-# Prints the flags for float arithmetic without excess precision, found like in tools/scripts/probe.sh; the Makefile builds
-# src/pack with them. Without such flags, trees of levels are refused.
+# Prints the compiler flags for float arithmetic without excess precision.
 singles() {
     for found in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do
         printf '#include <float.h>\n#if FLT_EVAL_METHOD != 0\n#error\n#endif\n' |
@@ -33,14 +31,12 @@ processor() {
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
         variant $1 "$2 $flags -O1 -static src/core/*.c tests/test_random.c -o %" $3
-        # The files run on i686, where floats are wider; with FXS_PROCESSORS=all everywhere.
         [ "$FXS_PROCESSORS" != all ] && [ $1 != i686 ] ||
             variant $1-files "$2 $flags -O1 -static $files -lm -o %" $3
         [ -z "$(singles $2)" ] || variant $1-trees "$2 $flags $(singles $2) -O1 -static $files -lm -o %" $3
     fi
 }
 
-# AArch64 only: no float register in src/core, the kernels, photographs, the golden images.
 aarch64() {
     variant aarch64-integers "mkdir %.objects && cd %.objects &&
         $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/core/*.c &&
@@ -58,7 +54,6 @@ aarch64() {
         variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_PNG $golden $libraries -o %" qemu-aarch64
 }
 
-# By the Makefile with the x86 kernels, without /usr/include, which has the host's libraries.
 i686() {
     alone="$i686 -nostdinc -isystem $($i686 -print-file-name=include) -isystem /usr/i686-linux-gnu/include"
     variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS='-O1 -Werror' LDFLAGS=-static NVCC=none \

@@ -1,6 +1,5 @@
 #!/bin/sh
-# fixsplat publish: the folder's files, refused arguments, the single file, and the pages in Chromium, with those of
-# `fixsplat view --web`.
+# Tests fixsplat publish: written files, errors, single-file pages, and the pages in Chromium.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -53,7 +52,7 @@ check "--settings: beside the scene" cmp told/settings.json tour.json
 check "--settings: the page reads them" grep -q '<fixsplat-viewer src="knot.fxs" label="knot" poster="knot.jpg" settings="settings.json">' \
     told/index.html
 
-# ---- Several ---------------------------------------------------------------------------------------------------------
+# ---- Several scenes --------------------------------------------------------------------------------------------------
 
 mkdir scenes more && cp knot.ply 'a & b.ply' scenes && cp knot.ply more && cp knot.ply more/index.ply && echo >scenes/text.txt
 "$fixsplat" publish scenes more list --size 64x36 >logs/out
@@ -94,7 +93,7 @@ FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not t
 check "nothing is made then" [ ! -e new3 ]
 unset FIXSPLAT_WEB
 
-# ---- Killed ----------------------------------------------------------------------------------------------------------
+# ---- Killed runs -----------------------------------------------------------------------------------------------------
 
 export FIXSPLAT_WEB="$work/page"
 faults=$work/logs/faults.so
@@ -104,7 +103,6 @@ if ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ld
     (cd killed && find . | sort) >logs/wanted
     for n in $(seq 6); do
         rm -r killed
-        # The shell's own message about a signal goes to logs/shell.
         { FAULT_KILL=$n LD_PRELOAD=$faults "$fixsplat" publish knot.ply killed --size 64x36 --settings tour.json --quiet
             echo $? >logs/status; } 2>logs/shell
         check "killed at file $n" equal "$(cat logs/status)" 137
@@ -123,7 +121,7 @@ else
 fi
 unset FIXSPLAT_WEB
 
-# ---- One file --------------------------------------------------------------------------------------------------------
+# ---- Single-file pages -----------------------------------------------------------------------------------------------
 
 echo licence >page/LICENSE
 echo script >page/viewer/single.js

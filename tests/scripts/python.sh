@@ -1,6 +1,5 @@
 #!/bin/sh
-# The Python package: arrays compared with the command's files, finding the library, and installation. The checks are in
-# tests/python/check.py and arrays.py.
+# Tests the Python package: results, finding the library, and installation. tests/python has the checks.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 . tests/scripts/lib/command.sh
@@ -9,7 +8,6 @@ library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/include/fixsplat/fixsplat.h")
 soname=libfixsplat.so.${version%%.*}
 
-# A Python with NumPy and cffi: PATH's, or Debian's.
 python=
 for name in python3 /usr/bin/python3; do
     [ "$python" ] || ! "$name" -c 'import cffi, numpy' 2>/dev/null || python=$name
@@ -79,13 +77,11 @@ check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
 
 # ---- Finding the library ---------------------------------------------------------------------------------------------
 
-# imports NAME WORDS: without a named library; the loaded path ends with these words.
 imports() {
     said=$(unset FIXSPLAT_LIBRARY; cd / && "$python" -c 'import fixsplat; print(fixsplat._library.PATH)' 2>&1)
     case $said in *"$2") ok "$1" ;; *) fail "$1" "$said" ;; esac
 }
 
-# refuses NAME WORDS FILE: the library is refused in one line.
 refuses() {
     said=$(FIXSPLAT_LIBRARY=$3 "$python" -c 'import fixsplat' 2>&1 | tail -n 1)
     if printf '%s\n' "$said" | grep -Eq "^ImportError: fixsplat: .*$2"; then ok "$1"; else fail "$1" "$said"; fi
@@ -101,7 +97,7 @@ echo 'int other;' >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "another library" "is not libfixsplat.so" "$work/other.so"
 
-cp -r "$root/port/python" source && chmod -R u+w source        # a read-only checkout
+cp -r "$root/port/python" source && chmod -R u+w source
 mkdir -p checkout/port checkout/src/include/fixsplat checkout/build system
 cp -r source checkout/port/python
 cp "$root/src/include/fixsplat/fixsplat.h" checkout/src/include/fixsplat

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The C programs of README.md and docs/fit.md compile as README.md says against the installed library, and work.
+# Compiles and runs the C programs of README.md and docs/fit.md with the installed library.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -18,7 +18,7 @@ check "README: the program compiles" eval "(cd '$work' && . ./compile)"
 check "README: the program runs" "$work/program" "$work/cubes.ply" "$work/cubes.ppm"
 check "README: a picture" equal "$(wc -c <"$work/cubes.ppm")" 691215
 
-# COLMAP without a display: only its mapper runs without Qt and a GPU.
+# Only COLMAP's mapper runs without Qt and a GPU.
 mkdir -p "$work/bin" "$work/phone/garden/images"
 cat >"$work/bin/colmap" <<'END'
 #!/bin/sh

@@ -1,6 +1,5 @@
 #!/bin/sh
-# tests/run.sh with its own programs: tests that pass, fail, skip, end early and never end, as text and in junit.xml,
-# read with Python's parser.
+# Tests tests/run.sh with programs that pass, fail, skip, end early or never end.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -61,9 +60,8 @@ last 1 0 0
 - sixth"
 fi
 
-# ---- Tests that do not end, and signals ------------------------------------------------------------------------------
+# ---- Endless tests and signals ---------------------------------------------------------------------------------------
 
-# Its last child ignores the signal that ends the others.
 program endless <<'END'
 sleep 60 &
 (trap '' TERM; sleep 60; sleep 60) &
@@ -87,7 +85,6 @@ done
 echo '1 passed, 0 failed, 0 skipped'
 END
 
-# No process of `endless` runs after five seconds; zombies (Z) are ignored.
 none_left() {
     tries=50
     while cut -d ' ' -f 3 $(sed 's|[0-9]*|/proc/&/stat|g' "$work/processes") 2>/dev/null | grep -v Z; do

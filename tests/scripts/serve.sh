@@ -1,6 +1,5 @@
 #!/bin/sh
-# `fixsplat view --web`: served and refused files, headers, lists, changing files, ranges, large files, TLS, misuse,
-# shutdown.
+# Tests the server of `fixsplat view --web`: served and refused files, ranges, TLS, errors and shutdown.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/served.sh
 . tests/scripts/lib/command.sh
@@ -16,7 +15,6 @@ case $(cat logs/err) in
 esac
 have curl || { skip serve "no curl here"; finish; exit; }
 
-# A page with known bytes, and files next to it that must not be served.
 mkdir -p page/viewer page/.hidden
 echo '<!doctype html>' >page/viewer/index.html
 echo secret | tee page/.hidden/x page/.x beside.txt >page/viewer/.x
@@ -36,7 +34,6 @@ serve() {
     [ "$at" ] || { fail "serves $*" "$(cat logs/errors)"; finish; exit 1; }
 }
 
-# ends SIGNAL: sets $status, and the time in tenths of a second.
 ends() {
     kill -"$1" $server
     wait $server
@@ -88,7 +85,7 @@ for path in /a.js /scenes/1/knot.ply.fxs /none; do
 done
 check "no-cache" equal "$(header Cache-Control "$at/scenes/1/knot.ply.fxs")" no-cache
 
-# ---- Nothing else ----------------------------------------------------------------------------------------------------
+# ---- Refused paths ---------------------------------------------------------------------------------------------------
 
 for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply.fxs /scenes/1/knot.ply /scenes/1/knot.ply.fxs/ /scenes/3.json /4 /.x /viewer/.x \
     /.hidden/x /../beside.txt /viewer/../../beside.txt /%2e%2e/beside.txt /viewer/%2e%2e/%2e%2e/beside.txt '/..%2fbeside.txt' \
@@ -108,7 +105,7 @@ for host in localhost LOCALHOST:80 127.0.0.1 '[::1]:80'; do
 done
 check "405: what is allowed" equal "$(header Allow -X POST -d 123 "$at/")" 'GET, HEAD'
 
-# ---- A file that changes ---------------------------------------------------------------------------------------------
+# ---- Changing files --------------------------------------------------------------------------------------------------
 
 check "the address of the next: the same, until there is one" gets "$at/scenes/1/next/knot.ply.fxs" knot.fxs
 still() { gets "$at/scenes/1/knot.ply.fxs" knot.fxs; }
@@ -144,7 +141,7 @@ check "said, to the one who started it" equal "$(sed 's|/[^ ]*/|/|' logs/errors)
     "fixsplat: /knot.ply: the header asks for at least 497529 bytes, the file has 3000"
 : >logs/errors
 
-# ---- Compressed ------------------------------------------------------------------------------------------------------
+# ---- Compression -----------------------------------------------------------------------------------------------------
 
 gzipped() { code -H 'Accept-Encoding: br, gzip' "$@"; }
 if ldd "$fixsplat-web" 2>/dev/null | grep -q libz; then
@@ -173,7 +170,7 @@ else
     skip gzip "no zlib here"
 fi
 
-# ---- Many that wait --------------------------------------------------------------------------------------------------
+# ---- Many waiting clients --------------------------------------------------------------------------------------------
 
 check "beside 1100 requests that never end" $helper hang "${at##*:}" 1100 \
     curl -s -m 5 -o logs/body "$at/a.js" "$at/scenes/0/a%20knot%2B50%25.ply.fxs"
@@ -207,7 +204,7 @@ check "If-Range: a part of the same" equal "$(code -r 0-9 -H "If-Range: $tag" "$
 check "If-Range: all of another" equal "$(code -r 0-9 -H 'If-Range: "x"' "$scene")" 200
 check "one connection for several" equal "$(get -v "$at/a.js" "$at/a.css" 2>&1 | grep -c 'Re-using')" 1
 
-# ---- Its end ---------------------------------------------------------------------------------------------------------
+# ---- Shutdown --------------------------------------------------------------------------------------------------------
 
 fails "a port in use" 1 "port ${at##*:}: Address already in use" view --web knot.ply --port "${at##*:}"
 ends TERM
@@ -276,7 +273,6 @@ else
     skip "several files" "no $tile"
 fi
 
-# 5 GB, sparse except for the last bytes.
 large=5000000000
 if truncate -s $((large - 4)) page/large.bin 2>/dev/null && printf last >>page/large.bin; then
     serve knot.ply
@@ -354,7 +350,7 @@ else
     skip TLS "no openssl here"
 fi
 
-# ---- A folder --------------------------------------------------------------------------------------------------------
+# ---- Folders ---------------------------------------------------------------------------------------------------------
 
 mkdir many more nothing
 cp knot.ply knot.fxs many
@@ -378,12 +374,12 @@ ready 0
 check "--levels" gets "$at/scenes/0/knot.ply.fxs" levels.fxs
 ends TERM
 
-# ---- For people at a terminal ----------------------------------------------------------------------------------------
+# ---- Terminals and QR codes ------------------------------------------------------------------------------------------
 
 if ldd "$fixsplat-web" | grep -q qrencode && have zbarimg; then
     serve knot.ply --qr
     sleep 0.2
-    # Half blocks on black: light modules are drawn in white.
+    # Half blocks on black: light modules of the QR code are white.
     sed -n 's/^.\[40;97m\(.*\).\[0m$/\1/p' logs/served | sed 's/\xe2\x96\x88/a/g; s/\xe2\x96\x80/b/g; s/\xe2\x96\x84/c/g' | awk '
         { up = down = ""
           for (i = 1; i <= length($0); i++) {
@@ -401,7 +397,6 @@ if have script; then
     mkdir bin
     printf '#!/bin/sh\necho "$*" >"$OPENED"\n' >bin/xdg-open
     chmod +x bin/xdg-open
-    # opened NAME [OPTION...]: in a terminal, with a desktop.
     opened() {
         name=$1
         shift
@@ -423,7 +418,7 @@ else
     skip "a browser is opened" "no script here"
 fi
 
-# ---- Misuse ----------------------------------------------------------------------------------------------------------
+# ---- Errors ----------------------------------------------------------------------------------------------------------
 
 fails "no scene file" 1 "none.ply: No such file" view --web none.ply
 fails "no scene" 1 "beside.txt: not a scene file" view --web beside.txt

@@ -1,6 +1,5 @@
 #!/bin/sh
-# fixsplat convert --block as a Slurm array on this machine, one task killed and requeued: the bytes of one run. Only
-# with FXS_PROCESSORS=all.
+# Runs fixsplat convert --block as a Slurm array, with one task killed and requeued. Only with FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/slurm.sh
 [ "$FXS_PROCESSORS" = all ] || { skip slurm_parts "only in make test-all"; finish; exit; }
@@ -16,7 +15,7 @@ cat >job.sh <<JOB
 [ "\$SLURM_ARRAY_TASK_ID" != 2 ] || [ -n "\$SLURM_RESTART_COUNT" ] || sleep 600
 exec $fixsplat convert scene.ply part-\$SLURM_ARRAY_TASK_ID.fxs --quiet --levels --block \$SLURM_ARRAY_TASK_ID/4
 JOB
-# In this shell, which owns the daemons.
+# Slurm's daemons must be children of the main shell.
 if slurm_start "$work/slurm" >logs/slurm; then ok "Slurm starts"; else fail "Slurm starts" "$(cat logs/slurm)"; finish; exit; fi
 job=$(sbatch --parsable --requeue --array=1-4 --output=logs/task-%a job.sh)
 check "task 2 runs" slurm_running "${job}_2"

@@ -1,7 +1,6 @@
 #!/bin/sh
-# One hash for 1 to 16 threads, with more and less memory, for every instruction set, and on processors without the
-# newer ones (qemu-x86_64, where a wrong choice is an illegal instruction; more with FXS_PROCESSORS=all).
-# ThreadSanitizer and Valgrind find nothing.
+# Checks that pictures have one hash for any number of threads, memory and instruction set. qemu-x86_64 imitates older
+# processors. Also runs ThreadSanitizer and Valgrind.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -10,7 +9,6 @@ trap 'rm -rf "$work"' EXIT
 set -- render "$work/scene.ply" --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 333x187 --hash
 expected=$("$B/fixsplat" "$@" --cpu c --threads 1)
 
-# same NAME COMMAND...: the command prints the expected hash.
 same() {
     name=$1
     shift
@@ -40,7 +38,7 @@ picture=$expected expected=$(objects --cpu c --threads 1)
 for how in '--threads 2' '--threads 7' '--threads 3 --max-memory 4800K' '--cpu sse41' '--cpu avx2' '--cpu avx512' \
     '--cpu neon'; do
     if [ "${how#--cpu}" = "$how" ] || objects $how >/dev/null 2>&1; then
-        same "objects, $how" objects $how       # instruction sets missing here were skipped above
+        same "objects, $how" objects $how
     fi
 done
 expected=$picture

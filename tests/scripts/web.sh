@@ -1,17 +1,16 @@
 #!/bin/sh
-# The npm package (docs/web.md) in Node and in a Chromium page: the command's bytes, with and without simd128, with one
-# thread and two; error messages; memory and download sizes within limits; test_kernels as a WASI program.
-# FXS_PROCESSORS=all (`make test-all`): a view of every real scene.
+# Tests the npm package in Node and in Chromium: the command's bytes, error messages, memory and download sizes.
+# FXS_PROCESSORS=all adds a view of every captured scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web
 
-# Relaxed products (fixsplat.js) need a flag in Node 20, which newer versions refuse: RELAX=$relax.
+# Node 20 needs a flag for relaxed SIMD, which newer versions refuse.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# kernels_are_exact: with precise products and with relaxed ones, as fixsplat.js inserts them.
+# test_kernels passes with precise SIMD products, and with the relaxed products that fixsplat.js inserts.
 kernels_are_exact() {
     for relaxed in '' $([ "$(RELAX=$relax web relaxed)" = true ] && echo yes); do
         RELAXED=$relaxed node --no-warnings $relax tests/web/wasi.mjs "$B/web/test_kernels.wasm" >"$work/log" 2>&1
@@ -21,7 +20,6 @@ kernels_are_exact() {
     done
 }
 
-# All bytes that fixsplat.js replaces are products.
 products_are_found() {
     for name in simd threads; do
         is=$(wasm-dis --all-features "$package/$name.wasm" 2>/dev/null | grep -c i16x8.q15mulr_sat_s)
@@ -29,8 +27,6 @@ products_are_found() {
     done
 }
 
-# same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: each module draws the picture of `fixsplat render FXS...
-# OPTION...`.
 same_picture() {
     camera=$1 options=$2 objects=$3 files=
     shift 3
@@ -56,7 +52,6 @@ threads_work() {
     return 1
 }
 
-# same_packed FILE PROFILE [MODULE...]: each module packs like `fixsplat convert`; default: threads.
 same_packed() {
     packed=$1 profile=$2
     shift 2
@@ -73,7 +68,6 @@ make_scene() {
         done
 }
 
-# same_pair LEFT RIGHT OPTIONS OPTION...: two eyes equal `fixsplat render OPTION...` side by side.
 same_pair() {
     left=$1 right=$2 options=$3
     shift 3
@@ -111,7 +105,6 @@ pick_is_the_same() {
     printf '%s' "$want" | grep -Eq "\"gaussian\": ?$number\\b" || { echo "$got, not $want"; return 1; }
 }
 
-# canvas_is_the_same PAGE THREADS: a canvas in Chromium has the same pixels, and the page THREADS threads.
 canvas_is_the_same() {
     rm -f "$work/served"
     node tests/web/serve.mjs "$package" "$knot" >"$work/served" &
@@ -129,7 +122,6 @@ canvas_is_the_same() {
     return 1
 }
 
-# Readers: every format, in one file and in several, as written by tests/test_scene_input.c, and tests/test_bombs.c.
 reader() { node --no-warnings --expose-gc tests/web/import.mjs "$package" "$@"; }
 readers() {
     mkdir "$work/formats" "$work/bombs"
@@ -163,10 +155,6 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-# KB of some features. Levels of detail: 4.3 of core, 2.6 of simd, 1.9 of threads; paged scenes: 1.4 of each. WebGPU's
-# plans: 4.7 of simd and threads. .rad: 5 of import. Up axis: 0.4 of each. Names within the folder, checks of a file's
-# beginning: 0.2 of import. Coordinates far from 0, start views, rotations by their first axis: 2.6 of core, simd and
-# threads. Sparse accessors, array names, limits, reported losses: 5.5 to 7.4 of import.
 for size in core.wasm:55800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \
     import_sog.wasm:90500 import_core.wasm:117900 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"

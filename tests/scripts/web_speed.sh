@@ -1,16 +1,15 @@
 #!/bin/sh
-# Frame times of the npm package compared with the command's by SSE4.1, in turns. Needs an idle machine.
+# Compares frame times of the npm package with those of the native command. Needs an idle machine.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web_speed
 grep -q ' sse4_1 ' /proc/cpuinfo || { skip web_speed "no SSE4.1 here to compare with"; finish; exit; }
 
-# Relaxed products (fixsplat.js) need a flag in Node 20, which newer versions refuse: RELAX=$relax.
+# Node 20 needs a flag for relaxed SIMD, which newer versions refuse.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# in_turns SCENE CAMERA SIZE OPTION...: writes milliseconds per frame of each module and of the command to `times`.
 in_turns() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
     shift 3
@@ -29,7 +28,6 @@ in_turns() {
     done >>"$work/times"
 }
 
-# table SIZE: summarises `times`. Two threads must take at most twice the native time.
 table() {
     awk -v size="$1" '
         !($2 > 0) { failed = 1 }

@@ -1,12 +1,10 @@
 #!/bin/sh
-# A Screen of the npm package (docs/web.md) in headless Chromium with SwiftShader's WebGL 2: the command's pixels, by
-# the processor and by WebGL; lost contexts, error messages, freed resources; and Splats in scenes of three.js and
-# PlayCanvas. FXS_PROCESSORS=all: every scene of shared/scenes, and all of PlayCanvas. SPEED=1 measures too.
+# Tests the npm package with WebGL 2 in headless Chromium: the command's pixels, lost contexts, errors, and Gaussians
+# in three.js and PlayCanvas. FXS_PROCESSORS=all adds every captured scene. SPEED=1 also measures speed.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgl chromium -- playcanvas puppeteer-core three
 
-# make_scene KIND COUNT
 make_scene() {
     "$B/fixsplat" make-scene "$1" --count "$2" -o "$work/$1.ply" >/dev/null &&
         "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs" >/dev/null

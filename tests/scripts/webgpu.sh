@@ -1,12 +1,10 @@
 #!/bin/sh
-# A Screen of the npm package (docs/web.md) in headless Chromium with SwiftShader's WebGPU: the command's pixels;
-# offscreen targets, the caller's textures, lost devices, error messages, freed resources. FXS_PROCESSORS=all: scenes of
-# shared/scenes, examples with other engines, and the viewer's page too.
+# Tests the npm package with WebGPU in headless Chromium: the command's pixels, offscreen targets, lost devices and
+# errors. FXS_PROCESSORS=all adds captured scenes and other engines.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core
 
-# make_scene NAME KIND COUNT OPTION...
 make_scene() {
     name=$1
     "$B/fixsplat" make-scene "$2" --count "$3" -o "$work/$name.ply" >/dev/null
@@ -34,7 +32,7 @@ if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
 fi
 asks webgpu.mjs "$B/fixsplat"
 
-# Chromium's SwiftShader for Dawn in Node, from npm's webgpu.
+# Node draws with Dawn (npm package webgpu) and the SwiftShader of Chromium.
 driver=/usr/lib/chromium/vk_swiftshader_icd.json
 in_node() {
     mkdir "$work/few" && ln -s ../few.ply "$work/few" &&

@@ -1,9 +1,9 @@
 #!/bin/sh
-# The viewer in a window on a virtual screen, driven by keys and the pointer: its screenshots equal `render`'s pictures.
+# Drives the window viewer on a virtual screen by keys and the pointer. Screenshots must equal pictures of `render`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
-XDG_STATE_HOME=$work/state                         # the list of recent scenes goes there
+XDG_STATE_HOME=$work/state
 export XDG_STATE_HOME
 server= viewer=
 trap 'kill $viewer $server 2>/dev/null; rm -rf "$work"' EXIT
@@ -33,7 +33,7 @@ check "a display that is not there: status 1" [ $status = 1 ]
 check "a display that is not there: one line" [ "$(printf '%s\n' "$nobody" | grep -c "^fixsplat: no window: .*$hint")" = 1 ]
 have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; exit; }
 
-# ---- A screen and the viewer on it -----------------------------------------------------------------------------------
+# ---- The virtual screen ----------------------------------------------------------------------------------------------
 
 Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
 server=$!
@@ -55,7 +55,6 @@ until_ 100 lines "$work/display" 1 || { fail "virtual screen" "$(cat "$work/serv
 DISPLAY=:$(cat "$work/display") SDL_VIDEODRIVER=x11 DBUS_SESSION_BUS_ADDRESS=disabled:
 export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
-# open COMMAND...: starts the viewer with the knot and $others, in the background; its window has the focus.
 others=
 open() {
     "$@" view "$work/knot.ply" $others --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
@@ -70,7 +69,6 @@ open() {
 
 titled() { xdotool getwindowname "$window" | grep -q "$1"; }
 
-# close COMMAND...: the command ends the viewer; sets $status.
 close() {
     "$@"
     until_ 200 ended || kill -KILL $viewer
@@ -79,14 +77,12 @@ close() {
     viewer=
 }
 
-# shot NAME: takes a screenshot, $work/NAME.png. The viewer prints a line when it is written.
 shot() {
     shots=$((shots + 1))
     xdotool key p
     until_ 300 lines "$work/out" $shots && mv "$work/shot.png" "$work/$1.png"
 }
 
-# same NAME ARGUMENT...: the screenshot equals `render`'s picture with these arguments.
 same() {
     name=$1
     shift
@@ -94,7 +90,6 @@ same() {
     check "$name" cmp "$work/$name.png" "$work/rendered.png"
 }
 
-# same_again NAME: the printed command makes the same picture.
 same_again() {
     command=$(tail -n 1 "$work/out")
     eval "\"\$B/fixsplat\" ${command#fixsplat }"
@@ -147,7 +142,7 @@ if open "$B/fixsplat"; then
     xdotool mousemove --window "$window" 215 160 click 1
     check "a distance" until_ 50 titled ' [0-9.]* units$'
     xdotool key m z
-    xdotool key p                                  # for depths no command is printed
+    xdotool key p                                  # depth pictures print no command
     check "a picture of depths" until_ 50 titled 'written: '
     mv "$work/shot.png" "$work/depths.png"
     check "depths show" differ focused depths
@@ -156,7 +151,7 @@ if open "$B/fixsplat"; then
     check "escape: status 0" [ $status = 0 ]
     check "not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
 fi
-"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a name that the printed command must quote
+"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a file name that must be quoted
 others="$work/cube's.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
 if open "$B/fixsplat"; then
     shot objects
@@ -171,7 +166,6 @@ others=
 
 # ---- The crop box ----------------------------------------------------------------------------------------------------
 
-# Drags the handle of the right side: 5.01,-0.2,0 seen from 0,-1,-12 at a focal length of 300 pixels.
 drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
 
 crops() {
@@ -209,7 +203,7 @@ if open "$B/fixsplat"; then
     check "a signal: status 0" [ $status = 0 ]
 fi
 
-# ---- Without a scene, or with an unreadable one ----------------------------------------------------------------------
+# ---- Missing and unreadable scenes -----------------------------------------------------------------------------------
 
 "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
 viewer=$!
@@ -220,7 +214,6 @@ xdotool windowfocus --sync "$window"
 close xdotool key p n h Escape
 check "without a scene: escape, status 0" [ $status = 0 ]
 check "without a scene: not a word" equal "$(cat "$work/out" "$work/errors" | grep -v 'no words in the window')" ""
-# reopen COMMAND...: in a window without a scene, the command opens the last scene.
 reopen() {
     "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
     viewer=$!
@@ -236,7 +229,6 @@ reopen() {
 click_first() { xdotool mousemove --window "$window" $((WIDTH / 2)) $((HEIGHT / 2 + 6)) click 1; }
 
 check "recent scenes" equal "$(cat "$work/state/fixsplat/recent")" "$work/knot.ply"
-# A damaged scene is reported in the window, which stays open.
 head -c 200 "$work/knot.ply" >"$work/cut.ply"
 echo "$work/cut.ply" >>"$work/state/fixsplat/recent"
 after_damaged() {
@@ -270,8 +262,7 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
-# Viewer and screen share one processor: a window closed while pictures are drawn must end with status 0, though its
-# wake-up event is served late.
+# The viewer and the X server share one processor. A window closed while drawing must end with status 0.
 if have taskset; then
     processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
     taskset -pc "$processor" $server >/dev/null
@@ -295,7 +286,7 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
-    xdotool key g h n x v z z m t      # not b: Mesa keeps some hundred bytes
+    xdotool key g h n x v z z m t      # key b is left out: Mesa leaks some hundred bytes
     shot checked
     xdotool key c
     sleep 1

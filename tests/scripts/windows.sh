@@ -1,7 +1,6 @@
 #!/bin/sh
-# The programs of `make windows` under wine, from their folder alone: the pictures, files and fits of Linux; the
-# server's answers; the window on a virtual screen; Windows names and errors; and the test programs that build for it.
-# Only with FXS_PROCESSORS=all (make test-all).
+# Runs the programs of `make windows` under wine: pictures, files and fits must equal those of Linux. Only with
+# FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
 compiler=${WINDOWS_CC:-x86_64-w64-mingw32-gcc}
@@ -28,7 +27,6 @@ program="$work/only this/fixsplat.exe"
 w() { "$wine" "$program" "$@"; }
 fixsplat_linux=$fixsplat
 
-# refused NAME STATUS WORDS ARGUMENT...: like `fails`, for the Windows program.
 cat >logs/windows <<END
 #!/bin/sh
 exec "$wine" "$program" "\$@"
@@ -36,7 +34,7 @@ END
 chmod +x logs/windows
 refused() { kept=$wanted fixsplat=$work/logs/windows; fails "$@"; wanted=$kept fixsplat=$fixsplat_linux; }
 
-w --version >logs/out 2>/dev/null        # creates wine's folder
+w --version >logs/out 2>/dev/null
 check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
 check "ends no line but by a line feed" equal "$(w help formats | tr -d '\r' | cksum)" "$(w help formats | cksum)"
 check "/?: help" equal "$(w /?) $(w render /?)" "$("$fixsplat" --help) $("$fixsplat" render --help)"
@@ -84,7 +82,6 @@ check "render --budget: of a file that is read in part" equal \
 mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
 check "convert lod-meta.json: the same folder" diff -r windows linux
 
-# Headers after windows.h, as Windows programs include them.
 {
     echo '#include <windows.h>'
     (cd "$root/src/include" && find fixsplat -name '*.h') | sed 's|.*|#include <&>|'
@@ -94,7 +91,6 @@ check "convert lod-meta.json: the same folder" diff -r windows linux
 } >layout.c
 check "all structs are as on Linux" $compiler -std=c11 -Wall -Werror -I"$root/src/include" -c layout.c -o layout.o
 
-# README's program, with the .dll in its folder.
 sed -n '/^```c$/,/^```$/p' "$root/README.md" | sed '/^```/d' >program.c
 mkdir dll && cp "$built"/libfixsplat-*.dll dll &&
     $compiler -std=c99 -I"$root/src/include" program.c -o dll/program.exe "$built/libfixsplat.dll.a" &&
@@ -141,7 +137,6 @@ check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
 cp -r set/images plain
 refused "fit of photographs without cameras" 1 'needs colmap, which is not installed' fit plain -o plain.fxs
 check "they are there for COLMAP" diff -r plain plain.fxs.cameras/images
-# In wine's console, Ctrl-C saves the fit.
 if have script; then
     {
         until [ "$(cat stop.log 2>/dev/null | wc -l)" -gt 1 ]; do sleep 0.2; done
@@ -158,7 +153,6 @@ fi
 
 mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply' || exit 1
 server=
-# serves PROGRAM ARGUMENT...: in the background, $server, at $at.
 serves() {
     rm -f logs/served
     "$@" >logs/served 2>logs/errors &
@@ -178,8 +172,6 @@ gone() {
     tries=0
     while get -o logs/body "$at/"; do [ $((tries += 1)) -lt 50 ] || return 1; sleep 0.1; done
 }
-# answers: prints the answer to each line of `requests` (address and curl options), with all headers except times.
-# Compressed bodies name the system in one byte.
 answers() {
     while read -r path options; do
         get $options -D logs/head -o logs/body "$at$path"
@@ -292,14 +284,12 @@ else
     fi
     gone
 
-    # A preview changes no byte; and Ctrl-C in wine's console.
     serves env -u FIXSPLAT_QUIET "$wine" "$program" fit set --steps 200 --preview --port 0 -o preview.fxs
     get -o fit.json "$at/fit.json"
     check "fit --preview: answers while it fits" grep -q '"scene": "preview.fxs", "state": "' fit.json
     wait $server
     check "fit --preview: the same file" cmp preview.fxs linux-fit.fxs
     if have script; then
-        # at_console PROGRAM'S ARGUMENTS: its address is $at; `logs/status` is written when it ends.
         at_console() {
             rm -f logs/status logs/printed
             mkfifo keys
@@ -351,7 +341,7 @@ else
     fi
 fi
 
-# ---- Names -----------------------------------------------------------------------------------------------------------
+# ---- File names ------------------------------------------------------------------------------------------------------
 
 check "a name with spaces, umlauts and an emoji" equal "$(w render 'ä ö/😀/k not.ply' --hash)" "$wanted"
 check "and with backslashes" equal "$(w render 'ä ö\😀\k not.ply' --hash)" "$wanted"
@@ -384,13 +374,12 @@ check "a whole path with the prefix" equal "$(w render "$whole\\knot.ply" --hash
 w convert knot.ply "$whole\\whole.fxs"
 check "written there too" cmp whole.fxs linux.fxs
 
-# ---- Command lines as typed in cmd -----------------------------------------------------------------------------------
+# ---- Command lines of cmd --------------------------------------------------------------------------------------------
 
 $compiler -O1 -o line.exe "$root/tests/windows/line.c" && mkdir 'a folder' many || exit 1
 for name in b.ply A.ply C.PLY 'x[1].ply'; do cp knot.ply "many/$name"; done
 cp linux.fxs many/ && cp knot.ply 'a folder/'
 mkdir -p plain-page/viewer && cp page/fixsplat.js plain-page && cp page/viewer/index.html plain-page/viewer
-# typed ARGUMENTS: passed unchanged.
 typed() {
     printf '"Z:%s" %s\n' "$(printf %s "$program" | tr / '\\')" "$1" >logs/line
     FIXSPLAT_WEB=plain-page "$wine" line.exe logs/line 2>logs/err
@@ -428,7 +417,6 @@ until_() {
 titled() { window=$(xdotool search --onlyvisible --name "$1") && [ "$window" ]; }
 lines() { [ "$(wc -l <"$1")" -ge "$2" ]; }
 
-# open TITLE ARGUMENT...: starts the window in the background, waits for this title, and gives it the focus.
 open() {
     title=$1
     shift
@@ -438,7 +426,6 @@ open() {
     xdotool windowfocus --sync "$window"
 }
 
-# shot NAME: the screenshot of key p equals the picture of the printed command on Linux.
 shot() {
     shots=$((shots + 1))
     xdotool key p
@@ -449,7 +436,6 @@ shot() {
     check "the window: $1" cmp "$1.png" shot.png
 }
 
-# close WORDS: Escape ends the window with status 0 and these words on stderr.
 close() {
     rm -f logs/status
     xdotool key Escape
@@ -475,7 +461,7 @@ else
     DISPLAY=:$(cat logs/display)
     export DISPLAY
     unset SDL_VIDEODRIVER
-    end_wine                                # restarts with the screen
+    end_wine
     fonts=$WINEPREFIX/drive_c/windows/Fonts
     rm -f "$fonts"/segoeui.ttf "$fonts"/tahoma.ttf "$fonts"/arial.ttf "$fonts"/verdana.ttf
     if open 'knot.ply - ' knot.ply --size 320x200 --screenshot shot.png; then
@@ -519,11 +505,10 @@ knot.ply"
     else
         skip "the window: Ctrl-C" "no script here"
     fi
-    # A scene dropped on the program gets a console that closes with it, so the window must show the error.
+    # A scene dropped on the program gets a console that closes at once. The window must show the error.
     (cd 'only this' && exec "$wine" start /wait fixsplat-view.exe "$whole\\short.ply") >logs/out 2>&1 &
     says_why() { titled '^fixsplat - short.ply: '; }
     check "a damaged scene that is dropped on the program: the window says why" until_ says_why
-    # The console opens later and takes the keyboard focus.
     ends() { ! says_why || { timeout 5 xdotool windowfocus --sync "$window" key Escape; false; }; }
     check "and Escape closes it" until_ ends
     end_wine
@@ -591,7 +576,6 @@ check "ended at once: nothing is left" equal "$(ls -A | grep -e killed -e 'fixsp
 
 # ---- The test programs -----------------------------------------------------------------------------------------------
 
-# Tests without their own folder use /tmp of the drive.
 cd "$root" || exit 1
 count=0
 for test in "$built"/tests/test_*.exe; do

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The viewer in a headset (docs/web.md), simulated by iwer in headless Chromium: the command's pixels in both eyes,
-# controllers, adaptive sizes, and the page before, after and on errors. FXS_PROCESSORS=all: WebGPU too.
+# Tests the viewer in a simulated headset (iwer) in headless Chromium: pixels of both eyes, controllers, errors.
+# FXS_PROCESSORS=all adds WebGPU.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs xr chromium -- puppeteer-core iwer

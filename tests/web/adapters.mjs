@@ -1,5 +1,4 @@
-// node adapters.mjs MODULES: tries sets of Chromium flags for WebGPU on a graphics card, or only FXS_WEBGPU_FLAGS.
-// Prints the adapter of each set, and the first set that finds a card.
+// node adapters.mjs MODULES: prints the WebGPU adapter of Chromium for each of several sets of flags.
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'

@@ -1,9 +1,9 @@
-// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for
-// tools/scripts/bench.sh. FOLDER caches derived scenes. PART is:
+// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail. FOLDER caches
+// derived scenes. PART is:
 // cuts: budgets compared with equal numbers of Gaussians by other programs.
-// budgets: PSNR, time and bytes of frames with falling budgets. ROUNDS of timing (5), LANDSCAPE Gaussians (10000000).
-// steps: changes between FRAMES (240) on a slow path.
-// boards: Gaussians that a board draws in a tenth of a second.
+// budgets: PSNR, time and bytes of frames with falling budgets.
+// steps: visible changes between FRAMES (240) on a slow path.
+// boards: number of Gaussians that a board draws in a tenth of a second.
 import { execFileSync, spawnSync } from 'node:child_process'
 import {
     closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,
@@ -124,7 +124,6 @@ const against = (whole, frames) => summary(frames.map((frame, i) => psnr(frame, 
 const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.ply`, to =>
     run('node', `${modules}/splat-transform-3/bin/cli.mjs`, '-q', '-w', '-g', 'cpu', scene.source, mode, count, to))
 
-// Keeps the Gaussians with the largest opacity * mean projected area.
 const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to => {
     const bytes = readFileSync(scene.source), end = bytes.indexOf('end_header\n') + 11
     const text = bytes.toString('latin1', 0, end)
@@ -280,7 +279,7 @@ const steps = () => {
 }
 
 const [STEPS, KNOT] = [8, 100000]
-// instructions a second, from docs/boards.md
+// instructions per second of each board (docs/boards.md)
 const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]
 
 const boards = () => {
@@ -309,7 +308,7 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    let [low, high] = [1, 200]                      // bisection for ten frames a second, in chunks of 256 Gaussians
+    let [low, high] = [1, 200]                      // bisects the number of chunks of 256 Gaussians
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

@@ -1,6 +1,5 @@
-// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm package by the bundlers
-// in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures. WORK has
-// scene.ply.
+// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm package by each bundler
+// in MODULES. Each must draw the command's pictures in Chromium. `all`: also without cross-origin isolation.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'

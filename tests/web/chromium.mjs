@@ -1,4 +1,4 @@
-// Shared by page.mjs, every.mjs and xr.mjs: a server, headless Chromium, and the viewer in a page.
+// Shared by page tests: a server, headless Chromium, and the viewer in a page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
@@ -20,9 +20,9 @@ const KINDS = {
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** functions that change a package file's text on its way to the page, by file name */
+/** functions that change a served file, by file name */
 export const changes = {}
-/** state of the scene server: bytes sent, seconds for an answer, ETag, changes of answers */
+/** state of the scene server: bytes sent, delay in seconds, ETag, changes of answers */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
 export const policy = { text: '' }
 const SLOW = 1500

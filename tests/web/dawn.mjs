@@ -1,6 +1,5 @@
-// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: checks and measures WebGPU in Node by Dawn
-// (npm package webgpu). VK_DRIVER_FILES chooses a driver, such as Chromium's vk_swiftshader_icd.json. FRAMES: frames
-// for the median (7). PICTURES: folder for the drawn pictures.
+// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: checks and times WebGPU in Node, by Dawn.
+// VK_DRIVER_FILES chooses a driver. FRAMES: frames for the median (7). PICTURES: folder for pictures.
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'

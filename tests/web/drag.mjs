@@ -1,5 +1,5 @@
-// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene, and prints the
-// sizes, times and rate of the pictures. EVENT: name of the event `frame` in old packages.
+// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene in the viewer,
+// and prints sizes and times of the pictures. EVENT: name of the event `frame` in old packages.
 import { go, page, pause, still, inside, run } from './chromium.mjs'
 
 const [seconds = 60, scene = 'real/snowmiku/snowmiku.ply', size = '800x450'] = process.argv.slice(7)

@@ -1,5 +1,4 @@
-// Shared by three.mjs and playcanvas.mjs: meshes as walls in front of, amid and behind splats, and pages of
-// docs/examples.
+// Shared by three.mjs and playcanvas.mjs: meshes as walls before, amid and behind splats.
 import assert from 'node:assert/strict'
 import { mkdirSync, writeFileSync } from 'node:fs'
 import { base, frame, hashOf, work } from './screens.mjs'

@@ -1,4 +1,4 @@
-// node import.mjs PACKAGE WORD ARGUMENT...: checks the readers and `load` for tests/scripts/web.sh.
+// node import.mjs PACKAGE WORD ARGUMENT...: checks the scene readers of the npm package for tests/scripts/web.sh.
 import assert from 'node:assert/strict'
 import { File } from 'node:buffer'
 import { once } from 'node:events'
@@ -65,13 +65,12 @@ const words = {
       await refused(files.filter((file) => file.name === name), /cannot be opened|needs the file|no .* beside/)
   },
 
-  // A damaged or truncated file gives an error message or a scene.
   async hurt(...paths) {
     for (const path of paths) {
       const bytes = new Uint8Array(readFileSync(path))
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
-        if (path.endsWith('.splat') && end % 32 === 0) continue       // a .splat file of whole records is valid
+        if (path.endsWith('.splat') && end % 32 === 0) continue
         // an .spz file is valid without the extension data at its end
         if (path.endsWith('.spz') && end >= bytes.length - 12) continue
         await refused(bytes.slice(0, end), /./)
@@ -96,7 +95,6 @@ const words = {
     await refused(join(root, 'instances.glb'), beyond)
   },
 
-  // Argument ROOT: file names in a streamed SOG's indexes that lead out of the folder are not fetched.
   async names(root) {
     const asked = []
     const serve = (request, answer) => {
@@ -141,7 +139,6 @@ const words = {
     other.close()
   },
 
-  // Argument SOG: loading the file from a slow server times out, and can be cancelled.
   async slow(sog) {
     const bytes = readFileSync(sog)
     const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
@@ -184,7 +181,7 @@ const words = {
     server.closeAllConnections()
   },
 
-  // Arguments PLY FXS: endless answers of a server, and answers that claim 2 GB, are refused by their first bytes.
+  // Arguments PLY FXS. Server answers that are endless or claim 2 GB are refused at once.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),

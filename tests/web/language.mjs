@@ -1,4 +1,4 @@
-// node language.mjs VIEWER: checks that the language tables have all texts of the viewer, and no others.
+// node language.mjs VIEWER: checks that the translations have exactly the texts of the viewer.
 import assert from 'node:assert/strict'
 import { readdirSync, readFileSync } from 'node:fs'
 import { resolve } from 'node:path'

@@ -38,8 +38,6 @@ async function started(scene, module) {
 }
 
 const words = {
-  // Arguments MODULE CAMERA OPTIONS OBJECTS SCENE...: prints the hash of a picture. OBJECTS are placements, in the
-  // order of the scenes.
   async hash(module, camera, options, objects, ...files) {
     const scenes = []
     for (const file of files) scenes.push(await load(file, modules[module]))
@@ -48,7 +46,6 @@ const words = {
     console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
   },
 
-  // Arguments MODULE FILE LEFT RIGHT OPTIONS OUT: writes the pictures of two eyes side by side.
   async stereo(module, file, left, right, text, out) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -59,7 +56,6 @@ const words = {
     writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
   },
 
-  // Arguments MODULE FILE CAMERA OPTIONS FOLDER: writes coverage.raw, ids.raw, depth.pfm and mean.pfm like the command.
   async targets(module, file, camera, text, folder) {
     const options = JSON.parse(text)
     const scene = await load(file, modules[module])
@@ -287,7 +283,6 @@ const words = {
     assert.equal(before, 256 * Math.ceil(scene.count / 256))
   },
 
-  // Arguments ADDRESS CAMERA OPTIONS: prints the hash of the complete picture of a streamed scene.
   async parts(address, camera, options) {
     const scene = await load(address)
     assert.equal(scene.paged, true)
@@ -296,7 +291,6 @@ const words = {
     scene.free()
   },
 
-  // Arguments FILE CAMERA OPTIONS X Y: prints the same as `fixsplat render --pick --json`.
   async pick(file, camera, options, x, y) {
     const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))
     console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
@@ -322,12 +316,10 @@ const words = {
     console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
   },
 
-  // Arguments FILE PROFILE [MODULE]: writes the packed scene to standard output.
   async pack(file, profile, module) {
     process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
-  // Arguments MODULE FILE CAMERA WIDTH HEIGHT: prints the smallest of the times of twelve frames, in milliseconds.
   async speed(module, file, camera, width, height) {
     const scene = await load(file, modules[module])
     await started(scene, module)

@@ -349,7 +349,7 @@ const tests = {
     await still()
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
-    // A camera without roll keeps the viewer's up direction; a camera with roll defines it.
+    // A camera without roll keeps the viewer's up direction. A camera with roll defines it.
     const readCamera = (camera) =>
       inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')

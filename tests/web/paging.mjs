@@ -1,4 +1,4 @@
-// node paging.mjs PACKAGE SCENE HASH: checks streamed scenes. HASH is of the command's picture with CAMERA and OPTIONS.
+// node paging.mjs PACKAGE SCENE HASH: checks streamed scenes. HASH is the hash of the command's picture.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'

@@ -1,5 +1,4 @@
-// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: measures a streamed scene from a server of RATE bytes a
-// second: the first picture, a walk of FRAMES pictures, and frames without missing chunks.
+// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: times a scene streamed at RATE bytes per second.
 import { fork } from 'node:child_process'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'

@@ -1,5 +1,5 @@
-// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other viewers. MADE
-// is the folder of landscape.ply.
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other web viewers.
+// MADE has landscape.ply.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -16,8 +16,8 @@ const [WIDTH, HEIGHT] = [1280, 720]
 const STEP = 2
 const LEAST_FRAMES = 8
 const MOTION_MS = 12000
-const QUIET_MS = 6000 // a viewer has finished after these milliseconds without a frame
-const SAME = 1 // pictures with at most this mean difference, of 255, count as equal
+const QUIET_MS = 6000
+const SAME = 1 // equal pictures differ by at most 1 of 255 on average
 
 // Views in scene axes, with y down.
 const VIEWS = {
@@ -37,7 +37,7 @@ function turned({ eye, look, fov }, degrees) {
   return { eye: [look[0] + c * x + s * z, look[1] + y, look[2] - s * x + c * z], look, fov }
 }
 
-/** supersplat-viewer has y up, the scene turned by 180 degrees about z, and the horizontal field of view. */
+/** Converts a view for supersplat-viewer: y up, and a horizontal field of view. */
 function settingsOf(view) {
   const half = Math.tan((view.fov * Math.PI) / 360)
   const across = (360 / Math.PI) * Math.atan((half * WIDTH) / HEIGHT)
@@ -176,8 +176,7 @@ function processorTime(root) {
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/** Records the time of each picture in `peer.frames` and, while `peer.small` is true, the picture at 160x90. A WebGL
-    frame is complete once a pixel has been read back. */
+/** Reading back a pixel completes a WebGL frame. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {

@@ -1,5 +1,4 @@
-// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks the page of `fixsplat fit SET --preview`. Runs in SET/.. and
-// leaves page.fxs there.
+// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks the page of `fixsplat fit SET --preview`.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { once } from 'node:events'

@@ -1,11 +1,11 @@
-// A test server of one file in ranges, with a limited rate and simulated faults.
+// A test server of one file with byte ranges, limited rate and simulated faults.
 import { createReadStream, openSync, readSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
 /** faults({ first, end, count }, request) returns changes of an answer: { status, headers, bytes (a function of the
-    right bytes), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay (milliseconds) }. */
+   right bytes), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay (milliseconds) }. */
 export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
   const file = openSync(path)
   const { size } = statSync(path)

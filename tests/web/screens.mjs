@@ -1,5 +1,4 @@
-// node TEST.mjs PACKAGE WORK MODULES COMMAND [1]. Shared by webgl.mjs and webgpu.mjs: a server, code run in its pages,
-// and frames that a Screen must draw like the command.
+// Shared by webgl.mjs and webgpu.mjs: a server, code run in pages, and frames to compare with the command.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'

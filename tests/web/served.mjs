@@ -1,5 +1,4 @@
-// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks the pages of `fixsplat view --web FOLDER`. FOLDER has
-// knot.ply and a damaged bad.ply.
+// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks the pages of `fixsplat view --web FOLDER`.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { renameSync, rmSync, writeFileSync } from 'node:fs'

@@ -1,5 +1,5 @@
-// node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: checks that a page written by `fixsplat publish --single` shows
-// its scene from file://, without requests.
+// node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: checks that a page of `fixsplat publish --single` works from
+// file://.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createRequire } from 'node:module'

@@ -1,7 +1,7 @@
-// Runs the reader of Spark (@sparkjsdev/spark) on a .rad file, without a browser.
-// node spark.mjs MODULES decode FILE.rad OUT.ply: writes a .ply with SH; of a tree, the leaves.
-// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the nodes, at most SPLATS, that Spark would draw of
-// a tree. VIEW is a position X,Y,Z, or a position and the camera's axes (right, down, ahead).
+// Reads .rad files with the reader of Spark (@sparkjsdev/spark), without a browser.
+// node spark.mjs MODULES decode FILE.rad OUT.ply: writes all Gaussians, or the leaves of a tree.
+// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the tree nodes that Spark would draw, at most
+// SPLATS. VIEW is a position X,Y,Z, optionally with the camera's axes.
 import { readFileSync, writeFileSync } from 'node:fs'
 
 const [modules, command, file, ...rest] = process.argv.slice(2)
@@ -36,7 +36,7 @@ const half = bits => {
     return bits >> 15 & 1 ? -value : value
 }
 
-// Quaternion x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle.
+// Unpacks a quaternion x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle.
 const rotation = bits => {
     let x = (bits & 1023) / 511.5 - 1, y = (bits >> 10 & 1023) / 511.5 - 1
     const z = 1 - Math.abs(x) - Math.abs(y), fold = Math.max(-z, 0), angle = (bits >>> 20) / 4095 * Math.PI / 2
@@ -72,8 +72,7 @@ const row = (i, opacity) => {
         Math.log(alpha / (1 - alpha)), ...scale, w, x, y, z]
 }
 
-// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place; here at
-// most 64.
+// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place.
 const rows = i => {
     const code = half(first[4 * i + 3] & 65535), d = Math.min(4 * code - 3, 5)
     if (!tree || code <= 1) return [row(i, code)]

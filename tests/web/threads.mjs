@@ -116,7 +116,6 @@ const cases = {
     isRight(scene)
   },
 
-  // A thread with a stack of 16 bytes accesses memory out of bounds in its first job.
   async 'a thread that traps'() {
     const small = class extends workers.Worker {
       constructor(url, options) {

@@ -83,7 +83,7 @@ put('film.json', { ...TOUR, tracks: [{ name: 'Around', keys: ends }] })
 
 const tests = {
   async 'annotations: markers, their captions and links, by buttons and keys'() {
-    policy.text = POLICY // the strict Content-Security-Policy of docs/web.md
+    policy.text = POLICY
     await open(WITH('tour.json'))
     policy.text = ''
     near(await numbersOf(), [0, 0, -9, 0, 0, 0, 0, -1, 0, 40])
@@ -160,7 +160,7 @@ const tests = {
     assert.deepEqual(await outside(), [[], false])
     const arrows = () => inside(`return ['earlier', 'later', 'linkTo'].map((id) => $(id).checkVisibility())`)
     assert.deepEqual(await arrows(), [true, true, true])
-    await inside(`v.settings = '/scenes/one.json'`) // React sets the property `settings` in this way
+    await inside(`v.settings = '/scenes/one.json'`)
     await until('v.annotations.length === 1')
     await inside('await v.goTo(0)')
     assert.deepEqual(await arrows(), [false, false, true])
@@ -226,7 +226,7 @@ const tests = {
   async 'settings of supersplat-viewer, version 2 and 1'() {
     put('theirs.json', THEIRS)
     await open(WITH('theirs.json'))
-    // Scenes of supersplat-viewer are turned about z; fov is the field of view of the longer side.
+    // Settings of supersplat-viewer have y up; fov is the field of view of the longer side.
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)

@@ -1,5 +1,5 @@
-// node types.mjs TARBALL MODULES PAGE_MODULES [all]: compiles the code of port/web/README.md, docs/web.md and
-// bundlers/types.tsx with strict TypeScript. `all`: also with Node's module resolution, and with React 18.
+// node types.mjs TARBALL MODULES PAGE_MODULES [all]: compiles the documented code of the npm package with strict
+// TypeScript. `all`: more settings.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { dirname, join, resolve } from 'node:path'

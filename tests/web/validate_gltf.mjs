@@ -1,5 +1,4 @@
-// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's glTF validator, except unknown names of
-// the extension.
+// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's glTF validator, except unknown names.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { resolve } from 'node:path';

@@ -5,8 +5,7 @@ export const VIEWS = {
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// Returns a function that draws from an eye and waits for the device. The scene at `url` is turned by 180 degrees about
-// x.
+// JavaScript source for each viewer. The code returns a function that draws from an eye and waits for the GPU.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]
@@ -67,7 +66,6 @@ export const VIEWERS = {
     }`,
 }
 
-/** Source of a function that measures the milliseconds of frames while the camera goes around the scene. */
 export const measureText = (name, scene) => `
   const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}
   const [x, y, z] = eye.map((e, i) => e - look[i])

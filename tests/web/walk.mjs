@@ -3,8 +3,7 @@ import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
 
-// A yard for walking, with the floor at y = 0 and up as -y: a ramp and a platform at the right, a wall at the left, a
-// hole between.
+// A yard with the floor at y = 0 and up as -y: a ramp and a platform at the right, a wall at the left, a hole between.
 const RAMP = { left: 1, right: 3, from: 1, slope: 0.3, top: 4 }
 const WALL = { z: 3, right: -0.5, tall: 2 }
 const HOLE = { x: [-0.3, 0.4], z: [0.4, 1.1], deep: 6 }
@@ -12,7 +11,7 @@ const rise = (x, z) =>
   x < RAMP.left || x > RAMP.right ? 0 : RAMP.slope * Math.max(0, Math.min(z, RAMP.top) - RAMP.from)
 
 function yard() {
-  const points = [] // position and ln(scale) of each Gaussian
+  const points = []
   const [flat, thin] = [Math.log(0.05), Math.log(0.004)]
   const isHole = (x, z) => x > HOLE.x[0] && x < HOLE.x[1] && z > HOLE.z[0] && z < HOLE.z[1]
   for (let i = 0; i < 80; i++)
@@ -33,7 +32,7 @@ function yard() {
 
 const start = [2, -1.2, 0.4]
 const YARD = `?scene=/scenes/yard.ply&eye-height=1&background=%230e1116#view=${start},2,-1.2,9,0,-1,0,60`
-const above = ([x, y, z]) => -y - rise(x, z) // height above the ground, ignoring the hole
+const above = ([x, y, z]) => -y - rise(x, z)
 const near = (a, b, most, words) => assert.ok(Math.abs(a - b) <= most, `${words}: ${a}, not ${b}`)
 const eye = () => inside('return v.camera.eye')
 
@@ -232,7 +231,7 @@ async function two() {
 }
 
 const OFTEN = [ground, walls, holes]
-const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, which run only with FXS_PROCESSORS=all
+const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, only with FXS_PROCESSORS=all
 
 export const walking = {
   async 'walking: on the ground and up a ramp; walls stop, holes do not; with all, gamepads and a stick for the thumb'() {

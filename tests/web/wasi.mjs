@@ -1,4 +1,4 @@
-// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: with relaxed products, as in fixsplat.js.
+// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: with relaxed SIMD products.
 import { readFileSync } from 'node:fs'
 import { WASI } from 'node:wasi'
 

@@ -1,4 +1,4 @@
-// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks a Screen with WebGL 2; 1: also measures its speed.
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks drawing with WebGL 2 by the class Screen; 1: also times it.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'

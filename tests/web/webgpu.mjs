@@ -1,4 +1,4 @@
-// node webgpu.mjs PACKAGE WORK MODULES COMMAND: checks a Screen for tests/scripts/webgpu.sh.
+// node webgpu.mjs PACKAGE WORK MODULES COMMAND: checks drawing with WebGPU by the class Screen.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'

@@ -1,6 +1,5 @@
-// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: measures WebGPU frames of fixsplat,
-// PlayCanvas and three.js, in turns. Defaults: the scene guitar at 1280x720. FXS_WEBGPU_FLAGS: flags of Chromium.
-// FRAMES: frames for the median (7).
+// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: times WebGPU frames of fixsplat,
+// PlayCanvas and three.js, in turns. FRAMES: frames for the median (7).
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
@@ -14,7 +13,7 @@ const KINDS = { js: 'text/javascript', mjs: 'text/javascript', wasm: 'applicatio
 const MAP = { three: '/modules/three/build/three.webgpu.js', 'three/webgpu': '/modules/three/build/three.webgpu.js',
   'three/tsl': '/modules/three/build/three.tsl.js', 'three/addons/': '/modules/three/examples/jsm/',
   playcanvas: '/modules/playcanvas/build/playcanvas.min.mjs', fixsplat: '/fixsplat.js' }
-const FRAMES = Number(process.env.FRAMES ?? 7) // number of measured frames, after two warm-up frames
+const FRAMES = Number(process.env.FRAMES ?? 7)
 const [width, height] = size.split('x').map(Number)
 
 const PAGE = `<!doctype html><style>body { margin: 0 }</style><canvas width="${width}" height="${height}"></canvas>

@@ -10,10 +10,10 @@ import {
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 
-const [width, height] = [320, 160] // size of the picture of both eyes together
-const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a view with one unit for a metre
+const [width, height] = [320, 160]
+const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50'
 
-/** Runs in the page before its script: simulates a headset with diverging eyes and a controlled clock. */
+/** Simulates a headset with diverging eyes and a controlled clock, before the page's script runs. */
 function prepare() {
   const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.0625, visibilityMask: null })
   device.installRuntime({ forceInstall: true })
@@ -56,8 +56,6 @@ function prepare() {
   }
 }
 
-/** Simulates a phone with one view, and AR sessions that find surfaces: a wall close by, and level surfaces at given
-    heights. */
 function prepareRoom() {
   const { test } = window
   Object.assign(test, { isPhone: false, heights: [0], finds: true, hasFloor: true, hasPage: true, asked: [] })
@@ -148,7 +146,6 @@ async function leave() {
   await until(`!v.hasAttribute('headset')`)
 }
 
-/** Moves the head and hands, and turns them left and up by degrees. */
 const pose = (position, left = 0, up = 0) =>
   inside(
     `test.device.position.set(...args[0]);
@@ -168,7 +165,6 @@ const frames = (body, ...args) =>
   inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
   frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
-/** Presses, moves and releases fingers or controllers that point left and up by angles. */
 const drag = (...fingers) =>
   inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
     const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])
@@ -236,8 +232,7 @@ function direction(left, up) {
 }
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
-/** Converts a vector of the room to the placed scene. When the scene was placed, the page's camera looked along z
-    with y down, and the person at `eye` looked at `foot`. */
+/** Converts a vector of the room to the scene. When the scene was placed, the person at `eye` looked at `foot`. */
 function inScene([x, y, z], eye, foot, turn, units) {
   const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
   const [c, s] = [Math.cos(turn), Math.sin(turn)]
@@ -247,7 +242,7 @@ function inScene([x, y, z], eye, foot, turn, units) {
 
 const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[i] + scene.high[i]) / 2))
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
-const TABLE = 2 * longest // units a metre: the longest side of the scene is half a metre
+const TABLE = 2 * longest // scene units per metre: the longest side becomes half a metre
 
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
@@ -400,7 +395,7 @@ const tests = {
     await inside(`test.run(1); test.gl.getExtension('WEBGL_lose_context').loseContext()`)
     await until(`!v.hasAttribute('headset') && !$('error').hidden`)
     assert.match(await inside(`return $('words').textContent`), /headset: its graphics context was lost/)
-    faults.length = 0                 // iwer asks the lost context for its clear colour, which is an error
+    faults.length = 0                 // iwer reads the clear colour of the lost context, which is an error
     await inside(`$('closeError').click()`)
     await enter()
     await settle()
@@ -450,7 +445,7 @@ const tests = {
     const most = far.reduce((a, b) => Math.max(a, b))
     const same = (100 * far.filter((one) => one <= 0.5).length) / far.length
     console.log(`  over a colour ${same.toFixed(2)} % are the page's bytes, the others at most ${most.toFixed(2)} away`)
-    assert.ok(most <= 1.5, `${most}`) // tolerance for three roundings: of the colour, of the coverage, and of the page
+    assert.ok(most <= 1.5, `${most}`)
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
@@ -524,7 +519,7 @@ const tests = {
     await check(EYE, LOOKS, 0)
     await settle()
     assert.ok(Buffer.compare(await pixels(), packaged(await cameras(), { alpha: true })) === 0)
-    await pose(EYE, 0, 0) // iwer's next space starts at the pose of the device
+    await pose(EYE, 0, 0) // iwer starts its next reference space at the device's pose
     await drawn()
     await leave()
     await inside('test.hasFloor = false')
@@ -581,7 +576,7 @@ const tests = {
     await page.setUserAgent('Mozilla/5.0 (X11; Linux x86_64; Quest 3) OculusBrowser/35.0 Chrome/126.0')
     await page.goto(`${base.replace('127.0.0.1', 'far.test')}/viewer/index.html?scene=/scenes/scene.ply`)
     await still()
-    faults.length = 0 // the browser warns that such a page is not isolated
+    faults.length = 0
     assert.equal(await inside('return isSecureContext'), false)
     await inside(`$('headset').click()`)
     await until(`/https/.test($('words').textContent)`)

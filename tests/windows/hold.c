@@ -1,4 +1,4 @@
-/* hold FILE: keeps a file open that nobody else may write, until standard input ends. Says "held" when it is so. */
+/* hold FILE: locks a file against other writers until standard input ends. Prints "held" once the file is locked. */
 #include <stdio.h>
 #include <windows.h>
 

@@ -1,4 +1,5 @@
-/* line FILE: runs the first line of a file as a command, its quotes as they are, as cmd does; ends with its status. */
+/* line FILE: runs the first line of a file as a command line, with unchanged quotes. Exits with the command's
+   status. */
 #include <stdio.h>
 #include <string.h>
 #include <windows.h>

@@ -1,6 +1,5 @@
-/* wheel DLL SCENE CAMERAS DECLARATIONS: loads the library as the Python package does, and draws a scene by the first
-   camera of a file with the calls of the package, in its order: prints their names and the picture's hash, as
-   tests/python/calls.py. What the library declares is written to the last file. */
+/* wheel DLL SCENE CAMERAS DECLARATIONS: calls the library as the Python package does. Draws a scene, and prints the
+   called functions and the picture's hash. Writes the library's declarations to the last file. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,7 +55,6 @@ static int write_text(const char *path, const char *text)
     return file && !fclose(file) ? result : -1;
 }
 
-/* As Renderer.draw, without a byte that says when to stop. */
 static void draw(const fxs_object *object, const fxs_camera *camera, fxs_targets *targets)
 {
     fxs_message message;

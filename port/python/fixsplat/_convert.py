@@ -198,7 +198,7 @@ def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, prog
             call("fxs_scene_writer_put", writer[0], batch, n)
             done += n
     except BaseException:
-        # An unfinished writer removes its file.
+        # Closing an unfinished writer removes its file.
         lib.fxs_scene_writer_close(writer[0], report, NULL, NULL, new("fxs_message"))
         raise
     call("fxs_scene_writer_close", writer[0], report, stream.calls.progress, NULL)

@@ -21,7 +21,7 @@ Progress = Optional[Callable[[float], object]]
 
 AXES = {"file": lib.FXS_AXES_OF_FILE, "rub": lib.FXS_AXES_RUB, "rdf": lib.FXS_AXES_RDF}
 
-# Columns of an fxs_gaussian read as floats: the first of each field, and their total number.
+# An fxs_gaussian read as floats: first column of each field, and the total number of columns.
 POSITION, SCALE, ROTATION, OPACITY, SH = (ffi.offsetof("fxs_gaussian", name) // 4
                                           for name in ("position", "scale", "rotation", "opacity", "dc"))
 FLOATS = ffi.sizeof("fxs_gaussian") // 4

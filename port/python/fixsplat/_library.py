@@ -217,7 +217,7 @@ class Calls:
                 signal.signal(signal.SIGINT, lambda number, frame: self._call(handler, number, frame))
                 self._handler = handler
             except ValueError:
-                pass                        # not the main thread of the main interpreter, which gets the signals
+                pass                        # only the main thread of the main interpreter gets signals
         return self
 
     def __exit__(self, *_: object) -> None:

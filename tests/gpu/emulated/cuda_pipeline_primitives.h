@@ -1,4 +1,4 @@
-/* Asynchronous copies; here they happen at once. */
+/* Emulates CUDA's asynchronous copies with immediate copies. */
 #ifndef EMULATED_PIPELINE_H
 #define EMULATED_PIPELINE_H
 

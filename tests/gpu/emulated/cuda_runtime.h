@@ -1,7 +1,6 @@
-/* The part of CUDA that kernels/cuda needs, emulated on a processor; ptx.h has what C++ lacks. Threads of a block are
- * coroutines that take turns, the lanes of a warp meet at collective operations, and blocks run one after another.
- * Streams are queues that advance in random order, so work that misses a wait for an event comes too early. Device
- * memory starts with garbage. */
+/* Emulates CUDA on a processor, as far as kernels/cuda needs it. Threads of a block are coroutines, and blocks run
+ * one after another. Streams are queues that advance in random order, to expose missing waits. Device memory starts
+ * with garbage. */
 #ifndef EMULATED_CUDA_RUNTIME_H
 #define EMULATED_CUDA_RUNTIME_H
 
@@ -17,7 +16,7 @@
 #define __host__
 #define __device__
 #define __global__
-#define __shared__ static          /* blocks run one after the other */
+#define __shared__ static          /* blocks run one after another, so one copy is enough */
 #define __grid_constant__
 #define __noinline__ __attribute__((noinline))
 #define __launch_bounds__(...)
@@ -52,18 +51,17 @@ inline uint4 make_uint4(uint32_t x, uint32_t y, uint32_t z, uint32_t w)
     return {x, y, z, w};
 }
 
-/* ---- Where threads meet ------------------------------------------------------------------------------------------ */
+/* ---- Meetings of threads ----------------------------------------------------------------------------------------- */
 
 namespace emulated {
 
 enum { SHARED_BYTES = 256 << 10 };
-extern unsigned char shared[SHARED_BYTES];             /* of the block; garbage at first */
+extern unsigned char shared[SHARED_BYTES];             /* shared memory of the running block; starts with garbage */
 
-/* Waits for the lanes of the mask. Returns the value of each. */
+/* Waits until all lanes of the mask have called meet. Returns the value of each lane. */
 const uint64_t *meet(uint32_t lanes, uint64_t own);
 
-/* Waits for this many threads of the block at a barrier (0: for all that still run). Returns the sum of their
-   values. */
+/* Waits for `threads` threads of the block; 0: all running threads. Returns the sum of their values. */
 uint32_t meet_block(uint32_t barrier, uint32_t threads, uint32_t own);
 
 inline uint32_t lane()
@@ -239,7 +237,6 @@ inline float __int_as_float(int x)
     return emulated::from_bits<float>(emulated::to_bits(x));
 }
 
-/* Rounded down. */
 float __fmaf_rd(float a, float b, float c);
 float __fadd_rd(float a, float b);
 
@@ -320,7 +317,7 @@ T atomicCAS(T *at, If x, By by)
     return change_atomically(at, [&](T was) { return was == (T)x ? (T)by : was; });
 }
 
-/* ---- The runtime ------------------------------------------------------------------------------------------------- */
+/* ---- The CUDA runtime API ---------------------------------------------------------------------------------------- */
 
 enum cudaError_t {
     cudaSuccess = 0,

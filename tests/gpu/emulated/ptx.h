@@ -1,4 +1,4 @@
-/* Replaces kernels/cuda/ptx.cuh with C++. */
+/* Replaces the inline PTX of kernels/cuda/ptx.cuh with C++. */
 #ifndef FXS_CUDA_PTX_CUH
 #define FXS_CUDA_PTX_CUH
 

@@ -1,4 +1,4 @@
-/* The implementation of cuda_runtime.h. */
+/* Implements the emulated CUDA of cuda_runtime.h: coroutines, streams and memory. */
 #include <fenv.h>
 #include <setjmp.h>
 #include <ucontext.h>
@@ -36,7 +36,6 @@ struct coroutine {
     bool has_begun, has_ended;
 };
 
-/* The lanes of a mask that have arrived, their values, and the values of the last complete meeting. */
 struct lanes_meeting {
     uint32_t here;
     uint64_t times, coming[32], all[32];
@@ -50,8 +49,8 @@ struct block_meeting {
 coroutine threads[THREADS_MOST];
 jmp_buf scheduler;
 uint32_t now, alive;
-bool has_moved;                            /* since every thread last had a turn */
-lanes_meeting warps[THREADS_MOST / 32];     /* meetings of all lanes */
+bool has_moved;                            /* 1: a thread has moved in the current round */
+lanes_meeting warps[THREADS_MOST / 32];     /* one meeting per warp */
 std::map<uint32_t, lanes_meeting> parts_of_warps[THREADS_MOST / 32];
 block_meeting barriers[BARRIERS];
 const std::function<void()> *body;
@@ -69,7 +68,6 @@ void end_meeting(block_meeting *m)
     m->times++;
 }
 
-/* A coroutine: runs one thread of each block in turn. */
 void run_threads()
 {
     for (;;) {
@@ -184,10 +182,9 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 struct event {
-    uint64_t recorded, done, time;         /* records queued, records done, time of the last */
+    uint64_t recorded, done, time;         /* records queued, records executed, time of the last record */
 };
 
-/* Work, or a wait for the n-th record of an event. */
 struct operation {
     std::function<void()> work;
     event *awaited;
@@ -204,7 +201,7 @@ stream default_stream;
 std::vector<stream *> streams = {&default_stream};
 uint64_t chance = 1, steps;
 
-/* Runs the next operation of a random stream that may go on. Returns false if none may. */
+/* Runs the next operation of a random stream. Returns false if every stream is blocked. */
 bool take_step()
 {
     std::vector<stream *> ready;
@@ -328,7 +325,6 @@ cudaError_t cudaPointerGetAttributes(cudaPointerAttributes *attributes, const vo
     return cudaSuccess;
 }
 
-/* Pageable memory is read at once. */
 cudaError_t cudaMemcpy2DAsync(void *to, size_t to_pitch, const void *from, size_t from_pitch, size_t width,
                               size_t height, cudaMemcpyKind, cudaStream_t stream)
 {
@@ -481,7 +477,6 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp *properties, int)
     return cudaSuccess;
 }
 
-/* Limits of the GPU: EMULATED_PROCESSORS, its multiprocessors; EMULATED_SHARED, KiB of shared memory a block. */
 cudaError_t cudaDeviceGetAttribute(int *value, int attribute, int)
 {
     *value = attribute == cudaDevAttrMultiProcessorCount ? setting("EMULATED_PROCESSORS", 3)

@@ -1,11 +1,11 @@
-# Sourced by the test scripts: prints one line for each check, and the totals at the end.
+# Sourced by the test scripts. Prints one line for each check, and the totals at the end.
 passed=0 failed=0 skipped=0
 
 ok() { echo "ok $1"; passed=$((passed + 1)); }
 fail() { echo "FAIL $1: $2"; failed=$((failed + 1)); }
 skip() { echo "skip $1: $2"; skipped=$((skipped + 1)); }
 
-# check NAME COMMAND...: the command must succeed; its output is shown on failure.
+# check NAME COMMAND...: the command must succeed. Its output is shown on failure.
 check() {
     name=$1
     shift

@@ -1,5 +1,4 @@
-# Sourced after check.sh by scripts that run the command: sets $fixsplat, $scenes, $helper and a working folder $work,
-# and defines checks of a run.
+# Sourced after check.sh by scripts that run the command. Sets $fixsplat, $scenes, $helper and $work.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -11,13 +10,12 @@ mkdir logs
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
-# Runs the command: sets $status, writes logs/out and logs/err.
+# Sets $status, and writes logs/out and logs/err.
 run() {
     "$fixsplat" "$@" >logs/out 2>logs/err
     status=$?
 }
 
-# succeeds NAME ARGUMENT...: exit 0, empty stderr.
 succeeds() {
     name=$1
     shift
@@ -25,8 +23,8 @@ succeeds() {
     if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
 }
 
-# fails NAME STATUS WORDS ARGUMENT...: this exit status, empty stdout, and one line on stderr that matches WORDS (a
-# regular expression).
+# fails NAME STATUS WORDS ARGUMENT...: exit status STATUS, and one line on stderr that matches the regular expression
+# WORDS.
 fails() {
     name=$1 wanted=$2 words=$3
     shift 3
@@ -39,14 +37,12 @@ fails() {
     fi
 }
 
-# psnr_of SCENE ORIGINAL OPTION...: the mean PSNR, or "equal".
 psnr_of() {
     scene=$1 original=$2
     shift 2
     "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
 }
 at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
-# looks_as FILE ORIGINAL FLOOR OPTION...: the mean PSNR must reach FLOOR.
 looks_as() {
     file=$1 like=$2 floor=$3
     shift 3
@@ -54,7 +50,6 @@ looks_as() {
     [ "$got" = equal ] || at_least "$got" "$floor"
 }
 says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
-# gaussians FILE COUNT DEGREE: checks the scene's count and SH degree.
 gaussians() {
     "$fixsplat" info "$1" --json | grep -q "\"gaussians\": $2, \"packed\": $2, \"sh_degree\": $3," && return
     "$fixsplat" info "$1"

@@ -1,7 +1,7 @@
-/* To be preloaded. FAULT_AT=N: allocation N since the start of main fails, and with FAULT_EVER=1 all later ones.
-   FAULT_KILL=N: the Nth call of rename kills the process. FAULT_LOG=FILE: logs calls of fsync and rename, and at the
-   end the number of allocations. libwebp's own allocations never fail: the encoder of libwebp 1.2.4 writes through
-   an unchecked one. */
+/* A library for LD_PRELOAD that simulates faults. FAULT_AT=N: allocation N fails. FAULT_EVER=1: all later
+   allocations fail too. FAULT_KILL=N: the Nth call of rename kills the process. FAULT_LOG=FILE: logs fsync and
+   rename, and the number of allocations. Allocations of libwebp 1.2.4 never fail, because their results are not all
+   checked. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -23,7 +23,7 @@ void *__libc_memalign(size_t alignment, size_t size);
 static long calls, fails_at;
 static int fails_ever;
 
-static uintptr_t webp_start, webp_end;     /* code of libwebp; 0 without it */
+static uintptr_t webp_start, webp_end;     /* address range of libwebp's code; 0: not loaded */
 
 static int find_webp(struct dl_phdr_info *object, size_t size, void *unused)
 {
@@ -88,7 +88,7 @@ static int counted_main(int argc, char **argv, char **environment)
     return own_main(argc, argv, environment);
 }
 
-/* Replaces main, so that allocations of library constructors are not counted. */
+/* Replaces main, to skip the allocations of library constructors. */
 int __libc_start_main(main_function *program, int argc, char **argv, void (*init)(void), void (*fini)(void),
                       void (*linker_fini)(void), void *stack_end)
 {

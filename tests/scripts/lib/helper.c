@@ -1,7 +1,8 @@
-/* helper hash FILE: prints the FNV-1a 64 hash of the file. helper peak COMMAND...: runs it, and prints its peak
-   memory in KiB. helper signal NUMBER COMMAND...: sends the signal once a temporary file exists, and prints how the
-   command ended. helper hang PORT COUNT COMMAND...: runs it while COUNT connections to 127.0.0.1 send unfinished
-   requests. */
+/* Tools for the test scripts:
+     helper hash FILE                       prints the FNV-1a 64 hash of the file
+     helper peak COMMAND...                 runs COMMAND and prints its peak memory in KiB
+     helper signal NUMBER COMMAND...        sends the signal once a temporary file exists; prints how COMMAND ended
+     helper hang PORT COUNT COMMAND...      runs COMMAND while COUNT connections send unfinished requests */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
 #include <glob.h>
@@ -44,7 +45,7 @@ static int peak(char **command)
     return status != 0;
 }
 
-/* Restores the signal's default, since background jobs of a shell ignore SIGINT. */
+/* Restores the signal's default action, since background jobs of a shell ignore SIGINT. */
 static int end_by(int number, char **command)
 {
     int status, ended = 0;
@@ -81,8 +82,8 @@ static int hang(int port, int count, char **command)
         const int s = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
         setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
         if (connect(s, (const struct sockaddr *)&to, sizeof to))
-            break;   /* the server's limit */
-        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);   /* may fail if the server closed it */
+            break;
+        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);
     }
     const pid_t child = fork();
     int status;

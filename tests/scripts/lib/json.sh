@@ -1,6 +1,5 @@
-# Sourced after check.sh.
 
-# keys FILE KEY...: the file must be one JSON object with these keys (a.b: b inside of a).
+# keys FILE KEY...: the file must be one JSON object with these keys. a.b is b inside of a.
 keys() {
     file=$1
     shift

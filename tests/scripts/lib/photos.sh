@@ -1,7 +1,5 @@
-# Sourced after command.sh.
 
-# make_photographs COUNT: renders a knot from COUNT views around it, 64x48, into a COLMAP folder `set` with
-# random points.
+# make_photographs COUNT: renders a knot from COUNT views around it, 64x48, into a COLMAP folder `set`.
 make_photographs() {
     "$fixsplat" make-scene knot --count 3000 -o knot.ply || exit 1
     mkdir -p set/sparse/0 set/images

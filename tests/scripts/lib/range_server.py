@@ -65,7 +65,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             del headers["Content-Range"]
         if way == "longer":
             body += b"and more"
-        if way == "slow":                                        # two bytes a second
+        if way == "slow":                                        # sends two bytes per second
             self.send_response(206)
             for name, value in {**headers, "Content-Length": str(len(body))}.items():
                 self.send_header(name, value)

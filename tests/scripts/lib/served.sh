@@ -1,6 +1,6 @@
-# For tests of the server. The caller defines `get` (curl) and `at` (the address).
+# For tests of the server. The caller defines `get` (curl) and `at` (the server's address).
 
-# ready NUMBER [STATE [VERSION]]: waits up to 30 seconds until a scene has this state.
+# ready NUMBER [STATE [VERSION]]: waits up to 30 seconds until a scene has the state.
 ready() {
     tries=0
     until get "$at/scenes/$1.json" | grep -q "\"state\": \"${2:-ready}\", \"version\": ${3:+$3,}"; do

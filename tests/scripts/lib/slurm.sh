@@ -1,14 +1,11 @@
-# Sourced after check.sh: a Slurm of this machine alone, for tests that are started by root. It lies in a folder of its
-# own, on ports of 127.0.0.1, with processors as this machine has them; its daemons are in the test's process group.
+# Runs a private Slurm cluster on the local machine, for tests started by root.
 #
-#     slurm_lacks             prints what keeps Slurm from running here; nothing: it can
-#     slurm_start FOLDER      starts munged, slurmctld and slurmd in this new folder, and waits until jobs can run;
-#                             else prints why and returns 1. Exports SLURM_CONF, so sbatch, squeue, scancel and
-#                             scontrol know it
+#     slurm_lacks             prints why Slurm cannot run; prints nothing if it can
+#     slurm_start FOLDER      starts Slurm's daemons, exports SLURM_CONF, and waits until jobs can run
 #     slurm_running TASK      waits until a task (JOB_INDEX, or JOB) runs
-#     slurm_wait JOB          waits until no task of a job is pending or running, at most $slurm_limit seconds (300)
-#     slurm_states JOB        the states of its tasks, "0 COMPLETED", a line each, up to 300 s after its end
-#     slurm_stop              ends all jobs and the three daemons; for the trap of the test. Twice is allowed
+#     slurm_wait JOB          waits up to $slurm_limit seconds (300) for the end of a job
+#     slurm_states JOB        prints the states of the job's tasks, such as "0 COMPLETED"
+#     slurm_stop              ends all jobs and the daemons
 
 slurm_pids= slurm_folder=
 
@@ -19,7 +16,7 @@ slurm_lacks() {
     [ "$(id -u)" = 0 ] || echo "Slurm's daemons are started by root"
 }
 
-# slurm_write PORT: writes slurm.conf. Credentials expire early, because a requeued task waits for that.
+# Credentials expire early, because a requeued task waits for the expiry.
 slurm_write() {
     node=$(hostname -s)
     cat >"$slurm_folder/slurm.conf" <<END
@@ -51,13 +48,11 @@ PartitionName=all Nodes=$node Default=YES MaxTime=INFINITE State=UP
 END
 }
 
-# slurm_daemon NAME ARGUMENT...: runs it in the foreground, as a child of this shell.
 slurm_daemon() {
     "$@" >>"$slurm_folder/$1.log" 2>&1 </dev/null &
     slurm_pids="$! $slurm_pids"
 }
 
-# slurm_until SECONDS COMMAND...: repeats the command until it succeeds.
 slurm_until() {
     tries=$(($1 * 5))
     shift
@@ -80,7 +75,6 @@ slurm_start() {
     slurm_daemon munged -F --force --key-file="$slurm_folder/munge.key" --socket="$slurm_folder/munge.socket" \
         --pid-file="$slurm_folder/munge.pid" --seed-file="$slurm_folder/munge.seed"
     munged=$!
-    # Ports differ between parallel tests; a port may still be taken.
     for port in $((20000 + $$ % 5000 * 2)) $((40000 + $$ % 5000 * 2)); do
         slurm_write $port
         slurm_until 20 test -S "$slurm_folder/munge.socket" || break

@@ -1,18 +1,17 @@
-# Sourced after check.sh by scripts that build a test program in many ways. $work: the script's folder.
+# Sourced after check.sh by scripts that build a test program in many ways.
 flags='-std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g0'
 flags="$flags -I$PWD/src/include -I$PWD"
 variants=
 
 links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
 
-# variant NAME COMMAND [EMULATOR]: adds a program, built as $work/NAME; % in the command stands for that path.
+# variant NAME COMMAND [EMULATOR]: adds a program, built as $work/NAME. % in COMMAND stands for that path.
 variant() {
     echo "$2" | sed "s|%|$work/$1|g" >"$work/$1.build"
     echo "$3 $work/$1" >"$work/$1.run"
     variants="$variants $1"
 }
 
-# Builds and runs all variants, two at a time. Variants that print random frames must print the same as the first.
 run_variants() {
     printf '%s\n' $variants | xargs -P 2 -I NAME sh -c "
         sh '$work/NAME.build' >'$work/NAME.log' 2>&1 && sh '$work/NAME.run' >'$work/NAME.log' 2>&1

@@ -1,4 +1,4 @@
-# Sourced by the tests of the web port (docs/web.md), after check.sh.
+# Sourced after check.sh by the tests of the web port (docs/web.md).
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -7,8 +7,7 @@ modules=${NODE_MODULES:-$B/page/node_modules}
 package=$B/web/package
 [ "${B#/}" = "$B" ] && package=$PWD/$package
 
-# needs NAME PROGRAM... [-- MODULE...]: skips the script if a program or module is missing, or one that the package
-# needs.
+# needs NAME PROGRAM... [-- MODULE...]: skips the script if a program or npm module is missing.
 needs() {
     name=$1 missing= kind=program
     shift
@@ -28,13 +27,12 @@ needs() {
     exit
 }
 
-# builds GOAL...: makes the package and other goals silently; only one script builds at a time.
+# builds GOAL...: makes the package and other goals. A lock lets only one script build at once.
 builds() {
     said=$(flock "$B/web.lock" make -s B="$B" web "$@" 2>&1 | grep -v '^built without')
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
-# at_most BYTES FILE...: limits the sum of the gzipped sizes; each file is compressed alone, as for sending.
 at_most() {
     limit=$1 bytes=0 names=
     shift
@@ -46,7 +44,6 @@ at_most() {
     [ "$bytes" -le "$limit" ] || { echo "$bytes bytes gzipped, more than $limit"; return 1; }
 }
 
-# asks FILE ARGUMENT...: runs the checks of tests/web/FILE.
 asks() {
     file=$1
     shift
@@ -55,7 +52,6 @@ asks() {
     counts
 }
 
-# counts: prints the output of the checks, and counts its ok and FAIL lines.
 counts() {
     cat "$work/asked"
     passed=$((passed + $(grep -c '^ok ' "$work/asked"))) failed=$((failed + $(grep -c '^FAIL ' "$work/asked")))

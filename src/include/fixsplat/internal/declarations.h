@@ -1,5 +1,4 @@
-/* The declarations of the public headers as text, for languages that call C through declarations (cffi of Python, FFI
- * of LuaJIT).
+/* The declarations of the public headers as text, for languages that call C through declarations.
  *
  * Not stable: may change with every version. */
 #ifndef FXS_DECLARATIONS_H
@@ -11,11 +10,10 @@
 extern "C" {
 #endif
 
-/* All structs, functions and constants of this library as preprocessed C: one static text, generated from the headers
-   of the library's build (tools/scripts/declarations.sh). */
+/* Returns all structs, functions and constants of the library as preprocessed C, in static memory. */
 FXS_API const char *fxs_declarations(void);
 
-/* An fxs_stop_fn: stops the frame once the byte at `byte` is nonzero. Another thread or a signal handler may set it. */
+/* An fxs_stop_fn that stops a frame once the byte is nonzero. Any thread or signal handler may set the byte. */
 FXS_API int fxs_stop_by_byte(void *byte);
 
 #ifdef __cplusplus

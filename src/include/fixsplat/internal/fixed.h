@@ -1,18 +1,17 @@
-/* Integer arithmetic of the stages before the pixel. m * 2^-32 below is a mantissa: m in [2^31, 2^32), or [2^30, 2^32)
- * where the exponent must be even. Error bounds are shown in docs/numbers.md and checked by tests/test_fixed.c. */
+/* Integer arithmetic of the stages before blending. m * 2^-32 is a mantissa: m is in [2^31, 2^32), or in [2^30,
+ * 2^32) where the exponent must be even. docs/numbers.md derives the error bounds. */
 #ifndef FXS_FIXED_H
 #define FXS_FIXED_H
 
 #include <stdint.h>
 
-/* Prefetches a cache line. */
 #if defined(__GNUC__)
 #define FXS_PREFETCH(address) __builtin_prefetch(address)
 #else
 #define FXS_PREFETCH(address) ((void)0)
 #endif
 
-/* A flag that several jobs read and write; it orders no other memory access. */
+/* Relaxed atomic access to a flag that several threads share. */
 #if defined(__GNUC__)
 #define FXS_SHARED_READ(x) __atomic_load_n(&(x), __ATOMIC_RELAXED)
 #define FXS_SHARED_WRITE(x, to) __atomic_store_n(&(x), to, __ATOMIC_RELAXED)
@@ -21,7 +20,7 @@
 #define FXS_SHARED_WRITE(x, to) (*(volatile int *)&(x) = (to))
 #endif
 
-/* Leading zeros; x above 0. */
+/* x must be above 0. */
 static inline int fxs_clz32(uint32_t x)
 {
 #if defined(__CUDA_ARCH__)
@@ -41,7 +40,7 @@ static inline int fxs_clz64(uint64_t x)
     return x >> 32 ? fxs_clz32((uint32_t)(x >> 32)) : 32 + fxs_clz32((uint32_t)x);
 }
 
-/* Trailing zeros; x above 0. */
+/* x must be above 0. */
 static inline int fxs_ctz32(uint32_t x)
 {
     return 31 - fxs_clz32(x & -x);
@@ -60,7 +59,7 @@ typedef struct fxs_scale {
     int32_t exponent;
 } fxs_scale;
 
-/* scale_q32 above 0. */
+/* scale_q32 must be above 0. */
 static inline fxs_scale fxs_scale_of(int64_t scale_q32)
 {
     const int zeros = fxs_clz64((uint64_t)scale_q32);
@@ -68,10 +67,10 @@ static inline fxs_scale fxs_scale_of(int64_t scale_q32)
     return scale;
 }
 
-/* High half of the product. */
+/* Returns the high half of the 64-bit product. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {
-#if defined(__CUDA_ARCH__)         /* otherwise nvcc adds 0 to the half of a product */
+#if defined(__CUDA_ARCH__)         /* saves an instruction with nvcc */
     uint32_t high;
     asm("{ .reg .b32 low; .reg .b64 whole; mul.wide.u32 whole, %1, %2; mov.b64 {low, %0}, whole; }"
         : "=r"(high) : "r"(a), "r"(b));
@@ -81,10 +80,10 @@ static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 #endif
 }
 
-/* a * b + c, in full. */
+/* Returns the exact 64-bit a * b + c. */
 static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 {
-#if defined(__CUDA_ARCH__)         /* otherwise nvcc widens both factors to 64 bits if one was unsigned */
+#if defined(__CUDA_ARCH__)         /* nvcc would widen both factors to 64 bits */
     int64_t sum;
     asm("mad.wide.s32 %0, %1, %2, %3;" : "=l"(sum) : "r"(a), "r"(b), "l"(c));
     return sum;
@@ -93,10 +92,10 @@ static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 #endif
 }
 
-/* x * 2^-shift, rounded down; shift is 0 or more, also above 31. */
+/* x * 2^-shift, rounded down. shift is 0 or more, also above 31. */
 static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 {
-#if defined(__CUDA_ARCH__)         /* the device's shifts accept any number */
+#if defined(__CUDA_ARCH__)         /* CUDA's shift instruction accepts any count */
     uint32_t left;
     asm("shr.u32 %0, %1, %2;" : "=r"(left) : "r"(x), "r"(shift));
     return left;
@@ -105,7 +104,7 @@ static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 #endif
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift in 1..62. */
+/* x * 2^-shift, rounded to nearest, halves up. shift in 1..62. */
 static inline int64_t fxs_round_shift(int64_t x, int shift)
 {
     return ((x >> (shift - 1)) + 1) >> 1;
@@ -116,9 +115,8 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* 2^62 / m, in [2^30, 2^31); m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three
-   times. A product over 2^30 is computed as the high half of the product of the doubled factors; the factors are below
-   2^31. */
+/* 2^62 / m, in [2^30, 2^31); m in [2^31, 2^32). Newton's method from 48/17 - 32/17 x (error 1/17), three times: y' =
+   y (2 - x y). fxs_mulhi of doubled factors below 2^31 gives a product over 2^30. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);
@@ -127,8 +125,8 @@ static inline uint32_t fxs_reciprocal(uint32_t m)
     return y_q30;
 }
 
-/* 1 / sqrt(m * 2^-32), Q30, in [2^30 - 1024, 2^31); m in [2^30, 2^32). Newton from 2.2 - 1.333 x (error 1/8):
-   y' = y (3 - x y^2) / 2, three times; relative error below 2^-19. */
+/* 1 / sqrt(m * 2^-32), Q30, in [2^30 - 1024, 2^31); m in [2^30, 2^32). Newton's method from 2.2 - 1.333 x (error
+   1/8), three times: y' = y (3 - x y^2) / 2. Relative error below 2^-19. */
 static inline uint32_t fxs_rsqrt(uint32_t m)
 {
     uint32_t y_q30 = 2369829601u - fxs_mulhi(m, 1431655765u);
@@ -139,7 +137,7 @@ static inline uint32_t fxs_rsqrt(uint32_t m)
     return y_q30;
 }
 
-/* sqrt(x), to within 1 part in 2^18, then rounded down. */
+/* sqrt(x), rounded down after a relative error of at most 2^-18. */
 static inline uint32_t fxs_sqrt(uint32_t x)
 {
     if (!x)
@@ -149,7 +147,7 @@ static inline uint32_t fxs_sqrt(uint32_t x)
     return fxs_mulhi(m, fxs_rsqrt(m)) >> (14 + shift / 2);
 }
 
-/* 2^-f, Q15, in (2^14, 2^15]; f_q15 in 0..32767. Quartic, relative error below 2^-13. */
+/* 2^-f, Q15, in (2^14, 2^15]; f_q15 in 0..32767. Polynomial of degree 4, relative error below 2^-13. */
 static inline int32_t fxs_exp2_q15(int32_t f_q15)
 {
     int32_t p = (256 * f_q15 + 16384) >> 15;
@@ -159,7 +157,7 @@ static inline int32_t fxs_exp2_q15(int32_t f_q15)
     return 32768 + p;
 }
 
-/* log2(x), Q16; x above 0. log2(1 + t) = t (1 + (1 - t) q(t)), q a cubic, absolute error below 2^-12. */
+/* log2(x), Q16; x above 0. log2(1 + t) = t (1 + (1 - t) q(t)) with a cubic q, absolute error below 2^-12. */
 static inline int32_t fxs_log2_q16(uint64_t x)
 {
     int n = fxs_clz64(x);

@@ -1,5 +1,5 @@
-/* Faster versions of the stages, for the instruction sets of several processors, chosen at run time. They give the same
- * bytes as the plain C versions.
+/* Faster versions of the rendering stages, chosen at run time for the processor's instruction sets. All versions give
+ * the same bytes as plain C.
  *
  *     static fxs_kernels fastest;
  *     fxs_kernels_choose(&fastest, fxs_cpu_detect());
@@ -17,21 +17,21 @@ extern "C" {
 enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
     FXS_CPU_AVX2 = 2,
-    FXS_CPU_AVX512 = 4,            /* F, BW, DQ, VL, CD and VBMI */
+    FXS_CPU_AVX512 = 4,            /* AVX-512 F, BW, DQ, VL, CD and VBMI */
     FXS_CPU_NEON = 8,
     FXS_CPU_MVE = 16,              /* Helium, on Cortex-M */
     FXS_CPU_CORTEX_M = 32,         /* Cortex-M without Helium */
     FXS_CPU_SIMD128 = 64           /* WebAssembly */
 };
 
-/* The instruction sets of this processor, flags of enum fxs_cpu. */
+/* Returns the instruction sets of the running processor, as flags of enum fxs_cpu. */
 FXS_API unsigned fxs_cpu_detect(void);
 
-/* The name of one flag, such as "avx2"; null for any other value. */
+/* Returns the name of one flag, such as "avx2", or null for any other value. */
 FXS_API const char *fxs_cpu_name(unsigned flag);
 
-/* Fills in *kernels: for each stage the best version for the instruction sets in `cpu` (flags of enum fxs_cpu) that this
-   processor has, else the plain C version. */
+/* Fills in *kernels with the fastest version of each stage, for the instruction sets in `cpu` that the running
+   processor has. The default is plain C. */
 FXS_API void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Reports an error of a function outside the core: a code, and one line of text for the user (fxs_message).
+/* Reports errors of functions outside the core as a code and one line of text for the user (fxs_message).
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_MESSAGE_H
@@ -20,19 +20,18 @@ extern "C" {
 #define FXS_PRINTF(text, first)
 #endif
 
-/* Writes a printf-formatted text, cut to fit, and sets bytes_needed to 0. Returns FXS_ERR_FILE, so that a reader can
-   `return fxs_fail(...)`. Control characters, which may come from a file, become question marks. */
+/* Writes a printf-formatted text, truncated to fit, and sets bytes_needed to 0. Control characters become question
+   marks. Returns FXS_ERR_FILE, for `return fxs_fail(...)`. */
 FXS_API int fxs_fail(fxs_message *message, const char *format, ...) FXS_PRINTF(2, 3);
 
-/* fxs_fail that returns `error`. */
+/* Like fxs_fail, but returns `error`. */
 FXS_API int fxs_fail_as(int error, fxs_message *message, const char *format, ...) FXS_PRINTF(3, 4);
 
-/* Writes "PATH: out of memory", or only "out of memory" if `path` is null. Sets bytes_needed to `bytes`, the memory
-   that would be enough, or 0 if unknown. Returns FXS_ERR_MEMORY. */
+/* Writes "PATH: out of memory", or "out of memory" if `path` is null. Sets bytes_needed to `bytes`, the memory that
+   would suffice, or 0 if unknown. Returns FXS_ERR_MEMORY. */
 FXS_API int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes);
 
-/* Writes "PATH: " and the text of strerror for the errno `number`. Returns FXS_ERR_MEMORY for ENOMEM, else
-   FXS_ERR_FILE. */
+/* Writes "PATH: " and strerror of the errno `number`. Returns FXS_ERR_MEMORY for ENOMEM, else FXS_ERR_FILE. */
 FXS_API int fxs_fail_errno(fxs_message *message, const char *path, int number);
 
 #ifdef __cplusplus

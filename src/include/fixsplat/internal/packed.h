@@ -1,48 +1,49 @@
-/* The packed scene: what an importer writes and the renderer reads in place, in memory or from a mapped .fxs file.
- * Little-endian on every processor, aligned to 64. docs/format.md has it byte by byte.
+/* The packed scene: the layout of a scene that the renderer reads in place, in memory or from a mapped .fxs file. All
+ * numbers are little-endian, and the scene is aligned to 64 bytes. docs/format.md specifies every byte.
  *
  *   fxs_packed_header                      192 bytes
- *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
- *   int8_t palette[stages][entries][48]    SH, 0 to 6 stages: red, green, blue of 16 (the last of them 0); then zeros
- *                                          up to a multiple of 64
- *   rows[chunk_count]                      chunk_bytes each, as below; in version 5 the end of the scene
+ *   fxs_chunk[chunk_count]                 128 bytes per chunk of 256 Gaussians: origin and steps of its codes
+ *   int8_t palette[stages][entries][48]    SH palette, 0 to 6 stages: 16 coefficients of each channel, the last
+ *                                          of each 0; zeros pad the palette to a multiple of 64 bytes
+ *   rows[chunk_count]                      the Gaussians' codes, chunk_bytes per chunk; version 5 ends here
  *
- * and in version 6 a tree over these chunks, its leaves (chunk_count is 2 or more):
+ * Version 6 adds a level-of-detail tree. The chunks above, 2 or more, are the tree's leaves.
  *
  *   fxs_tree_header                        64 bytes
- *   fxs_node[chunk_count - 1]              16 bytes each; the root first; then zeros up to a multiple of 64
- *   fxs_chunk[chunk_count - 1]             each node's chunk of coarse Gaussians, which stand for all leaves below it
- *   rows[chunk_count - 1]                  the rows of each node's chunk
+ *   fxs_node[chunk_count - 1]              16 bytes per node, root first; zeros pad the nodes to a multiple of 64 bytes
+ *   fxs_chunk[chunk_count - 1]             each node's chunk of coarse Gaussians, which replace all leaves below it
+ *   rows[chunk_count - 1]                  the codes of the nodes' chunks
  *
- * A chunk's rows are one of:
+ * Rows of a chunk, by profile:
  *
  *   default
  *       uint16_t x[256], y[256], z[256]    position codes
- *       uint32_t rotation[256]             the rotation word: X and Y of the first axis, then the roll about it
+ *       uint32_t rotation[256]             rotation word: X and Y of the first axis, then the roll about the first axis
  *       uint32_t scale[256]                scale codes: first axis in bits 9..0, second in 19..10, half of the third in
  *                                          28..20; lowest bits of r, g, b in 29, 30, 31
- *       uint32_t colour[256]               the 8 upper bits of r in bits 7..0, of g and b above; opacity in 31..24
+ *       uint32_t colour[256]               upper 8 bits of r in bits 7..0, of g in 15..8, of b in 23..16; opacity in
+ *                                          31..24
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
  *
  *   compact: as default, except
- *       uint8_t  sh[256][8, 13 or 21]      degree 1, 2, 3: a signed index for each of three palettes, a gain, then 3 K
- *                                          codes of 3 bits, two's complement, red first, low bits of a byte first
+ *       uint8_t  sh[256][8, 13 or 21]      degree 1, 2, 3: three signed palette indices, a gain, then 3 K codes of 3
+ *                                          bits, two's complement, red first, low bits of a byte first
  *
- *   small: shorter codes. Each is extended to the length in default by repeating its high bits below.
+ *   small: shorter codes. Repeated high bits extend each code to its length in profile default.
  *       uint32_t a[256]                    x in bits 10..0, y in 21..11, opacity in 31..24
  *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25
- *       uint32_t c[256]                    scale codes of the first axis in bits 6..0, the second in 13..7, the third in
- *                                          19..14; bits 31..20 of the rotation word in the same bits
+ *       uint32_t c[256]                    scale codes: first axis in bits 6..0, second in 13..7, third in 19..14;
+ *                                          bits 31..20 of the rotation word in the same bits
  *       uint8_t  d[256]                    bits 19..12 of the rotation word; bits 11..10 are in 23..22 of a, bit 9 in
  *                                          bit 31 of b, the rest is 0
- *       uint8_t  sh[256][4 or 6]           degree 1, and 2 to 3: signed index in each of as many palettes
+ *       uint8_t  sh[256][4 or 6]           4 signed palette indices for degree 1, 6 for degrees 2 and 3
  *
- *   A signed index: the entry in bits 6..0; bit 7: its coefficients change sign.
+ *   Signed palette index: entry in bits 6..0; bit 7 negates the entry.
  *
- * Each row has 256 numbers, so a vector loads 16, 32 or 64 neighbours at once. Chunks are the leaves of a k-d tree, in
- * its order; chunks near the viewer are small in space. In an empty slot all codes except SH are 0; a Gaussian never has
- * rotation word 0 and opacity 0. Slots behind the last Gaussian are empty. Empty slots before it are holes: a chunk far
- * out may hold few Gaussians. */
+ * A row has 256 numbers, so a vector loads 16, 32 or 64 neighbours at once. Chunks are the leaves of a k-d tree. Chunks
+ * near the viewer are small in space. An empty slot has code 0 everywhere except in SH; a Gaussian never has both
+ * rotation word 0 and opacity 0. The slots after the last Gaussian are empty. Empty slots before the last Gaussian are
+ * holes, from chunks with few Gaussians far out. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
 
@@ -55,71 +56,69 @@ extern "C" {
 #endif
 
 #define FXS_CHUNK 256
-#define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 5u             /* without a tree */
-#define FXS_PACKED_VERSION_TREE 6u        /* with a tree */
+#define FXS_PACKED_MAGIC 0x31535846u      /* the bytes "FXS1" */
+#define FXS_PACKED_VERSION 5u             /* version of files without a level-of-detail tree */
+#define FXS_PACKED_VERSION_TREE 6u        /* version of files with a level-of-detail tree */
 #define FXS_PACKED_ANTIALIASED 1u
-#define FXS_PACKED_UP 0x80000000u       /* the up vector is stored in the bits below: docs/format.md, fxs_start_of */
+#define FXS_PACKED_UP 0x80000000u       /* flag: the lower bits store the up vector (docs/format.md) */
 
-typedef struct fxs_packed_header {   /* 192 bytes */
+typedef struct fxs_packed_header {   /* size: 192 bytes */
     uint32_t magic, version;
-    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, holes included */
-    uint32_t chunk_bytes;            /* bytes of the rows of a chunk */
+    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, including empty slots */
+    uint32_t chunk_bytes;            /* bytes of a chunk's rows */
     uint32_t sh_degree;
-    uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP with its bits */
-    uint32_t checksum;               /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
-    int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
-    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part: docs/format.md */
-    uint32_t profile;                /* enum fxs_profile */
-    uint32_t palette_entries;        /* entries per stage, 1 to 128; 0: no palette */
+    uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP */
+    uint32_t checksum;               /* in a file: CRC-32 of the header with checksum 0; in memory: 0 */
+    int64_t low_q32[3], high_q32[3];               /* bounds of the Gaussians' centres; unused by the renderer */
+    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part of the scene: docs/format.md */
+    uint32_t profile;
+    uint32_t palette_entries;        /* palette entries per stage, 1 to 128; 0: no palette */
     uint32_t palette_step_q19;       /* palette coefficient = number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
-    uint32_t holes;                  /* empty slots before the last Gaussian */
-    uint32_t start_tangent_q24;      /* start view (start.h): tangent of half the vertical field of view; 0: none */
+    uint32_t holes;                  /* number of empty slots before the last Gaussian */
+    uint32_t start_tangent_q24;      /* start view: tangent of half the vertical field of view; 0: none */
     int64_t start_q32[3];            /* start view: camera centre */
-    int32_t start_rotation_q30[4];   /* start view: unit quaternion w, x, y, z of the rotation, world to camera */
+    int32_t start_rotation_q30[4];   /* start view: unit quaternion w, x, y, z, world to camera */
 } fxs_packed_header;
 
-#define FXS_COLOUR_MOST 511        /* the largest code of a base colour */
+#define FXS_COLOUR_MOST 511        /* largest code of a base colour */
 
-/* Opacity of code c. Law 0: c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2 for c > 0, and 0 for
-   c = 0. The higher laws give fine steps to chunks of faint Gaussians. */
+/* Opacity of code c. Law 0: c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2 for c > 0, and 0
+   for c = 0. Higher laws give finer steps for chunks of faint Gaussians. */
 #define FXS_OPACITY_LAWS 4u
 
-typedef struct fxs_chunk {           /* 128 bytes */
+typedef struct fxs_chunk {           /* size: 128 bytes */
     int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
-    int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32; finest for large sigmas */
+    int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32 */
     int32_t colour_q16[3];
     uint32_t colour_step_q20[3];     /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
-    uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, and of the chunk's rows */
-    uint16_t sh_step_q19[3];         /* default: a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
-    uint16_t step_shift;             /* 0 to 12 */
-    uint16_t scale_step_q24;         /* at most 1026 */
-    uint16_t opacity_law;            /* 0 to 3 */
-    int8_t sh_mean[48];              /* compact and small: mean SH, as a palette entry; added to each Gaussian's SH */
+    uint32_t checksum;               /* in a file: CRC-32 of the chunk header with checksum 0, and of its rows */
+    uint16_t sh_step_q19[3];         /* profile default: SH coefficient of degree d = code * sh_step[d - 1] */
+    uint16_t step_shift;             /* step_shift is 0 to 12 */
+    uint16_t scale_step_q24;         /* scale_step_q24 is at most 1026 */
+    uint16_t opacity_law;            /* opacity_law is 0 to 3 */
+    int8_t sh_mean[48];              /* compact, small: mean SH, added to each Gaussian's SH */
 } fxs_chunk;
 
-#define FXS_TREE_MAGIC 0x54535846u        /* "FXST" */
+#define FXS_TREE_MAGIC 0x54535846u        /* the bytes "FXST" */
 
-typedef struct fxs_tree_header {     /* 64 bytes */
+typedef struct fxs_tree_header {     /* size: 64 bytes */
     uint32_t magic;
-    uint32_t node_count;             /* chunk_count - 1 */
-    uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, then of the nodes with
-                                        the zeros behind them */
-    uint32_t reserved[13];           /* 0 */
+    uint32_t node_count;             /* equals chunk_count - 1 */
+    uint32_t checksum;               /* in a file: CRC-32 of the tree header with checksum 0, nodes and padding */
+    uint32_t reserved[13];           /* must be 0 */
 } fxs_tree_header;
 
-/* A node's chunk replaces both its children. Chunk numbers: the leaves from 0 on, then the nodes; node i has number
-   chunk_count + i. A node comes before its children. */
-typedef struct fxs_node {            /* 16 bytes */
-    uint32_t children[2];            /* numbers of chunks */
-    int16_t gain_q8;                 /* log2 of the squared error that drawing the children removes, colours^2 units^2 */
-    int16_t size_q8;                 /* log2 of the sigma of the differences between the node's chunk and its children,
-                                        units */
-    int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of its Gaussians, units^2 */
-    uint16_t swell_q8;               /* log2 of the sum of opacities of the leaves below (each 1/255.5 or more) over the
-                                        sum of the node's own */
+/* A node of the level-of-detail tree. The node's chunk of coarse Gaussians replaces both children's chunks. Leaves
+   have the chunk numbers from 0 on; node i has number chunk_count + i. A node comes before its children. */
+typedef struct fxs_node {            /* size: 16 bytes */
+    uint32_t children[2];            /* chunk numbers of both children */
+    int16_t gain_q8;                 /* log2 of the squared error that the children remove, colours^2 units^2 */
+    int16_t size_q8;                 /* log2 of the sigma of the differences to the children, units */
+    int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of the node's Gaussians, units^2 */
+    uint16_t swell_q8;               /* log2(opacity sum of all leaves below, each 1/255.5 or more, over the node's
+                                        own sum) */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)
@@ -130,8 +129,8 @@ typedef struct fxs_node {            /* 16 bytes */
 #define FXS_BIG_ENDIAN 0
 #endif
 
-/* Converts `count` numbers of `size` bytes, from `offset` on, between little-endian and this processor's byte order, in
-   either direction. */
+/* Converts `count` numbers of `size` bytes between little-endian and the processor's byte order, from byte `offset`
+   on. */
 static inline void fxs_little_endian(void *start, size_t offset, size_t count, size_t size)
 {
     unsigned char *bytes = (unsigned char *)start + offset;
@@ -161,13 +160,10 @@ static inline uint64_t fxs_little_64(uint64_t x)
     return x;
 }
 
-/* Checks that the functions below convert every field. A scene header has 8 fields of 32 bits, 12 of 64, 6 of 32, 3 of
-   64 and 4 of 32; a chunk header 3 of 64 bits, 11 of 32, 6 of 16, and 48 bytes. */
 typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 6 + 8 * 3 + 4 * 4 &&
                                      sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 &&
                                      sizeof(fxs_tree_header) == 64 && sizeof(fxs_node) == 16 ? 1 : -1];
 
-/* Converts a copy of a header, after it was read from a packed scene or before it is written there. */
 static inline void fxs_packed_header_turn(fxs_packed_header *header)
 {
     fxs_little_endian(header, 0, 8, 4);
@@ -200,7 +196,7 @@ static inline int fxs_within(int64_t x, int64_t limit)
     return x >= -limit && x <= limit;
 }
 
-/* 1 if every field is in its range of docs/format.md for a chunk, else 0. */
+/* Returns 1 if every field is in the range given in docs/format.md. */
 static inline int fxs_chunk_valid(const fxs_chunk *chunk)
 {
     int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
@@ -217,8 +213,8 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
     return valid;
 }
 
-/* 1 if node i is valid in a scene of `leaves` leaves: its children are two different leaves or later nodes, and its
-   swell is in range. */
+/* Returns 1 if node i is valid in a scene of `leaves` leaves: two different children, each a leaf or a later node,
+   and a swell in range. */
 static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t i)
 {
     int valid = node->swell_q8 <= FXS_SWELL_MOST_Q8;
@@ -228,29 +224,27 @@ static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t
     return valid && node->children[0] != node->children[1];
 }
 
-/* The number of chunks of a scene, including the chunks of its tree. */
+/* Returns the number of chunks, including the chunks of the tree. */
 static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
 {
     return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
 }
 
-/* The number of chunks that hold `slots` slots. */
 static inline uint32_t fxs_chunks_of(uint64_t slots)
 {
     return (uint32_t)((slots + FXS_CHUNK - 1) / FXS_CHUNK);
 }
 
-/* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
+/* SH coefficients per colour channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-#define FXS_ROW_POSITION 0u                              /* byte offsets of the rows in a chunk, profiles default and
-                                                            compact */
+#define FXS_ROW_POSITION 0u                              /* row offsets in bytes, profiles default and compact */
 #define FXS_ROW_ROTATION (6u * FXS_CHUNK)
 #define FXS_ROW_SCALE (10u * FXS_CHUNK)
 #define FXS_ROW_COLOUR (14u * FXS_CHUNK)
 #define FXS_ROW_SH (18u * FXS_CHUNK)
 
-#define FXS_SMALL_A 0u                                   /* the same for profile small */
+#define FXS_SMALL_A 0u                                   /* row offsets in bytes, profile small */
 #define FXS_SMALL_B (4u * FXS_CHUNK)
 #define FXS_SMALL_C (8u * FXS_CHUNK)
 #define FXS_SMALL_D (12u * FXS_CHUNK)
@@ -260,21 +254,21 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 #define FXS_AXIS_BITS_LEAST(profile) ((profile) == FXS_PROFILE_SMALL ? 8 : 11)
 #define FXS_AXIS_BITS_MOST(profile) ((profile) == FXS_PROFILE_SMALL ? 10 : 14)
 
-/* The scale code of axis i, 0 to 1023, from a word of scale codes; the third axis has even codes only. */
+/* Returns the scale code of axis i, 0 to 1023. The third axis has only even codes. */
 static inline uint32_t fxs_scale_code(uint32_t word, int i)
 {
     return i < 2 ? word >> 10 * i & 1023 : word >> 19 & 1022;
 }
 
-/* The fall of a scale code: the chunk's scale minus log2(sigma). Below 2^22. */
+/* Returns the fall of a scale code: the chunk's scale_q16 - log2(sigma), below 2^22. */
 static inline int32_t fxs_fall_q16(uint32_t code, uint32_t scale_step_q24)
 {
     return (int32_t)((code * code * scale_step_q24 + 128) >> 8);
 }
 
-/* A rotation word has 32 bits (23 in profile small): X and Y, the direction of the first axis, with n bits each, then
-   the roll of the second axis about the first. n grows by 5/16 for each octave by which the first axis differs in
-   length from the other axis that is nearer in length. Returns n, from the falls of the three scale codes. */
+/* Returns n, the number of bits of X and of Y in a rotation word. The word has the direction X, Y of the first axis,
+   then the roll about the first axis. n grows by 5/16 for each octave between the lengths of the first axis and of
+   the other axis nearest in length. */
 static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall_q16[3])
 {
     const int32_t most = FXS_AXIS_BITS_MOST(profile);
@@ -284,8 +278,8 @@ static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall
     return bits < most ? bits : most;
 }
 
-/* Number of stages of the palette. A Gaussian's SH are the chunk's mean, plus one entry of each stage, added or
-   subtracted; in profile compact plus a residual. */
+/* Returns the number of palette stages. A Gaussian's SH are the chunk's mean SH plus or minus one entry of each
+   stage, plus a residual in profile compact. */
 static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
 {
     return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0
@@ -294,14 +288,14 @@ static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
                                                          : 6;
 }
 
-#define FXS_PALETTE_STAGES 6u                            /* at most */
-#define FXS_PALETTE_ENTRIES 128u                         /* of a stage, at most */
-#define FXS_PALETTE_STRIDE 48u                           /* bytes an entry */
-#define FXS_PALETTE_NEGATIVE 128u                        /* in an index: the entry's sign changes */
-#define FXS_GAIN_BYTE 3u                                 /* offset of the gain in an SH record of profile compact */
-#define FXS_RESIDUAL_BIT 32u                             /* first bit of the residual codes in this record */
+#define FXS_PALETTE_STAGES 6u                            /* maximum of palette stages */
+#define FXS_PALETTE_ENTRIES 128u                         /* maximum of entries per stage */
+#define FXS_PALETTE_STRIDE 48u                           /* bytes per palette entry */
+#define FXS_PALETTE_NEGATIVE 128u                        /* bit of a palette index: subtract the entry */
+#define FXS_GAIN_BYTE 3u                                 /* byte of the gain in an SH record, profile compact */
+#define FXS_RESIDUAL_BIT 32u                             /* first bit of the residual in an SH record, profile
+                                                            compact */
 
-/* Bytes that the SH of a Gaussian take in the rows. */
 static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
 {
     const uint8_t compact[4] = {0, 8, 13, 21};
@@ -315,12 +309,12 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
     return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
 
-/* Bytes of a packed scene with `count` Gaussians, SH degree `sh_degree` and `palette_entries` (0 to 128) in each stage
-   of its palette; 0 if an argument is out of range. */
+/* Returns the bytes of a packed scene without a tree. palette_entries is 0 to 128 per stage. Returns 0 if an
+   argument is out of range. */
 FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 
-/* Bytes of the tree over `chunks` chunks, which follows the chunks in the packed scene; 0 for fewer than two chunks or
-   if the size exceeds a size_t. */
+/* Returns the bytes of the tree that follows `chunks` chunks. Returns 0 for fewer than two chunks, or if the size
+   exceeds a size_t. */
 FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
 
 /* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of

@@ -1,5 +1,8 @@
-/* The records that the stages of a frame (src/core/frame.c) pass to each other, for faster versions of the stages and
-   for back ends. Not stable: may change with every version. */
+/* The records that the rendering stages pass to each other, and the table of stage functions. Used by faster versions
+   of the stages and by back ends. A splat is a projected Gaussian, and its slot is its index in a frame. A list has
+   the splats of a tile of 16x16 pixels. Lists are made for macro tiles of 2x2 tiles.
+
+   Not stable: may change with every version. */
 #ifndef FXS_STAGE_H
 #define FXS_STAGE_H
 
@@ -9,11 +12,11 @@
 #include <fixsplat/fixsplat.h>
 #include "pixel.h"
 
-#if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end compiles its own copies */
+#if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end compiles its own C++ copies */
 extern "C" {
 #endif
 
-/* Marks stage functions that other files call; the CUDA back end compiles them for the device as well. */
+/* Prefix of stage functions that other files call. The CUDA back end also compiles them for the device. */
 #ifndef FXS_STAGE
 #define FXS_STAGE
 #endif
@@ -21,12 +24,11 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* A flag in a list's entries, used only with FXS_CUTOFF_SQUARE. The square lists a splat also in tiles that its ellipse
-   does not touch. The splat must add nothing there, but its u and v, which are right only near the ellipse, could wrap
-   modulo 2^32 to small values. The flag marks such an entry as cut off; its u and v are ignored. */
+/* Flag of a list entry: the splat adds nothing to the tile. FXS_CUTOFF_SQUARE also lists a splat in tiles that its
+   ellipse misses. There u and v could wrap modulo 2^32, and must be ignored. */
 #define FXS_ENTRY_CUT_OFF 0x80000000u
-/* u and v at the tile's corner that the C version of blend substitutes for such an entry. Over the tile, u and v change
-   by at most 40.3 each, so they stay above 4, where nothing is drawn, and below 128, the range of Q24. */
+/* u and v at a tile's corner for entries with FXS_ENTRY_CUT_OFF. Over a tile, u and v change by at most 40.3 each.
+   They stay above 4, where nothing is drawn, and below 128, the range of Q24. */
 #define FXS_CUT_OFF_Q24 (70 << 24)
 
 /* A camera prepared for the stages, in the world or in the space of an object. */
@@ -38,7 +40,7 @@ typedef struct fxs_stage_view {
     int64_t fx_q12, fy_q12, cx_q12, cy_q12;
     uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
     int32_t focal_exponent;
-    int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are clamped to these in the Jacobian */
+    int32_t slope_low_q23[2], slope_high_q23[2];   /* limits of x/z and y/z in the Jacobian */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z 18 pixels outside the picture's edges, clamped to
                                                       +-64 */
     int32_t veil_exponent;         /* smallest size exponent with which a Gaussian with its centre out of range is
@@ -53,43 +55,43 @@ typedef struct fxs_stage_view {
     int32_t grow_q16;              /* growth of a chunk's sigmas, log2; 0 to 1 */
     int sh_degree, antialiased;    /* of an object's scene */
     enum fxs_cutoff cutoff;
-    int orthographic;              /* 1: everything is projected as if z were 2^plane_exponent */
+    int orthographic;              /* 1: projects all Gaussians as if z were 2^plane_exponent */
     int32_t plane_exponent;
 } fxs_stage_view;
 
-/* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X,
-   Y), all modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
+/* A projected Gaussian for the blend stage, 32 bytes. u = u0 + X ux + Y uy and v = v0 + Y vy for the pixel (X, Y),
+   modulo 2^32. Both are right where |u|, |v| < 128, which holds in every tile that the ellipse touches. */
 typedef struct fxs_splat {
-    uint32_t u0_q24, v0_q24;       /* plus 2^10, so that a shift by 11 rounds */
+    uint32_t u0_q24, v0_q24;       /* plus 2^10, which rounds a later shift by 11 */
     int32_t ux_q24, uy_q24, vy_q24;
     uint16_t offset_q11;           /* -2 ln(opacity), 0 to 22697 */
-    int16_t colour_q13[3];         /* 0 to 4 */
+    int16_t colour_q13[3];         /* colour is 0 to 4 */
     uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
 } fxs_splat;
 
-/* A projected Gaussian, as the bin stage reads it: x = cx + shear v + breadth sqrt(r^2 - v^2) bounds the ellipse at
-   v. */
+/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse. (A B; B C)
+   is the covariance, pixels^2. */
 typedef struct fxs_bounds {
     int32_t cx_q14, cy_q14;        /* centre, pixels; 0 is the centre of the first pixel */
-    uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
-    int32_t shear_q8;              /* B / sqrt(C) */
-    uint32_t half_width_q8;        /* r sqrt(A), plus 1/256 of it and 1/8 pixel */
-    uint32_t square_radius;        /* for FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
+    uint32_t breadth_q8;           /* covariance (A B; B C): breadth = sqrt(A - B^2 / C), pixels */
+    int32_t shear_q8;              /* covariance (A B; B C): shear = B / sqrt(C), pixels */
+    uint32_t half_width_q8;        /* half the ellipse's width r sqrt(A), plus 1/256 of it and 1/8 pixel */
+    uint32_t square_radius;        /* FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
 } fxs_bounds;
 
-#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
-#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil: a Gaussian that is listed in every tile */
+#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* = 65536 pixels */
+#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil, a Gaussian listed in every tile */
 
-/* Tile columns or rows, first to last; empty if first > last. */
+/* Tile columns or rows, first to last. Empty if first > last. */
 typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-/* Elements that `spans` and `note` may write beyond the requested ones, as they write whole vectors. */
+/* Number of array elements that the stages `spans` and `note` may write beyond the requested ones. */
 #define FXS_SPANS_MORE 15
 #define FXS_NOTES_MORE 15
 
-/* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c. */
+/* A macro tile has 2x2 tiles and a mask of 4 bits. Bit 2 r + c stands for the tile in row r and column c. */
 #define FXS_MACRO 2
 
 static inline uint32_t fxs_macros(int32_t tiles)
@@ -97,78 +99,71 @@ static inline uint32_t fxs_macros(int32_t tiles)
     return (uint32_t)(tiles + FXS_MACRO - 1) / FXS_MACRO;
 }
 
-/* The tiles that a splat is listed in, if these tiles lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3
-   are the mask of the macro tile in row r and column c. The bits from 36 on are the number, in the picture, of the
-   macro tile in row 0 and column 0. */
+/* The tiles that a splat touches, if they lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3 are the
+   mask of the macro tile in row r and column c. The bits from 36 on number the upper left macro tile. */
 typedef struct fxs_box {
     uint64_t bits;
 } fxs_box;
 #define FXS_BOX_BITS 36
-#define FXS_BOX_LOW_BITS 24        /* rows 0 and 1 */
-#define FXS_BOX_TILES 6            /* tiles a side */
-#define FXS_NARROW 4               /* a splat on one tile row with at most this number of columns is listed in its whole
-                                      bounding box */
-#define FXS_NOWHERE ((fxs_box){0})     /* no tiles */
-#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* the tiles do not fit in a box; they are found when lists are
-                                                      made */
+#define FXS_BOX_LOW_BITS 24
+#define FXS_BOX_TILES 6
+#define FXS_NARROW 4               /* a splat on 1 x 4 tiles or fewer is listed in its bounding box */
+#define FXS_NOWHERE ((fxs_box){0})
+#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* marks a splat with too many tiles for a box */
 
-/* A sort key: depth in the high half, slot in the low half. */
+/* A sort key: depth in the high 32 bits, slot in the low 32 bits. */
 typedef uint64_t fxs_key;
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
 #define FXS_KEY_SLOT(key) ((uint32_t)(key))
 
-/* Low half of a key in a macro tile's list: slot, then the mask in the low 4 bits. */
+/* Low half of a key in a macro tile's list: slot << 4 | mask of tiles. */
 #define FXS_MAX_SLOTS (1u << 28)
 #define FXS_LISTED(slot, mask) ((uint32_t)(slot) << 4 | (uint32_t)(mask))
 #define FXS_LISTED_SLOT(key) ((uint32_t)(key) >> 4)
 
-/* The pixels of one tile during blending. */
 typedef struct fxs_tile {
     int16_t transmittance_q15[FXS_TILE_PIXELS];
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* Auxiliary outputs of a tile during blending by `trace`: numbers for each pixel, the source of its depths and id.
-   `which` selects the arrays. An entry is identified by its index in the list that `trace` gets. */
+/* Auxiliary outputs of `trace` for each pixel of a tile. `which` selects the arrays. Entries are numbered by their
+   index in the list passed to `trace`. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
 typedef struct fxs_trace {
     unsigned which;
-    int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depths_q15, at most 32767 */
-    int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: last contributing entry for which the transmittance before it was
-                                               1/2 or more */
-    int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: largest weight so far, over all parts */
-    int16_t largest[FXS_TILE_PIXELS];       /* ID: first entry with that weight */
-    int16_t end[FXS_TILE_PIXELS];           /* END, input: entries from this one on do not contribute to the pixel */
+    int16_t depth_q15[FXS_TILE_PIXELS];     /* FXS_TRACE_MEAN: sum of weight * depth code, at most 32767 */
+    int16_t median[FXS_TILE_PIXELS];        /* FXS_TRACE_MEDIAN: last entry blended at transmittance 1/2 or more */
+    int16_t weight_q15[FXS_TILE_PIXELS];    /* FXS_TRACE_ID: largest weight so far */
+    int16_t largest[FXS_TILE_PIXELS];       /* FXS_TRACE_ID: first entry with the largest weight */
+    int16_t end[FXS_TILE_PIXELS];           /* FXS_TRACE_END, input: entries from `end` on do not contribute */
 } fxs_trace;
 
-#define FXS_HALF_Q15 16384         /* transmittance */
+#define FXS_HALF_Q15 16384
 
-struct fxs_object_view;            /* src/core/object.h */
+struct fxs_object_view;            /* defined in src/core/object.h */
 
-/* Tiles for a back end to draw: first_tile to last_tile in the picture's row-major order, so a run may begin and end
-   within a row. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists (draw_unlisted)
-   entries, ends and counts are null, and `keys` has every splat that touches the tiles. */
+/* Tiles for a back end to draw: first_tile to last_tile, numbered row by row. The list of tile t is the counts[t]
+   entries before entries[ends[t]]. Without lists (draw_unlisted), entries, ends and counts are null, and `keys` has
+   every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
     const fxs_stage_view *view;          /* in world space */
     const fxs_options *options;
-    const fxs_splat *splats;       /* by slot */
+    const fxs_splat *splats;       /* splats, indexed by slot */
     const fxs_bounds *bounds;
-    const uint32_t *depths;        /* depth keys by slot: fxs_depth_key */
-    const fxs_key *keys;           /* near to far; null with lists */
+    const uint32_t *depths;        /* depth keys, indexed by slot */
+    const fxs_key *keys;           /* sort keys, near to far; null with lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
-    const fxs_tile *blended;       /* with draw_blended and too little memory: the blended tiles, without lists; else
-                                      null */
-    const fxs_targets *targets;    /* of the whole picture, as in fxs_request */
-    const uint32_t *indices;       /* by slot: the Gaussian's index in the chunks of all objects */
+    const fxs_tile *blended;       /* with draw_blended: tiles blended by the kernels, or null */
+    const fxs_targets *targets;    /* targets of the whole picture */
+    const uint32_t *indices;       /* indexed by slot: index of the Gaussian in the chunks of all objects */
     const struct fxs_object_view *objects;
     uint32_t object_count;
 } fxs_tile_run;
 
-/* Bytes of a pixel in a format. */
 static inline int fxs_pixel_bytes(enum fxs_format format)
 {
     return format == FXS_FORMAT_RGB565 || format == FXS_FORMAT_RGB565_SWAPPED ? 2
@@ -180,21 +175,20 @@ static inline int fxs_is_premultiplied(enum fxs_format format)
     return format == FXS_FORMAT_RGBA8_COVERAGE || format == FXS_FORMAT_RGBA16_COVERAGE;
 }
 
-/* An 8-bit background, in the format that resolve adds. */
+/* Converts an 8-bit background to the format of resolve. */
 static inline int fxs_background_q13(int background)
 {
     return (background * 8192 + 127) / 255;
 }
 
-/* A pixel of FXS_FORMAT_RGB565. */
 static inline uint16_t fxs_rgb565(int r, int g, int b)
 {
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
-/* Converts a target's depth to a depth key. Keys sort like depths z: 6 bits of floor(log2 z) + 32, from -32 to 31, then
-   the 26 bits after the leading one. Depths below 2^-32 have the key 0; depths above 2^32, and FXS_NOTHING of a target,
-   the largest key. */
+/* Converts a target's depth, with `bits` fraction bits, to a depth key. Keys sort like depths z: 6 bits of
+   floor(log2 z) + 32, from -32 to 31, then the 26 bits after the leading one. Depths below 2^-32 have the key 0.
+   Depths above 2^32 and FXS_NOTHING have the largest key. */
 static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
 {
     const int zeros = fxs_clz32(depth | 1);
@@ -210,26 +204,25 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
-/* The mean depth of a pixel comes from sums with FXS_DEPTH_GUARD fraction bits, in units of the target. A Gaussian at
-   depth 2^octave (1 + code) with weight w adds w + fxs_mul_q15(w, code), times 2^shift. The sums are integers, so their
-   order does not matter. */
+/* Fraction bits of a pixel's sum of weighted depths. A Gaussian at depth 2^octave (1 + code) with weight w adds w +
+   fxs_mul_q15(w, code), times 2^shift. */
 #define FXS_DEPTH_GUARD 8
 
-/* The code of a depth key: its position within the octave, 0 to 1. */
+/* Returns the depth's position within its octave, 0 to 1. */
 static inline int fxs_depth_code_q15(uint32_t key)
 {
     return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
 }
 
-/* Converts the sum over the Gaussians in the octave of `key` to units of the target. Depths beyond the target's range
-   count as the end of the range; depths below 2^-FXS_DEPTH_GUARD units count as 0. */
+/* Converts a sum over the Gaussians in the octave of `key` to units of the target. Depths beyond the target's range
+   saturate. Depths below 2^-FXS_DEPTH_GUARD units count as 0. */
 static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
 {
     const int shift = fxs_min((int)(key >> 26) - 32 + bits, 32) + FXS_DEPTH_GUARD;
     return shift < 0 ? 0 : (uint64_t)sum_q15 << shift;
 }
 
-/* The mean depth of a pixel, rounded. `sum` is its sum of weight * depth (fxs_depth_sum); the sum of weights is 1 -
+/* Returns a pixel's mean depth, rounded to nearest. `sum` is its sum of weight * depth; the weights add up to 1 -
    transmittance. */
 static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
 {
@@ -238,7 +231,7 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
     return !weight || mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
 }
 
-/* The function of each stage. Each works on one chunk or one tile. */
+/* The rendering stages. A call works on one chunk of 256 Gaussians or one tile. */
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
 
@@ -267,12 +260,12 @@ typedef struct fxs_kernels {
     uint32_t (*note)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
-    /* Sorts `count` keys; `spare` has the same capacity. Fast if keys of equal depth arrive almost in the order of
-       their slots. */
+    /* Sorts `count` keys. `spare` has the same capacity. Fast if keys of equal depth arrive almost in ascending
+       order of slots. */
     void (*sort)(fxs_key *keys, fxs_key *spare, uint32_t count);
 
-    /* Extracts the list of one tile from the `count` keys of its macro tile: the slots whose masks contain `tile` (0 to
-       3). `entries` has room for `count`. Returns the length of the list. */
+    /* Extracts the list of one tile, 0 to 3, from the `count` keys of its macro tile. `entries` has room for
+       `count`. Returns the length of the list. */
     uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
     /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
@@ -286,8 +279,7 @@ typedef struct fxs_kernels {
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   fxs_tile *tile, fxs_trace *trace);
 
-    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. The
-       other formats are derived from these. */
+    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. */
     void (*resolve)(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
@@ -307,7 +299,6 @@ FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *obj
 
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
-/* The table of these functions. */
 FXS_API extern const fxs_kernels fxs_kernels_c;
 
 FXS_API int32_t fxs_project_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
@@ -329,12 +320,12 @@ FXS_API void fxs_trace_c(const fxs_stage_view *view, int32_t x, int32_t y, const
 FXS_API void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                            int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
-/* kernels->resolve, extended to every format. */
+/* Writes pixels like kernels->resolve, in any format. */
 FXS_API void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
                                 const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                                 ptrdiff_t stride);
 
-/* Runs job(argument, i) for i in 0..jobs-1 with the configuration's threads. */
+/* Runs job(argument, i) for i in 0..jobs-1 on the configuration's threads. */
 static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,
                            uint32_t jobs)
 {
@@ -345,7 +336,7 @@ static inline void fxs_run(const fxs_config *config, void (*job)(void *argument,
             job(argument, i);
 }
 
-/* Part `i` of `count` items in `parts` parts: from fxs_part(count, parts, i) to fxs_part(count, parts, i + 1). */
+/* Returns the first item of part `i` of `parts` parts of `count` items. */
 static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 {
     return (uint32_t)((uint64_t)count * i / parts);
