@@ -47,7 +47,7 @@ static inline uint8_t *spz_put_header(const spz_bytes *s, uint8_t *to)
     return to;
 }
 
-/* Versions 1 to 3, uncompressed. Returns the size. */
+/* Writes an uncompressed .spz of version 1, 2 or 3. Returns the size in bytes. */
 static inline size_t spz_plain(const spz_bytes *s, uint8_t *out)
 {
     uint8_t *to = spz_put_header(s, out);
@@ -77,7 +77,7 @@ static inline size_t spz_gzip(const uint8_t *data, size_t length, uint8_t *out, 
 #endif
 
 #ifdef FXS_WITH_ZSTD
-/* Version 4. */
+/* Writes an .spz of version 4. Returns the size in bytes. */
 static inline size_t spz_zstd(const spz_bytes *s, uint8_t *out, size_t room)
 {
     int streams = 0;

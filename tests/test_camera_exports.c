@@ -1,11 +1,12 @@
-/* Exported cameras of other programs: equal cameras in each convention, faults, truncated files. */
+/* Tests the readers of cameras that photogrammetry programs export: equal cameras in each convention, faulty files,
+   truncated files. */
 #include "photo_folder.h"
 #include "src/fit/blocks.h"
 #include "src/camera/camera_internal.h"
 
 enum { CAMERAS = 9, WIDE = 64, HIGH = 48 };
 
-/* heading, pitch and roll in degrees; east, north, up */
+/* heading, pitch and roll in degrees, then the position east, north, up */
 static const double poses[CAMERAS][6] = {
     {0, 0, 0, 0, 0, 0}, {90, 90, 0, 1, 2, 3}, {-180, 45, 180, -4, 5, 0.5}, {271.5, -30, 91, 3, -2, 1},
     {359, 179, -179.5, 0.25, 1.5, -7}, {-33.25, 87.5, 14.75, 0.3, -0.4, 1.9}, {720.5, 12, -270, 8, 9, 10},
@@ -41,9 +42,9 @@ static void rows_of(const double pose[6], double r[9])
     }
 }
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
+/* ---- Writing camera files ---------------------------------------------------------------------------------------- */
 
-/* lens: number of coefficients of k */
+/* lens: number of radial coefficients */
 static void write_csv(int lens)
 {
     say("#cameras %d\r\n#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\r\n", CAMERAS);
@@ -58,7 +59,7 @@ static void write_csv(int lens)
     put_text("e/cameras.csv");
 }
 
-/* The principal point is the centre. Both points lie in front of a camera. */
+/* Writes a Bundler model with the principal point at the centre. Both points lie in front of a camera. */
 static void write_bundler(int lens)
 {
     say("# Bundle file v0.3\n%d 2\n", CAMERAS + 1);
@@ -84,11 +85,11 @@ static void write_bundler(int lens)
 
 #ifdef FXS_WITH_EXPAT
 
-static double away;                /* shift of a chunk along x */
+static double away;                /* shift of a Metashape chunk along x */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
-/* Writes cameras in a chunk that is turned, moved and scaled. `owner` states the transform: "component", "chunk" or ""
-   (none). */
+/* Writes a Metashape file with cameras in a rotated, moved and scaled Metashape chunk. `owner` is the element that
+   states the transform: "component", "chunk" or "" (none). */
 static void write_metashape(const char *owner, const char *type, const char *calibration)
 {
     const int whole = *owner != 0, component = !strcmp(owner, "component");
@@ -138,7 +139,7 @@ static void write_metashape(const char *owner, const char *type, const char *cal
 }
 #endif
 
-/* ---- Equal cameras ----------------------------------------------------------------------------------------------- */
+/* ---- Equal cameras in all formats -------------------------------------------------------------------------------- */
 
 static fxs_view_list read_list(const char *name)
 {
@@ -150,7 +151,7 @@ static fxs_view_list read_list(const char *name)
     return list;
 }
 
-/* Checks the cameras. Pictures without a size in the file get this one. */
+/* Checks the poses. Pictures without a size in the file have `width` x `height` pixels. */
 static void check_poses(const fxs_view_list *list, int width, int height, const double centre[2], double focal_of)
 {
     if (!CHECK(list->count == CAMERAS))
@@ -174,8 +175,7 @@ static void check_poses(const fxs_view_list *list, int width, int height, const 
     }
 }
 
-/* Compares with written-out formulas: Brown's series of `coefficients` terms with tangential terms, at (x, y) or the
-   fisheye's point. */
+/* Compares a lens with Brown's formula: a radial series of `coefficients` terms, then tangential terms. */
 static void check_lens(const fxs_lens *lens, int coefficients, int fisheye, double skew)
 {
     for (double x = -0.6; x < 0.7; x += 0.3)
@@ -249,7 +249,7 @@ static void bundler(void)
         CHECK(!rename(from, in_folder("moved")));
     }
     remove(in_folder("moved"));
-    say("a set 5\n");                                     /* a name that ends in a number */
+    say("a set 5\n");                                     /* a camera name that ends in a number */
     put_text("e/x.list.txt");
     say("# Bundle file v0.3\n1 0\n9 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n");
     put_text("e/x.out");
@@ -275,7 +275,7 @@ static void metashape(void)
         fxs_view_list_free(&list);
     }
     for (int far = 0; far < 2; far++) {
-        away = far ? 4e6 : 60000;      /* 4e6 counts as geocentric: the translation is dropped */
+        away = far ? 4e6 : 60000;      /* from 4e6 on, positions count as geocentric and lose their offset */
         write_metashape("component", "frame", LENS);
         fxs_view_list list = read_list("e/cameras.xml");
         CHECK(list.moved == far);
@@ -295,7 +295,7 @@ static void metashape(void)
     fxs_view_list_free(&list);
 }
 
-/* Both components lose the same offset, even if only one counts as geocentric. */
+/* Both components lose the same offset, even if only one component counts as geocentric. */
 static void metashape_components(void)
 {
     static const struct { double places[2], origin; } sets[] = {
@@ -326,9 +326,9 @@ static void metashape_components(void)
 }
 #endif
 
-/* ---- Photographs ------------------------------------------------------------------------------------------------- */
+/* ---- Photographs of exported cameras ----------------------------------------------------------------------------- */
 
-/* Photographs match COLMAP's convention to the pixel, cameras within rounding. */
+/* Undistorted photographs match COLMAP's convention to the pixel. Cameras match within rounding. */
 static void photographs(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 3};
@@ -382,7 +382,7 @@ static void photographs(void)
     fxs_photos_free(&first);
 }
 
-/* Bundler models contain points; other exports have them in a separate file. */
+/* Bundler models contain points. Other exports have a separate file of points. */
 static void points(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -408,17 +408,18 @@ static void points(void)
     remove(in_folder("e/points.ply"));
     CHECK(!remove(in_folder("e/cameras.txt")) && !remove(in_folder("e/images.txt")));
     remove(in_folder("e/cameras.xml"));
-    CHECK(!read_photos("e", &options) && photos.points_are_random);                 /* from the .csv in the folder */
+    CHECK(!read_photos("e", &options) && photos.points_are_random);                 /* cameras from the .csv in the
+                                                                                       folder, which has no points */
     remove(in_folder("e/images/3.ppm"));
     check_refused("e", &options, FXS_ERR_FILE, "3.ppm: No such file or directory (a photograph of ");
     CHECK(strstr(message.text, "cameras.csv; skip_bad, --skip-bad, leaves such out)") != NULL);
     check_refused("e/bundle.out", &options, FXS_ERR_FILE, "bundle.out; skip_bad, --skip-bad, leaves such out)");
     put_ppm("e/images/3.ppm", WIDE, HIGH, NULL);
     remove(in_folder("e/cameras.csv"));
-    CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* from bundle.out */
+    CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* points from bundle.out */
 }
 
-/* A block needs sizes in the file, not only in the photographs. */
+/* Blocks of a large fit need the sizes of the pictures in the camera file. */
 static void blocks(void)
 {
     static const char *const files[] = {"e/cameras.csv", "e/bundle.out"};
@@ -438,8 +439,8 @@ static void blocks(void)
 
 #ifdef FXS_WITH_EXPAT
 
-/* A chunk on the Earth does not match points in a file; without points it can be fitted. Photographs with a path of
-   another machine are found by name. */
+/* A scene in geocentric coordinates can be fitted without points only. Photographs with a path of another machine
+   are found by their file name. */
 static void on_earth(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -463,7 +464,6 @@ static void on_earth(void)
 }
 #endif
 
-/* Far from the origin single precision cannot resolve a scene. */
 static void far_away(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -478,7 +478,7 @@ static void far_away(void)
     }
 }
 
-/* ---- Faults ------------------------------------------------------------------------------------------------------ */
+/* ---- Faulty files ------------------------------------------------------------------------------------------------ */
 
 static void check_fault(const char *name, const char *content, const char *words)
 {
@@ -603,7 +603,6 @@ static void metashape_faults(void)
 }
 #endif
 
-/* A file truncated anywhere gives cameras or a message. */
 static void check_cut(const char *name)
 {
     static char whole[1 << 16];

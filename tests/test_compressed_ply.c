@@ -1,4 +1,4 @@
-/* Reads PlayCanvas's compressed .ply: synthetic files, faults, a real scene. */
+/* Reads the compressed .ply of PlayCanvas: synthetic files, faulty files, a real scene. */
 #include "scene_bytes.h"
 
 enum { MANY = 300, FEW = 3, BOUNDS = 18 };

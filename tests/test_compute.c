@@ -1,5 +1,5 @@
-/* The compute back end against the processor: stages on random chunks, frames of random objects with every target, real
- * scenes, long lists, small buffers; and device failures, by fake OpenGL functions. */
+/* Tests the compute back end on a GPU against the CPU renderer: stages on random chunks, frames of random objects
+   with every target, real scenes, long lists and small buffers. Fake OpenGL functions simulate device failures. */
 #include <string.h>
 
 #include <fixsplat/camera.h>
@@ -30,10 +30,10 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;                /* limit for a part of a scene; 0: none */
+static uint64_t part_bytes;                /* largest upload of a part of a scene in bytes; 0: no limit */
 static fxs_message why;
 
-/* ---- Fake functions ---------------------------------------------------------------------------------------------- */
+/* ---- Fake OpenGL functions --------------------------------------------------------------------------------------- */
 
 static struct fake {
     const char *name;
@@ -48,7 +48,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* Creates a back end with a fake function; *out is null on failure. */
+/* Creates a back end with a fake function. *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -69,8 +69,6 @@ static void close_compute(fxs_compute *c)
         fxs_compute_free(c);
     free(c);
 }
-
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 static int render_there(const fxs_request *request, fxs_stats *stats)
 {
@@ -134,9 +132,7 @@ static int is_same(fxs_request *request, picture *a, picture *b)
            CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b);
 }
 
-/* ---- Random objects ---------------------------------------------------------------------------------------------- */
-
-/* Any values that are valid in a chunk. */
+/* Fills a chunk with random values that are valid. */
 static void fill_wild(const packed_scene *s)
 {
     for (uint32_t c = 0; c < s->header->chunk_count; c++) {
@@ -203,7 +199,7 @@ static void random_window(fxs_camera *camera)
     }
 }
 
-/* Drops random targets, and adds an occluder or a backdrop. */
+/* Drops random targets, and adds an occluder or a background. */
 static void random_targets(picture *a, picture *b, uint32_t *read)
 {
     const unsigned without = (unsigned)next();
@@ -282,8 +278,6 @@ static void wild_frames(void)
         }
 }
 
-/* ---- Stages ------------------------------------------------------------------------------------------------------ */
-
 static void *read_words(int buffer, uint64_t first, uint64_t count)
 {
     uint32_t *words = malloc(4 * count);
@@ -297,7 +291,8 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
     return words;
 }
 
-/* Compares splats and depths of the n-th visible chunk. Returns its visible splats. */
+/* Compares the splats (projected Gaussians) and depths of the n-th visible chunk. Returns the number of visible
+   splats. */
 static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
                               const fxs_splat *splats, const uint32_t *depths)
 {
@@ -319,7 +314,7 @@ static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint
     return (uint32_t)count;
 }
 
-/* Every list is sorted from near to far by its slots' depths. */
+/* True if every list is sorted from near to far by the depths of its splats. */
 static int check_lists(const uint32_t *depths)
 {
     const fxs_compute_frame *f = &device->plan.frame;
@@ -376,7 +371,7 @@ static int compare_stages(const fxs_scene *scene)
     return same;
 }
 
-/* project, shade and sort. Whole frames check the number of visible chunks. */
+/* Compares the stages project, shade and sort with the CPU. Whole frames check the number of visible chunks. */
 static void stages(void)
 {
     state = 20263;
@@ -394,8 +389,6 @@ static void stages(void)
         }
     }
 }
-
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
 static int look_at(fxs_camera *camera, int width, int height, double distance)
 {
@@ -427,7 +420,7 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     }
 }
 
-/* Lists of all lengths, up to the whole scene in a picture of one tile. */
+/* Tests lists of all lengths, up to the whole scene in a picture of one tile. */
 static void sizes(void)
 {
     part p;
@@ -439,7 +432,7 @@ static void sizes(void)
     part_free(&p);
 }
 
-/* Every Gaussian touches every tile, so the guessed entry capacity overflows. */
+/* Every Gaussian touches every tile, so that the initial capacity of the lists overflows. */
 static void veils(void)
 {
     state = 20264;
@@ -472,7 +465,7 @@ static void captured_scenes(void)
         SKIP("the captured scenes are not here");
 }
 
-/* A scene with a tree, whole and with budgets, uploaded in small parts. */
+/* Renders a scene with a tree, uploaded in small parts, with and without budgets. */
 static void parts_and_levels(void)
 {
     for (int profile = 0; profile < 3; profile++) {
@@ -491,7 +484,7 @@ static void parts_and_levels(void)
     }
 }
 
-/* ---- Failures ---------------------------------------------------------------------------------------------------- */
+/* ---- Failures of the device -------------------------------------------------------------------------------------- */
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLenum limited;
@@ -566,7 +559,7 @@ static void *GL_APIENTRY no_map(GLenum target, GLintptr at, GLsizeiptr bytes, GL
     return 0;
 }
 
-/* A device error ends the frame; the next frame is right. */
+/* A device error ends the frame. The next frame must be right. */
 static void frames_fail(void)
 {
     part p;
@@ -589,7 +582,7 @@ static void frames_fail(void)
             void *memory = malloc(fxs_compute_memory(&request));
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
             failing = i ? CONTEXT_LOST : GL_OUT_OF_MEMORY;
-            failures = i ? 1000 : 20;              /* errors from before a frame are not its own */
+            failures = i ? 1000 : 20;              /* errors from before a frame do not fail the frame */
             if (i < 2)
                 c->gl.GetError = fake_GetError;
             else if (i == 2)
@@ -628,7 +621,6 @@ static int open_losing(fxs_compute **out)
     return error;
 }
 
-/* Returns the calls of a run without losses, counted down from LONG_MAX. */
 static long calls_made(void)
 {
     const long calls = LONG_MAX - calls_left;
@@ -661,8 +653,8 @@ static void init_loses(void)
     close_compute(c);
 }
 
-/* A loss at any call of an upload or a frame gives an error or a picture. The picture is whole or untouched, and the
-   next frame is right. */
+/* A loss at any call of an upload or a frame gives an error or a picture. The picture is complete or untouched, and
+   the next frame is right. */
 static void frames_lose(void)
 {
     part p;
@@ -734,7 +726,6 @@ static int yes(void *argument)
     return 1;
 }
 
-/* Memory limits, stopped frames, damaged scenes, invalid arguments. */
 static void refusals(void)
 {
     part p;
@@ -748,7 +739,7 @@ static void refusals(void)
     fxs_request_init(&request, &object, 1);
     look_at(request.cameras, 100, 80, 12.8);
     request.targets[0] = a.targets;
-    c->rooms.most = 30000;                  /* too little for the frame's first buffers */
+    c->rooms.most = 30000;                  /* too little for the first buffers of a frame */
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
     c->rooms.most = most;
@@ -774,7 +765,7 @@ static void refusals(void)
     fxs_targets_init(request.targets);
     CHECK(render_by(c, &request, 0) == FXS_ERR_TARGET);
     request.targets[0] = a.targets;
-    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* step_shift of the first chunk */
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* field step_shift of the first chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_SCENE);
     close_compute(c);
     picture_free(&a);

@@ -1,4 +1,4 @@
-/* The lists of all tiles, computed by the C stages. */
+/* Computes the lists of all tiles with the plain C stages. */
 #ifndef TILE_LISTS_H
 #define TILE_LISTS_H
 
@@ -11,7 +11,7 @@ typedef struct tile_lists {
     uint32_t *counts, *ends, *entries;
 } tile_lists;
 
-/* Lists `count` slots, sorted by `depths`. */
+/* Lists the first `count` splats for the tiles that they touch, sorted by `depths`. */
 static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                                  const fxs_box *boxes, const uint32_t *depths, uint32_t count)
 {
