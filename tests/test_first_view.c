@@ -1,5 +1,5 @@
-/* The first view of a scene without cameras is upright for any rotation of the scene, sees something, and is equal for
- * all kernels and threads. */
+/* Tests the first view of a scene without cameras. The view must be upright for any rotation of the scene and must
+   see Gaussians. The view must be equal for all kernels and threads. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +17,7 @@ enum { COUNT = 30000, WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 static const char *const names[] = {"knot", "mirrors", "discs", "haze", "site", "landscape", "meadow"};
 enum { NAMES = sizeof names / sizeof *names };
 
-/* Rotations, by rows: none, z up, upside down, leaning by 20 degrees. */
+/* Rotation matrices by rows: none, z up, upside down, leaning by 20 degrees. */
 static const double turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                   {1, 0, 0, 0, 0, 1, 0, -1, 0},
                                   {1, 0, 0, 0, -1, 0, 0, 0, -1},
@@ -33,8 +33,6 @@ typedef struct turned {
 } turned;
 
 static fxs_message why;
-
-/* ---- Procedural scenes ------------------------------------------------------------------------------------------- */
 
 static int make(turned *t, const char *name)
 {
@@ -62,7 +60,7 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Shares of the picture: covered, and covered by one Gaussian. */
+/* Computes two shares of the picture: the covered part, and the part that a single Gaussian covers. */
 static void look(const turned *t, const fxs_file_view *view, double *covered, double *largest)
 {
     static unsigned char coverage[PIXELS];
@@ -104,7 +102,7 @@ static void check_view(const turned *t, const char *name, int turning)
                covered, largest);
 }
 
-/* A leaning scene is levelled if it has a visible ground; haze and mountains hide theirs. */
+/* A leaning scene is levelled if its ground is visible. Haze and mountains hide the ground. */
 static void upright_with_something_to_see(void)
 {
     for (int i = 0; i < NAMES; i++) {
@@ -145,13 +143,10 @@ static void the_same_everywhere(void)
     fxs_packed_scene_free(&t.packed);
 }
 
-/* ---- Typical scenes ---------------------------------------------------------------------------------------------- */
-
 static fxs_gaussian laid[COUNT];
 static size_t laid_count;
 static uint64_t state;
 
-/* splitmix64 (Steele, Lea, Flood 2014) */
 static double uniform(double low, double high)
 {
     uint64_t z = state += 0x9e3779b97f4a7c15u;
@@ -168,7 +163,7 @@ static void find_direction(double d[3])
     d[2] = out * sin(angle);
 }
 
-/* A flat Gaussian facing along a normal, with checkered colour. */
+/* Adds a flat Gaussian with a given normal and a checkered colour. */
 static void put(const double p[3], const double normal[3], double size)
 {
     const double length = sqrt(along(normal, normal)), n[3] = {normal[0] / length, normal[1] / length,
@@ -212,7 +207,7 @@ static void lay_ball(const double middle[3], const double radii[3], int count)
     }
 }
 
-/* Four sides and the roof of a box on the ground. */
+/* Adds four sides and the roof of a box on the ground. */
 static void lay_box(const double low[3], const double high[3], int count)
 {
     const double x[3] = {high[0] - low[0], 0, 0}, y[3] = {0, high[1] - low[1], 0}, z[3] = {0, 0, high[2] - low[2]};
@@ -224,7 +219,7 @@ static void lay_box(const double low[3], const double high[3], int count)
     lay_panel(right, z, y, count / 5);
 }
 
-/* Ground from the centre to `reach`, with Gaussians that grow with distance. */
+/* Adds ground from the centre to `reach`. The Gaussians grow with the distance. */
 static void lay_ground(double reach, int count)
 {
     static const double normal[3] = {0, 1, 0};
@@ -243,7 +238,7 @@ static void lay_ring(double radius, int trees, int count)
     }
 }
 
-/* Above the ground, at all distances up to the farthest. */
+/* Adds Gaussians above the ground at distances from `nearest` to `farthest`. */
 static void lay_sky(double nearest, double farthest, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -266,7 +261,7 @@ static void lay_room(void)
     lay_ball((double[3]){1.8, -0.9, 1}, (double[3]){0.25, 0.9, 0.25}, 2000);
 }
 
-/* A capture's clutter behind the walls, unseen by any camera. */
+/* Adds a capture's clutter behind the walls, unseen by any camera. */
 static void lay_mess(void)
 {
     lay_room();
@@ -323,7 +318,7 @@ static void lay_wall(void)
         lay_ball((double[3]){2 * i, 0.2, 4.5}, (double[3]){0.5, 0.5, 0.5}, 2000);
 }
 
-/* The camera's place (in or outside a box) and its target. */
+/* A typical scene: the camera's place in or outside a box, and the target of the camera. */
 static const struct kind {
     const char *name;
     void (*lay)(void);
@@ -387,7 +382,6 @@ static void check_kind(const turned *t, const struct kind *kind, const double r[
                eye[2], ahead[0], ahead[1], ahead[2]);
 }
 
-/* Captures from inside are viewed from inside, and never from below. */
 static void from_where_cameras_were(void)
 {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
@@ -402,7 +396,7 @@ static void from_where_cameras_were(void)
     }
 }
 
-/* A stated up vector is kept, wherever the ground is; without one it is estimated. */
+/* The up vector that a scene states is kept. Without a stated up vector, the ground determines up. */
 static void upright_as_told(void)
 {
     static const double ups[][3] = {{3, -4, 0}, {0.1, 0.2, -0.7}, {0, 0, 0}};
@@ -423,7 +417,6 @@ static void upright_as_told(void)
     fxs_packed_scene_free(&t.packed);
 }
 
-/* Hidden, cropped and distant objects, and none. */
 static void nothing_to_see(void)
 {
     static const int64_t far[3] = {(int64_t)90 << 32, 0, 0};

@@ -1,5 +1,6 @@
-/* Crops ("windows") have the pixels of the whole picture, also for headsets' fields of view. Foveated pictures are
- * composed as the header states, equally by every exact back end. */
+/* Tests crops of a picture and foveated pictures. A crop must have the pixels of the whole picture, also for
+   headsets' fields of view. Foveated pictures must be composed as the public header states, equally by every exact
+   back end. */
 #include <math.h>
 #include <stdio.h>
 
@@ -26,8 +27,6 @@ static void render(const fxs_scene *scene, const fxs_camera *camera, const fxs_o
     CHECK(!one_render(&context, scene, camera, options, FXS_FORMAT_RGBA8, memory, bytes, pixels, stride, 0));
     free(memory);
 }
-
-/* ---- Windows ----------------------------------------------------------------------------------------------------- */
 
 static fxs_camera window_of(const fxs_camera *camera, int32_t x, int32_t y, int32_t width, int32_t height)
 {
@@ -87,7 +86,7 @@ static void test_windows_of_random_scenes(void)
     }
 }
 
-/* left, right, up, down: left eye, right eye, symmetric */
+/* slopes left, right, up, down: left eye, right eye, symmetric */
 static const double headset[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}, {-1.38, 1.38, 1.2, -1.2}};
 
 static int make_scene(const char *name, fxs_packed_scene *packed, fxs_scene *scene)
@@ -109,8 +108,7 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
     return camera;
 }
 
-/* Slopes are clamped by the whole picture, not the window, since wide pictures round differently. An eye's picture is a
-   window of a symmetric one. */
+/* Slopes are clamped by the whole picture, since wide pictures round differently. */
 static void test_windows_of_wide_pictures(void)
 {
     static const char *const names[] = {"knot", "landscape"};
@@ -130,7 +128,7 @@ static void test_windows_of_wide_pictures(void)
     }
 }
 
-/* Control: without `whole` the window's own clamping changes pixels. */
+/* Negative test: without `whole`, a crop clamps its own slopes and pixels change. */
 static void test_what_windows_are_for(void)
 {
     fxs_packed_scene packed;
@@ -152,8 +150,6 @@ static void test_what_windows_are_for(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Hidden parts ------------------------------------------------------------------------------------------------ */
-
 static fxs_stats render_counted(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                                 uint8_t *pixels)
 {
@@ -168,7 +164,8 @@ static fxs_stats render_counted(const fxs_scene *scene, const fxs_camera *camera
     return stats;
 }
 
-/* Pixels outside the hidden part must not change. Returns the Gaussians drawn; *all: without a hidden part. */
+/* Checks that pixels outside the hidden part do not change. Returns the number of Gaussians drawn. *all: that number
+   without a hidden part. */
 static uint32_t check_hidden(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              uint32_t *all)
 {
@@ -220,7 +217,7 @@ static void test_hidden_parts(void)
         return;
     fxs_options_init(&options);
     fxs_camera camera = headset_camera(headset[0], 172, 184, 0);
-    for (int i = 0; i < 20; i++) {               /* whole chunks too */
+    for (int i = 0; i < 20; i++) {
         random_hidden(&camera);
         check_hidden(&scene, &camera, &options, &all);
     }
@@ -228,7 +225,7 @@ static void test_hidden_parts(void)
     camera.hidden_width = camera.width;
     camera.hidden_height = camera.height;
     drawn = check_hidden(&scene, &camera, &options, &all);
-    CHECK(drawn < all / 50);                     /* some cross the picture's edges */
+    CHECK(drawn < all / 50);
     fxs_packed_scene_free(&knot);
 }
 
@@ -265,8 +262,6 @@ static void test_window_errors(void)
         CHECK(fxs_view_init(&view, &camera, &options) == FXS_ERR_SIZE);
     }
 }
-
-/* ---- Composition ------------------------------------------------------------------------------------------------- */
 
 /* A back end that draws random bytes and records requests. */
 typedef struct recorder {
@@ -309,7 +304,7 @@ static int clamp(int x, int end)
     return x < 0 ? 0 : x < end ? x : end - 1;
 }
 
-/* A ring's value at a pixel of the picture, times (2 rate)^2. */
+/* Returns a ring's value at a pixel of the picture, times (2 rate)^2. A ring is a crop at a lower rate. */
 static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int channel)
 {
     const int steps = 2 * r->rate, nx = 2 * x + 1 - r->rate, ny = 2 * y + 1 - r->rate;
@@ -325,7 +320,7 @@ static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int 
     return sum;
 }
 
-/* The share in 1/256: the smallest ramp of edges that are inside the picture. */
+/* Returns the weight of a ring in 1/256: the minimum over ramps at those edges that are inside the picture. */
 static int share(const fxs_ring *r, const fxs_foveation *f, int eye, int x, int y, int width, int height)
 {
     const int left = r->x[eye], top = r->y[eye], right = left + r->width * r->rate, lower = top + r->height * r->rate;
@@ -423,8 +418,7 @@ static void test_putting_together(void)
     fxs_pool_destroy(pool);
 }
 
-/* Pixel (X, Y) of a ring lies at the centre of its block. The ring's camera is a crop of the picture at its rate; for a
-   cropped picture, of the whole one. */
+/* Pixel (X, Y) of a ring (a crop at a lower rate) lies at the centre of its block of the picture. */
 static void test_cameras_of_rings(void)
 {
     recorder r = {.fail_at = UINT32_MAX};
@@ -463,8 +457,6 @@ static void test_cameras_of_rings(void)
     CHECK(r.cameras[1][0].whole_width == 550 && r.cameras[1][0].whole_x == 50 + 196);
     free(memory);
 }
-
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 typedef struct eyes {
     fxs_object object;
@@ -515,7 +507,7 @@ static int foveate(const char *name, const fxs_foveation *f, eyes *e, fxs_foveat
     return 1;
 }
 
-/* The inside of the full-rate ring has the unfoveated bytes, for both eyes. */
+/* Checks that the inside of the full-rate ring has the unfoveated bytes, for both eyes. */
 static void check_inside(const eyes *e, const uint8_t *whole, const fxs_foveation *f, const fxs_foveated *out)
 {
     const fxs_ring *r = &out->rings[0];
@@ -556,7 +548,7 @@ static void test_back_ends(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The CPU back end without hidden parts. */
+/* Renders on the CPU without hidden parts. */
 static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_message *why)
 {
     fxs_request all = *q;
@@ -602,8 +594,6 @@ static void test_nothing_is_missed(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
-
 static uint8_t error_pixels[2 * 64 * 48 * 4];
 
 static int attempt(recorder *r, const fxs_request *q, const fxs_foveation *f)
@@ -639,7 +629,7 @@ static void test_errors(void)
         r = (recorder){.fail_at = k};
         CHECK(attempt(&r, &q, &f) == FXS_ERR_DEVICE && r.calls == k);
     }
-    r = (recorder){.fail_at = 0};                /* must not be called again */
+    r = (recorder){.fail_at = 0};                /* the back end must not be called */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const fxs_foveation wrong = {{{0, 0}, {0, 0}}, {bad[i][0], bad[i][1]}, bad[i][2]};
         CHECK(attempt(&r, &q, &wrong) == FXS_ERR_ARGUMENT && !fxs_foveation_bytes(&wrong, q.cameras, 2));

@@ -1,4 +1,4 @@
-/* .fxs files: writing, mapping, rendering as from memory; damage anywhere is found; a failed write keeps the old
+/* Tests .fxs files: writing, mapping, and rendering. Damage anywhere must be found. A failed write must keep the old
    file. */
 #include <fcntl.h>
 #include <signal.h>
@@ -67,7 +67,6 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
     free(memory);
 }
 
-/* Sealed memory equals the file's bytes. */
 static void test_seal(void)
 {
     fxs_message m;
@@ -95,14 +94,14 @@ static void test_round_trip(void)
     draw(packed.data, packed.bytes, from_memory);
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
-    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* several colours */
-    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* over itself, from a mapping */
-    CHECK(!fxs_map_check(&file, fxs_path, &m));                           /* replaced by another file */
+    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* the picture has several colours */
+    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* overwrites the file with its own mapping */
+    CHECK(!fxs_map_check(&file, fxs_path, &m));
     fxs_unmap(&file);
     CHECK(!file.data);
 }
 
-/* A mapped file that is written to or truncated: the check reports it, and lost pages read as 0. */
+/* Writes to a mapped file or truncates the file. The check must report the change, and lost pages must read as 0. */
 static void test_changed(void)
 {
     enum { PAGE = 4096, PAGES = 16 };
@@ -130,7 +129,7 @@ static void test_changed(void)
     unlink(path);
 }
 
-/* Truncated, extended again and given its old time: the check still reports it. */
+/* The check must report a file that was truncated and extended and has its old time. */
 static void test_cut_and_grown(void)
 {
     enum { PAGE = 4096, PAGES = 4 };
@@ -152,7 +151,7 @@ static void test_cut_and_grown(void)
     unlink(path);
 }
 
-/* A SIGBUS outside a mapping, below or above it, still ends the process. */
+/* A SIGBUS outside a mapping must still end the process. */
 static void test_other_faults(void)
 {
     enum { PAGE = 4096 };
@@ -172,7 +171,7 @@ static void test_other_faults(void)
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* against an endless loop */
+            alarm(10);                 /* guards against an endless loop */
             _exit(other[PAGE]);        /* past the file's last page */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);
@@ -183,7 +182,6 @@ static void test_other_faults(void)
     unlink(path);
 }
 
-/* The table of mappings fills up, and is free again afterwards. */
 static void test_many(void)
 {
     fxs_message m;
@@ -199,7 +197,7 @@ static void test_many(void)
     fxs_unmap(&files[0]);
 }
 
-/* CRC-32 of zlib and PNG (ISO 3309), bitwise. */
+/* CRC-32 of zlib and PNG (ISO 3309), bit by bit. */
 static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
 {
     const unsigned char *byte = data;
@@ -211,7 +209,7 @@ static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
     return ~crc;
 }
 
-/* Checksums follow docs/format.md, so that other programs can use them. */
+/* Checksums must follow docs/format.md, so that other programs can use them. */
 static void test_checksums(void)
 {
     fxs_message m;
@@ -236,7 +234,7 @@ static void test_checksums(void)
     fxs_unmap(&file);
 }
 
-/* Flips one bit in each byte of the headers and in a sample of the rest. */
+/* Flips one bit in each byte of the headers and in a sample of the other bytes. */
 static void test_damage(void)
 {
     fxs_message m;

@@ -1,6 +1,6 @@
-/* The GLES back end against the processor, byte for byte: sizes, formats, runs, small limits, real scenes, and the
- * caller's target with its state kept, also drawn by compute shaders. Also device failures, by fake OpenGL
- * functions. */
+/* Compares the GLES back end with the CPU renderer byte for byte: sizes, formats, long lists, small device limits,
+   real scenes. Draws into the caller's target must keep the caller's OpenGL state, also with compute shaders. Fake
+   OpenGL functions simulate device failures. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +17,7 @@
 #include <fixsplat/internal/pixel.h>
 
 
-/* Checks the range that weight.frag promises to compilers. */
+/* Number of factors outside the range that weight.frag promises to compilers. */
 static int wrong_factors;
 
 static int FACTOR(int x)
@@ -48,8 +48,6 @@ int main(void)
 }
 #else
 
-/* ---- Contexts and fake functions --------------------------------------------------------------------------------- */
-
 static const struct port {
     const char *name;
     int (*open)(void **context, fxs_message *message);
@@ -70,7 +68,7 @@ static const struct port *port;
 static void *context;
 static fxs_message why_not;
 
-/* Functions that replace real ones; a null name ends the list. */
+/* Functions that replace OpenGL functions. A null name ends the list. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -91,7 +89,7 @@ static void fake(int i, const char *name, fxs_gl_function function)
 }
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
-static GLint limit, read_type;             /* 0: the device's own */
+static GLint limit, read_type;             /* 0: the limit of the device */
 static int no_blocks;                      /* 1: no storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
@@ -115,7 +113,7 @@ static void fake_limits(GLint size, GLint type)
     fake(0, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv);
 }
 
-/* Creates a back end with the current fakes; null, with why_not, on failure. */
+/* Creates a back end with the current fake functions. Returns null on failure and sets why_not. */
 static fxs_gles *open_gles(int *error)
 {
     fxs_gles *gles = malloc(fxs_gles_bytes());
@@ -134,8 +132,6 @@ static void close_gles(fxs_gles *gles)
     free(gles);
     memset(fakes, 0, sizeof fakes);
 }
-
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
 typedef struct subject {
     fxs_packed_scene packed;
@@ -170,9 +166,9 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
         job(argument, jobs);
 }
 
-static fxs_compute *compute;               /* if set, draws into targets instead of fxs_gles_render */
+static fxs_compute *compute;               /* not null: draws into targets by compute shaders */
 
-/* All objects share one scene. */
+/* Draws by compute shaders. All objects share one scene. */
 static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
 {
     fxs_compute_scene copy = {.key = 0};
@@ -192,7 +188,7 @@ static int render_target(const fxs_context *c, fxs_gles *gles, const fxs_request
                    : fxs_gles_render(gles, c, request, target, memory, bytes, stats);
 }
 
-/* Renders into pixels, or into the target if it is given. */
+/* Renders into pixels, or into the target if the target is not null. */
 static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
 {
@@ -223,7 +219,7 @@ static uint8_t *new_picture(const subject *s)
     return pixels;
 }
 
-/* Exact modes of this context: lists, and fetch if supported. */
+/* Exact modes of the context: tile lists, and framebuffer fetch if supported. */
 static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
@@ -231,7 +227,8 @@ static int exact_ways(const fxs_gles *gles)
     return compute || fxs_gles_no_fetch(gles) ? 1 : 2;
 }
 
-/* Compares all exact modes with the processor, with this stride and first byte. *stats: of lists. */
+/* Compares all exact modes with the CPU renderer, with a given stride and first byte. *stats: statistics of the mode
+   with tile lists. */
 static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
 {
     uint8_t *expected = new_picture(s);
@@ -250,8 +247,6 @@ static int same(const subject *s, fxs_gles *gles)
 {
     return same_laid_out(s, gles, (ptrdiff_t)s->camera.width * 4, 0, 0);
 }
-
-/* ---- Same bytes -------------------------------------------------------------------------------------------------- */
 
 #define OPEN_OR_SKIP(gles) \
     int error; \
@@ -299,7 +294,8 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* Lists exceed the frame's memory. For needles u overflows in tiles of the square that they do not touch. */
+/* The lists exceed the memory of the frame. Coordinate u of thin Gaussians overflows in tiles that they do not
+   touch. */
 static void runs(void)
 {
     subject s;
@@ -314,7 +310,7 @@ static void runs(void)
     close_gles(gles);
 }
 
-/* Small textures force crops of the picture and parts of lists. */
+/* Small textures force crops of the picture and split lists. */
 static void small_textures(void)
 {
     static const GLint limits[] = {16, 63, 64, 200, 2048};
@@ -334,8 +330,8 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* 80,000 faint points over one tile, so pixels stay open to the end. The 65,536th is large and not faint: it shows if
-   an entry is missing. */
+/* Makes 80,000 faint points over one tile, so that pixels never become opaque. Only point 65,536 is large and
+   bright, so a missing entry shows. */
 static packed_scene faint_points(void)
 {
     packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
@@ -368,7 +364,7 @@ static void GL_APIENTRY count_DrawArrays(GLenum mode, GLint first, GLsizei count
     real_DrawArrays(mode, first, count);
 }
 
-/* A list longer than one draw takes. */
+/* The list is longer than a single draw call allows. */
 static void long_list(void)
 {
     const packed_scene p = faint_points();
@@ -384,7 +380,8 @@ static void long_list(void)
     uint8_t *pixels = new_picture(&s);
     draws = 0;
     CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
-    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* masks, then pixels */
+    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* mask passes, then pixel
+                                                                                           passes */
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -393,7 +390,7 @@ static void long_list(void)
     close_gles(gles);
 }
 
-/* A device that reads back integers only as words and lacks large points. */
+/* The device reads back integers only as 32-bit words and has no large points. */
 static void words_read(void)
 {
     subject s;
@@ -407,8 +404,6 @@ static void words_read(void)
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
-
-/* ---- Real scenes ------------------------------------------------------------------------------------------------- */
 
 static int load_subject(subject *s, const char *folder, const char *name, const double up[3])
 {
@@ -458,9 +453,7 @@ static void real_scenes(void)
         SKIP("no scenes at FXS_SCENES");
 }
 
-/* ---- Framebuffer fetch ------------------------------------------------------------------------------------------- */
-
-/* The shaders' versions of pixel.h, wherever results matter. */
+/* Compares the shaders' versions of the functions in pixel.h with C, for all inputs that can matter. */
 static void products(void)
 {
     int differing = 0;
@@ -488,7 +481,7 @@ static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
 
 static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
-/* A driver that lists the extension but rejects its keyword. */
+/* Simulates a driver that lists the extension but rejects its keyword. */
 static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -498,7 +491,7 @@ static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Without the extension lists work, and the reason is reported. */
+/* Without the extension, tile lists still work and the reason is reported. */
 static void fetch_hidden(void)
 {
     subject s;
@@ -529,7 +522,7 @@ static void fetch_hidden(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Two eyes with different visible Gaussians equal the processor's. */
+/* The eyes see different Gaussians. Both pictures must equal the CPU renderer's. */
 static void fetch_eyes(void)
 {
     subject s;
@@ -567,9 +560,7 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* ---- Occluders and backdrops ------------------------------------------------------------------------------------- */
-
-/* The caller's drawing: a slanted plane with holes through the subject, over a gradient; rows top down. */
+/* The caller's drawing: a slanted plane with holes through the subject over a colour gradient. Rows are top down. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -598,7 +589,7 @@ static void free_mesh(mesh m)
     free(m.colours);
 }
 
-/* Renders the subject with the mesh; `draw` null: on the processor. */
+/* Renders the subject with the caller's drawing. draw: null renders on the CPU. */
 static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const mesh *m, int bottom_up,
                        size_t memory_bytes, uint8_t *pixels)
 {
@@ -621,7 +612,7 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
     return error;
 }
 
-/* Occluder and backdrop give the processor's bytes, in every format, in crops, bands and parts of lists. */
+/* An occluder and a background give the CPU renderer's bytes in every format, in crops, bands and split lists. */
 static void meshes(void)
 {
     subject s;
@@ -655,13 +646,11 @@ static void meshes(void)
     }
 }
 
-/* ---- The caller's target ----------------------------------------------------------------------------------------- */
-
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
 enum { UNITS = 10 };                       /* texture units that the back end binds */
 
-/* More state than the back end touches; unsupported values stay 0. */
+/* OpenGL state beyond what the back end changes. Unsupported values stay 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -732,7 +721,7 @@ typedef struct caller {
     GLuint texture, framebuffers[2], program, vertex_array, buffers[4], samplers[UNITS], textures[UNITS], renderbuffer;
 } caller;
 
-/* Changes all state from its defaults. */
+/* Sets all state to values other than the defaults. */
 static void upset(caller *c)
 {
     static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD,
@@ -816,7 +805,7 @@ static void read_target(const fxs_gles_target *t, uint8_t *pixels)
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
 }
 
-/* Counts pixels that differ from the picture inside, or from the clear colour outside. */
+/* Counts pixels that differ from the picture inside the viewport, or from the clear colour outside. */
 static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -840,7 +829,7 @@ static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *
     return !differing_pixels(s, t, expected);
 }
 
-/* The target gets the picture, its surroundings and the caller's state stay. */
+/* Draws into the caller's target. Pixels around the picture and the OpenGL state must not change. */
 static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gles_target *t,
                          const uint8_t *expected)
 {
@@ -858,7 +847,7 @@ static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_
     CHECK(in_target(s, t, expected));
 }
 
-/* small: forces crops, if the back end draws into its own framebuffer. */
+/* small: 1 forces crops of the picture in the back end's own framebuffer. */
 static void target_by(int small)
 {
     subject s;
@@ -893,7 +882,7 @@ static void target_in_windows(void)
     target_by(64);
 }
 
-/* The largest error against c + d (1 - alpha), where d was beneath. */
+/* Returns the largest error against c + d (1 - alpha), with d the pixel beneath. */
 static double off_by(const uint8_t *pixel, const uint8_t *over)
 {
     static const uint8_t beneath[4] = {51, 102, 153, 204};
@@ -905,7 +894,7 @@ static double off_by(const uint8_t *pixel, const uint8_t *over)
     return most;
 }
 
-/* Over the framebuffer's content, also in crops and parts of lists. */
+/* Blends over the framebuffer's content, also in crops and split lists. */
 static void target_over_by(int small)
 {
     subject s;
@@ -948,7 +937,7 @@ static void target_over(void)
     target_over_by(16);
 }
 
-/* Short lists: their chunks run out before their records. */
+/* Short lists exhaust the space for their chunks before the space for their records. */
 static void target_of_short_lists(void)
 {
     subject s;
@@ -968,7 +957,7 @@ static void target_of_short_lists(void)
     close_gles(gles);
 }
 
-/* A texture with these rows, 4 bytes a pixel, in the framebuffer's row order. */
+/* Makes a texture of 4 bytes a pixel in the framebuffer's row order. */
 static GLuint make_texture(const subject *s, const void *pixels, int top_down, GLint format, GLenum layout, GLenum type)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -985,8 +974,8 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* From the caller's textures. A depth in words gives the processor's bytes; a depth buffer nearly so, and then compute
-   and fragment shaders agree. */
+/* Reads depths from the caller's textures. Depths as words give the CPU renderer's bytes. Depth buffers give nearly
+   these bytes. */
 static void target_meshes(void)
 {
     static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
@@ -1059,8 +1048,6 @@ static void target_meshes(void)
     close_gles(gles);
 }
 
-/* ---- Depths and ids in the same draw ----------------------------------------------------------------------------- */
-
 typedef struct outputs {
     GLuint framebuffer, textures[3];
 } outputs;
@@ -1090,7 +1077,7 @@ static outputs make_outputs(void)
     return o;
 }
 
-/* Renders the subject twice, with two ids, into the targets or the caller's framebuffer. */
+/* Renders the subject twice with two ids into the targets or into the caller's framebuffer. */
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
 {
     fxs_context c;
@@ -1110,7 +1097,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     return error;
 }
 
-/* Counts words that differ from the picture inside, or from 3 outside. */
+/* Counts words that differ from the picture inside the viewport, or from 3 outside. */
 static int differing_words(const subject *s, const fxs_gles_target *t, GLenum buffer, const uint32_t *expected, int n)
 {
     static GLuint words[HIGH][WIDE][4];
@@ -1129,7 +1116,7 @@ static int differing_words(const subject *s, const fxs_gles_target *t, GLenum bu
     return differing;
 }
 
-/* Colours, depths and ids equal the processor's; the state stays. */
+/* Colours, depths and ids must equal the CPU renderer's. The OpenGL state must not change. */
 static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gles_target *t,
                           const mesh *m)
 {
@@ -1167,7 +1154,7 @@ static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const out
     free(ids);
 }
 
-/* small: lists in parts. */
+/* small: 1 splits the lists. */
 static void depths_and_ids_by(int small)
 {
     static const char *const names[] = {"knot", "fog", "needles"};
@@ -1199,7 +1186,7 @@ static void depths_and_ids(void)
     depths_and_ids_by(16);
 }
 
-/* A driver that rejects the shader of depths and ids. */
+/* Simulates a driver that rejects the shader of depths and ids. */
 static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -1209,7 +1196,7 @@ static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Then depths and ids are refused each time; colours are still drawn. */
+/* Without the shader, depths and ids are refused and colours are still drawn. */
 static void depths_and_ids_without_shader(void)
 {
     subject s;
@@ -1228,7 +1215,7 @@ static void depths_and_ids_without_shader(void)
     close_gles(gles);
 }
 
-/* Depths and ids are refused with fetch and unsuitable framebuffers. */
+/* Framebuffer fetch and unsuitable framebuffers refuse depths and ids. */
 static void depths_and_ids_refused(void)
 {
     subject s;
@@ -1243,8 +1230,6 @@ static void depths_and_ids_refused(void)
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
-
-/* ---- Compute shaders --------------------------------------------------------------------------------------------- */
 
 static int open_compute_by(fxs_gl_load_fn *by, GLint size)
 {
@@ -1316,7 +1301,8 @@ static fxs_gl_function load_losing(void *argument, const char *name)
     return losing_load(load, argument, name);
 }
 
-/* Fails each call of a frame in turn: an error, and a whole or untouched target. The next frame is right. */
+/* Fails each OpenGL call of a frame in turn. The frame must return an error, with the target complete or untouched.
+   The next frame must be right. */
 static void compute_draws_lose_by(int by_texture)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
@@ -1376,8 +1362,8 @@ static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const
     real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
 }
 
-/* A driver that rejects a shader of draws: reported each time with its line; the state stays, frames into memory
-   work. */
+/* The driver rejects a shader. Each draw must report the shader's line and keep the OpenGL state. Frames into memory
+   must work. */
 static void compute_without_shader(void)
 {
     subject s;
@@ -1395,7 +1381,7 @@ static void compute_without_shader(void)
     for (int i = 0; i < 2; i++) {
         CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: "));
-        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* Mesa, NVIDIA */
+        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* line numbers by Mesa and by NVIDIA */
         CHECK(!strchr(why_not.text, '\n'));
     }
     dump(&after);
@@ -1405,7 +1391,7 @@ static void compute_without_shader(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Creation and destruction keep the state. Pictures larger than a texture of words and wrong arguments are refused. */
+/* Creation and destruction keep the OpenGL state. Too large pictures and wrong arguments are refused. */
 static void compute_refuses(void)
 {
     state before, after;
@@ -1459,9 +1445,7 @@ static void init_keeps_state(void)
     settle();
 }
 
-/* ---- Failures ---------------------------------------------------------------------------------------------------- */
-
-static int calls, missing;                 /* the call of load that returns null */
+static int calls, missing;                 /* calls of the function loader; index of the call that returns null */
 static char missing_name[64];
 
 static fxs_gl_function load_but_one(void *argument, const char *name)
@@ -1559,7 +1543,7 @@ static GLboolean GL_APIENTRY lost_UnmapBuffer(GLenum name)
 
 static GLenum GL_APIENTRY lost_GetError(void)
 {
-    return good_calls-- > 0 ? GL_NO_ERROR : 0x0507;   /* GL_CONTEXT_LOST */
+    return good_calls-- > 0 ? GL_NO_ERROR : 0x0507;
 }
 
 static GLenum GL_APIENTRY full_GetError(void)
@@ -1578,7 +1562,7 @@ static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
     return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
 }
 
-/* Fails a function from its n-th call on, for each n until a frame succeeds: always this error. */
+/* Fails a function from its n-th call on, for each n until a frame succeeds. The error must be `expected`. */
 static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls, int expected)
 {
     int error = expected, n;
@@ -1621,7 +1605,7 @@ static void lost_devices(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* A buffer that cannot be mapped, after a good frame. */
+/* A buffer cannot be mapped after a successful frame. */
 static void full_device(void)
 {
     subject s;
@@ -1642,15 +1626,12 @@ static void full_device(void)
     close_gles(gles);
 }
 
-/* ---- Contexts in turn -------------------------------------------------------------------------------------------- */
-
 typedef struct turn {
     void *context;
     fxs_gles *gles;
     caller caller;
 } turn;
 
-/* Two contexts of each port, all open on this thread. */
 static void contexts_in_turn(void)
 {
     static const int order[] = {0, 2, 0, 3, 1, 3, 1, 0, 2, 1};
