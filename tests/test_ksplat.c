@@ -1,11 +1,12 @@
-/* Reads synthetic .ksplat files of each compression level and SH degree, and faulty ones. */
+/* Reads synthetic .ksplat files of each compression level and SH degree, and faulty files. */
 #include "scene_bytes.h"
 
 enum { HEADER = 4096, SECTION = 1024, SECTIONS = 3, ROWS = 9, ROOM = 10, BLOCK_RANGE = 1000 };
 
 static fxs_gaussian gaussians[ROOM], expected[ROOM];
 
-/* Buckets by section: 2 + 2 + 1 with capacity 6, none, 1 + 0 + 3. */
+/* Each .ksplat section groups its Gaussians in buckets. Section 0 has buckets of 2, 2 and 1 Gaussians with capacity
+   6. Section 1 is empty. Section 2 has buckets of 1, 0 and 3. */
 static const struct { uint32_t count, room, bucket_size, full, partial, lengths[3]; } sections[SECTIONS] = {
     {5, 6, 2, 2, 1, {1, 0, 0}}, {0, 0, 0, 0, 0, {0, 0, 0}}, {4, 4, 7, 0, 3, {1, 0, 3}}
 };
@@ -23,7 +24,7 @@ static float centre_of(int section, int bucket, int axis)
     return (float)(100 * section + 10 * bucket + axis) / 4;
 }
 
-/* Writes and returns a value from 1 to 4: a float, or a half with exponent 15 or 16. */
+/* Writes and returns a value from 1 to 4, as a float or as a half float with exponent 15 or 16. */
 static float put_real(int level, int row, int i)
 {
     int code = code_of(row, i) % 2048;
@@ -44,7 +45,7 @@ static float put_coefficient(int level, int row, int i)
     return -2 + 5 * (float)code / 255;
 }
 
-/* Maps SH coefficient i of the file, in blocks by degree and channel, to our order. */
+/* Maps SH coefficient i of the file to the library's order. The file has blocks by degree and channel. */
 static int place_of(int i)
 {
     int degree = i < 9 ? 1 : i < 24 ? 2 : 3, first = degree * degree - 1, width = 2 * degree + 1;
@@ -152,7 +153,7 @@ static void sizes(void)
         }
 }
 
-/* A compression range of 0 means 32767, SH bounds of 0 mean +-1.5. */
+/* In a .ksplat header, compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
 static void defaults(void)
 {
     make_file(2, 1);
@@ -169,7 +170,6 @@ static void defaults(void)
         CHECK(is_near((double)gaussians[0].sh[place_of(i)], code_of(0, 16 + i) % 256 / 85.0 - 1.5, 1e-6));
 }
 
-/* SH bounds may lie on one side of 0. */
 static void bounds_to_one_side(void)
 {
     static const float bounds[][2] = {{0.5f, 2.5f}, {-3, -1}};
@@ -212,7 +212,7 @@ static void halves(void)
     CHECK(read_file(gaussians, ROOM) == 0 && isnan(gaussians[0].rotation[0]));
 }
 
-/* Capacity beyond the Gaussians may be missing in the file. */
+/* Capacity beyond the Gaussians of a section may be missing in the file. */
 static void room_at_the_end(void)
 {
     make_file(1, 0);

@@ -1,12 +1,12 @@
-/* Pictures through lenses: positions against an independent inverse, patterns, round trips with the undistortion of
-   a fit, and lenses that see more than a picture can hold. */
+/* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula.
+   Round trips use the undistortion of a fit. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include "src/fit/photo_pixels.h"
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* FNV-1a of a noise picture through each lens in turn. */
+/* FNV-1a hash of a noise picture through each lens in turn. */
 #define GOLDEN 0x6dbc72eeu
 
 static const struct {
@@ -39,13 +39,13 @@ static void make(size_t number, fxs_lens_warp *warp)
     CHECK(warp->cover.width >= 1 && warp->cover.width <= 4 * WIDE + 4 && warp->cover.height <= 4 * HIGH + 4);
 }
 
-/* A smooth scene by direction, with low frequencies for wide views. */
+/* Returns a smooth colour for a direction, with low frequencies for wide views. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(2 * x + c) + 50 * cos(1.5 * y - x + 2 * c);
 }
 
-static uint8_t *pictures[2];       /* [0]: cover, [1]: through the lens */
+static uint8_t *pictures[2];       /* [0]: the undistorted picture, [1]: the picture through the lens */
 
 static void draw_cover(const fxs_file_view *v)
 {
@@ -146,7 +146,7 @@ static void round_trip(void)
     }
 }
 
-/* Noise gives the same bytes on every machine and for any split in rows. A pinhole shows the cover's middle. */
+/* Noise gives the same bytes on every machine and for any split in rows. */
 static void same_bytes(void)
 {
     static const uint8_t outside[4] = {1, 2, 3, 4};
@@ -169,7 +169,7 @@ static void same_bytes(void)
         printf("  0x%08xu\n", (unsigned)hash);
 }
 
-/* Lenses with extreme parameters: an empty picture or some picture, within the largest size. */
+/* Lenses with extreme parameters give an empty picture or any picture within the largest size. */
 static void strange_lenses(void)
 {
     static const double extremes[] = {0, 1e-300, 1e-9, 0.5, 3, 1e4, 1e150, 1e300};

@@ -1,5 +1,5 @@
-/* Frames of several objects. They are compared with the double-precision reference of the merged scene and, if the
- * integers agree, byte for byte with frames of one scene. */
+/* Renders frames of several objects. They are compared with the double-precision reference renderer of the merged
+   scene. Where the integers agree, they must equal frames of a single scene. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"
@@ -10,8 +10,6 @@
 enum { WIDTH = 400, HEIGHT = 260 };
 
 static const double up[3] = {0, -1, 0}, y_axis[3] = {0, 1, 0};
-
-/* ---- Against the reference --------------------------------------------------------------------------------------- */
 
 static fxs_camera look(const double eye[3], const double target[3], double fov)
 {
@@ -120,7 +118,7 @@ static void test_crops(void)
     const fxs_crop out[2] = {crop_of(-0.7, 0.9, 0, 1), crop_of(-0.5, 0.5, 2, 1)};
     if (!part_make(&knot, "knot", 40000))
         return;
-    part_unpack(&knot);                        /* so that a Gaussian at a face is on the same side in both */
+    part_unpack(&knot);                        /* puts a Gaussian at a face on the same side in both renderers */
     two_knots(&w, &knot);
     w.objects[0].crops = keep;
     w.objects[0].crop_count = 3;
@@ -199,9 +197,7 @@ static void test_captured_scenes(void)
     check_captured("luma-seal/luma-seal.ply", 0.1);
 }
 
-/* ---- Byte for byte ----------------------------------------------------------------------------------------------- */
-
-static fxs_context plain;          /* C, one thread */
+static fxs_context plain;
 
 static packed_scene scenes[4];
 
@@ -217,7 +213,7 @@ static void free_scenes(void)
         free(scenes[i].data);
 }
 
-/* Draws all targets of a frame in `bytes` of memory; 0: in fxs_frame_bytes. */
+/* Renders all targets of a frame in `bytes` of memory. 0: as much as the frame needs. */
 static int draw(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                 const fxs_options *options, size_t bytes, picture *p, fxs_stats *stats)
 {
@@ -237,12 +233,12 @@ static int same_pictures(const picture *a, const picture *b)
     return a->bytes == b->bytes && !memcmp(a->block, b->block, a->bytes);
 }
 
-/* Signed permutation matrices that are rotations. */
+/* All rotations by right angles, as matrices. */
 static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 1, 1, 0, 0, 0, 1, 0},
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
-/* Turns the scene by right angles, scales it by a power of two, moves it, and carries the camera along. */
+/* Rotates the scene by right angles, scales it by a power of two and moves it. The camera moves along. */
 static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn[9], int shift)
 {
     const fxs_camera before = *camera;
@@ -269,7 +265,7 @@ static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn
     }
 }
 
-/* World depths grow with the object, so the frame is drawn with that many fewer depth bits. */
+/* Depths grow with the object, so the frame has that many fewer depth bits. */
 static void test_carried_with_the_camera(void)
 {
     int drawn = 0;
@@ -303,7 +299,7 @@ static void test_carried_with_the_camera(void)
     CHECK(drawn > 60);
 }
 
-/* Crop boxes that keep everything change nothing, though they take the other branch of the code. */
+/* Crop boxes that keep everything change nothing, though they use other code. */
 static void test_crop_around_all(void)
 {
     const fxs_crop all[2] = {{{INT64_MIN, INT64_MIN, INT64_MIN}, {INT64_MAX, INT64_MAX, INT64_MAX}, 0},
@@ -328,8 +324,6 @@ static void test_crop_around_all(void)
     }
 }
 
-/* One Gaussian at both ends of its chunk and inside it, with its centre on a face of a crop box, or one step
-   outside. */
 static void test_centres_on_faces_of_crops(void)
 {
     static const uint16_t places[] = {0, 30001, 65535};
@@ -476,8 +470,6 @@ static void free_scenario(scenario *s)
     free_scenes();
 }
 
-/* Down to the minimum of memory; one byte less is refused and nothing is written. Returns the largest number of
-   bands. */
 static uint32_t check_bands(scenario *s, const fxs_context *context)
 {
     fxs_stats stats;
@@ -553,7 +545,6 @@ static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_
     return error;
 }
 
-/* Each eye has the bytes of its mono frame, by every version and number of threads. */
 static void test_stereo(void)
 {
     fxs_kernels versions[WORLD_VERSIONS];
@@ -652,8 +643,6 @@ static void test_depths_are_scaled(void)
     CHECK(cut[0] > 500 && cut[1] > 500);
 }
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
-
 static struct {
     fxs_object objects[2];
     fxs_crop crops[FXS_MAX_CROPS + 1];
@@ -748,7 +737,7 @@ static void test_bad_objects(void)
     CHECK(render_good(2) == 0 && !untouched(&good.picture));
 }
 
-/* 65,536 objects are accepted, one more is not. The limit of Gaussians per frame holds too. */
+/* 65,536 objects are accepted, 65,537 are refused. */
 static void test_too_many_objects(void)
 {
     fxs_object *objects = malloc((FXS_MAX_OBJECTS + 1) * sizeof *objects);

@@ -1,4 +1,5 @@
-/* Packing: scene files written here become packed scenes, and each profile's losses, bytes and order are checked. */
+/* Packs scene files that the test writes, and checks the losses, bytes and order of each profile. A chunk is 256
+   Gaussians of a packed scene. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -30,8 +31,6 @@ static fxs_gaussian gaussians[MAX_COUNT];
 static fxs_packed_scene packed;
 static fxs_pack_report report;
 static fxs_message message;
-
-/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t seed;
 
@@ -71,9 +70,9 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
 static enum fxs_profile profile;
 static const fxs_allocator *allocator;
 static size_t bytes_said;
-static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: fxs_pack's own number */
+static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: chosen by fxs_pack */
 
-/* threads 0: no pool. */
+/* threads: 0 uses no thread pool. */
 static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
 {
     fxs_scene_file *file;
@@ -109,8 +108,6 @@ static fxs_scene pack(size_t count, int sh_degree)
     return scene;
 }
 
-/* ---- The packed scene's values ---------------------------------------------------------------------------------- */
-
 static uint32_t word_at(const fxs_scene *scene, uint32_t i, uint32_t row)
 {
     uint32_t word;
@@ -145,14 +142,14 @@ static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t 
     return source_at(p, count);
 }
 
-static double worst_rotation, worst_step;   /* degrees; largest error of the other attributes, in quantisation steps */
+static double worst_rotation, worst_step;   /* in degrees, and in quantisation steps of the other attributes */
 
 static void note(double difference, double step)
 {
     worst_step = fmax(worst_step, fabs(difference) / step);
 }
 
-/* Packing stores the longest axis first. */
+/* Sorts the axes as packing does, the longest axis first. */
 static void find_order(int order[3], const float scale[3])
 {
     for (int i = 0; i < 3; i++)
@@ -195,7 +192,7 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     }
 }
 
-/* Every packed Gaussian equals its source within half a step, plus the difference between float and double. */
+/* Compares each packed Gaussian with its source, within half a step plus the rounding of floats. */
 static void check_packed(size_t count, int sh_degree)
 {
     fxs_scene scene = pack(count, sh_degree);
@@ -203,7 +200,8 @@ static void check_packed(size_t count, int sh_degree)
     worst_rotation = worst_step = 0;
     for (uint32_t i = 0; i < scene.count; i++)
         compare_gaussian(&scene, i, source_of(&scene, i, count));
-    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* of the roll, 8 bits */
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* the rotation about the longest axis has 8
+                                                                         bits */
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
@@ -238,9 +236,11 @@ static void test_largest_errors(void)
             most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
             most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
         }
-        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* codes 1022, 1020 */
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* for codes 1022 and
+                                                                                               1020 */
     }
-    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the roll, plus the error of the first axis */
+    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the rotation about the longest axis, plus the
+                                                        error of this axis */
         const uint32_t step = chunk_of(&scene, i)->scale_step_q24;
         most.rotation = fmax(most.rotation,
                              0.1 + ldexp(90, 2 * axis_bits_of_word(0, word_at(&scene, i, FXS_ROW_SCALE), step) - 32));
@@ -296,8 +296,8 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* The inner box holds a head of 3 % and a pedestal of 1 % of the Gaussians, but no floaters or invisible ones, in
-   any order. */
+/* The inner box holds two objects of 3 % and 1 % of the Gaussians. The box excludes floaters and invisible
+   Gaussians. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -322,7 +322,7 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Surroundings that thin out to 100 times the object's size do not grow the inner box beyond 4 times the object. */
+/* Surroundings that thin out to 100 times the object's size leave the inner box within 4 times the object. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -339,7 +339,7 @@ static void test_inner_bounds_in_surroundings(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Invisible Gaussians, or a single one, still give an inner box. */
+/* Invisible Gaussians, or a single Gaussian, still give an inner box. */
 static void test_inner_bounds_of_little(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, one[3] = {3, 4, 5};
@@ -388,9 +388,7 @@ static void test_extremes(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
-
-/* An SH step is the smallest that lets code 127 reach the largest coefficient, up to the format's limit. */
+/* An SH step is the smallest step that lets code 127 reach the largest coefficient, up to the format's limit. */
 static void test_sh_steps_up_to_the_limit(void)
 {
     static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
@@ -417,7 +415,7 @@ static void test_sh_steps_up_to_the_limit(void)
         }
 }
 
-/* Residuals of a palette are coded as odd numbers from -7 to 7; packing uses each of the eight. */
+/* Residuals of a palette are coded as odd numbers from -7 to 7. Packing must use all eight. */
 static void test_every_residual_code_serves(void)
 {
     uint32_t uses[8] = {0}, all = 0;
@@ -439,7 +437,7 @@ static void test_every_residual_code_serves(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Skips within the read buffer, one byte beyond it, and to the end of the file. */
+/* Skips within the read buffer, one byte beyond the buffer, and to the end of the file. */
 static void test_bytes_skipped(void)
 {
     static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
@@ -460,7 +458,7 @@ static void test_bytes_skipped(void)
     CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == FXS_ERR_FILE);
 }
 
-/* The reader returns the announced number, though the file holds more. */
+/* The reader returns the announced number of Gaussians, though the file holds more. */
 static void test_no_more_than_announced(void)
 {
     fxs_scene_file *file = NULL;
@@ -517,8 +515,8 @@ static void test_share_of_what_is_dropped(void)
     CHECK(report.packed == 97 && report.dropped.not_finite == 2 && report.dropped.transparent == 1);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
     fxs_packed_scene_free(&packed);
-    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: counted from the other
-                                                                           values, weight 11 */
+    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: weight 11 from the other
+                                                                           values */
     pack(100, 0);
     CHECK(report.packed == 97 && fabs(fxs_dropped_share(&report.dropped) - 12 / 109.0) < 1e-5);
     fxs_packed_scene_free(&packed);
@@ -529,8 +527,6 @@ static void test_share_of_what_is_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Gaussians that are hard to hold ---------------------------------------------------------------------------- */
-
 static double packed_scale(const fxs_scene *scene, uint32_t axis)
 {
     const fxs_chunk *chunk = chunk_of(scene, 0);
@@ -539,8 +535,8 @@ static double packed_scale(const fxs_scene *scene, uint32_t axis)
     return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
 }
 
-/* In a chunk of one Gaussian, a thin axis is clamped to the range of the codes, and a large axis to the format's
-   largest. */
+/* In a chunk of a single Gaussian, a thin axis is clamped to the range of the codes, and a large axis to the
+   format's maximum. */
 static void test_axes_are_held(void)
 {
     static const float cases[][2][3] = {
@@ -561,7 +557,7 @@ static void test_axes_are_held(void)
     }
 }
 
-/* Needles hardly coarsen the scale steps of the other Gaussians of their chunk. */
+/* Thin Gaussians hardly coarsen the scale steps of the other Gaussians of their chunk. */
 static void test_needles_in_a_chunk(void)
 {
     double rms[2];
@@ -579,7 +575,7 @@ static void test_needles_in_a_chunk(void)
     CHECK(rms[1] < 2.3 * rms[0]);
 }
 
-/* A Gaussian beyond the position range is moved in and shrunk, so that it looks the same from the origin. */
+/* A Gaussian beyond the position range is moved closer and shrunk, so that its size seen from the origin stays. */
 static void test_far_ones_are_brought_in(void)
 {
     static const float axis[3] = {1, -0.5f, 0.25f};
@@ -632,8 +628,6 @@ static void test_empty_file(void)
     CHECK(pack_file(0, 0) == FXS_ERR_FILE && message.text[0]);
 }
 
-/* ---- The rest --------------------------------------------------------------------------------------------------- */
-
 static void test_flags(void)
 {
     fxs_scene scene;
@@ -656,8 +650,6 @@ static void test_same_bytes_twice(void)
     fxs_packed_scene_free(&first);
     fxs_packed_scene_free(&packed);
 }
-
-/* ---- Profiles --------------------------------------------------------------------------------------------------- */
 
 static double largest[6], squares[6];
 
@@ -682,7 +674,7 @@ static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degr
         note_loss(5, d->sh[k] - (double)g->sh[k]);
 }
 
-/* The report's losses equal losses computed here, decoded as in docs/format.md. */
+/* Compares the report's losses with losses computed from values decoded by docs/format.md. */
 static void check_loss(size_t count, int sh_degree)
 {
     fxs_scene s = pack(count, sh_degree);
@@ -781,7 +773,7 @@ static void test_read_back(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* One coefficient among many exceeds the range of a palette; the report includes its loss. */
+/* A single coefficient exceeds the range of a palette. The report must include its loss. */
 static void test_loss_of_huge_sh(void)
 {
     make_gaussians(1500);
@@ -816,8 +808,6 @@ static void test_few_bits_are_kept(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Laws of opacity, palettes ---------------------------------------------------------------------------------- */
-
 static void set_opacity(fxs_gaussian *g, double opacity)
 {
     g->opacity = (float)log(opacity / (1 - opacity));
@@ -828,8 +818,8 @@ static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
     return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
 }
 
-/* A chunk gets the opacity law, and its finer steps, that just covers its largest opacity. Gaussians that never
-   reach 1/255 are not drawn. */
+/* A chunk gets the opacity code with the finest steps that covers its largest opacity. Gaussians that never reach
+   alpha 1/255 are not drawn. */
 static void test_faint_chunks_get_fine_steps(void)
 {
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
@@ -848,7 +838,8 @@ static void test_faint_chunks_get_fine_steps(void)
     }
 }
 
-/* The choice of a law weighs each squared error by 1/opacity, so in a half-opaque chunk the faint half decides. */
+/* The choice of the opacity code weighs each squared error by 1/opacity. In a half-opaque chunk the faint half
+   decides. */
 static void test_faint_half_decides_on_the_law(void)
 {
     make_gaussians(256);
@@ -869,8 +860,8 @@ static void test_offsets_of_codes(void)
         }
 }
 
-/* A palette has the most entries that keep the scene within its bytes per Gaussian. The minimum is the number that
-   costs 0.1 byte per Gaussian, or 0.4 in scenes below 10,000. */
+/* A palette has the most entries that keep the scene within its bytes for each Gaussian. The minimum number costs
+   0.1 byte for each Gaussian, or 0.4 in scenes below 10,000. */
 static void check_entries(uint32_t count, enum fxs_profile which, int degree)
 {
     const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
@@ -915,7 +906,7 @@ static void check_sh_loss(const char *what, size_t count, int degree, enum fxs_p
     fxs_packed_scene_free(&packed);
 }
 
-/* Each chunk is a cluster with its own SH, and clusters outnumber palette entries: the chunk means hold their SH. */
+/* Each chunk has its own SH, and more clusters exist than palette entries. The chunk means must hold the SH. */
 static void test_means_of_chunks(void)
 {
     enum { CLUSTERS = 32, COUNT = CLUSTERS * FXS_CHUNK };
@@ -933,7 +924,7 @@ static void test_means_of_chunks(void)
     check_sh_loss("means", COUNT, 3, FXS_PROFILE_COMPACT, 0.0021);
 }
 
-/* A scene with few independent coefficients: palettes fit it well. */
+/* The scene has few independent SH coefficients, so palettes must fit well. */
 static void test_palettes_are_good(void)
 {
     enum { COUNT = 20000 };
@@ -953,13 +944,13 @@ static void test_palettes_are_good(void)
 
 enum { ALIKE, SIZES, OPACITIES, FLAT, MIXTURES };
 
-/* True if the SH errors of this Gaussian must cancel. */
+/* True if the SH errors of a Gaussian must cancel. */
 static int matters(int mixture, double scale, double opacity)
 {
     return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
 }
 
-/* Squared sum of those SH errors over the chunk from slot `first`. */
+/* Returns the squared sum of SH errors that must cancel, over the chunk from slot `first`. */
 static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
 {
     double sums[9] = {0}, square = 0;
@@ -974,7 +965,7 @@ static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mi
     return square;
 }
 
-/* At one place SH errors cancel: a chunk's sum is as small as the error of a few Gaussians. */
+/* SH errors at one place cancel: the sum over a chunk is as small as the error of a few Gaussians. */
 static void check_cancelling(int mixture, double most)
 {
     enum { COUNT = 8 * FXS_CHUNK };
@@ -1006,9 +997,7 @@ static void test_errors_of_sh_cancel(void)
         check_cancelling(mixture, most[mixture]);
 }
 
-/* ---- Memory ----------------------------------------------------------------------------------------------------- */
-
-static int live, allocations, failing;      /* live blocks; index of the allocation that fails, from 0 */
+static int live, allocations, failing;      /* number of live blocks; index of the allocation that fails, from 0 */
 
 static fxs_sh_loss code_chunks(unsigned cpu, const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                int8_t mean[48], unsigned char *records)
@@ -1042,7 +1031,6 @@ static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int d
               fxs_pack_stages_choose(~0u)->nearest(groups, p.group_squares[0], count, learned->vectors[1][count]));
 }
 
-/* Every instruction set produces the bytes of C, with few palette entries and with many. */
 static void test_stages(void)
 {
     static const uint32_t entries[] = {1, 2, 9, 23, 77, 128};
@@ -1078,7 +1066,6 @@ static void run_stages(unsigned cpu, enum fxs_profile which, int degree, double 
     }
 }
 
-/* Every instruction set produces the bytes of C, for every opacity law, and in chunks where all values are equal. */
 static void test_stages_of_codes(void)
 {
     static double numbers[2][MAX_COUNT];
@@ -1105,7 +1092,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* Returns the merged Gaussians and each source's target. */
+/* Returns the merged Gaussians, and for each source the index of its merged Gaussian. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1124,7 +1111,6 @@ static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t m
     return left;
 }
 
-/* Every instruction set merges like C, also when all Gaussians coincide. */
 static void test_stages_of_merging(void)
 {
     static fxs_coarse out[2][FXS_MERGE_MOST];
@@ -1178,13 +1164,10 @@ static void test_every_allocation_fails(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* ---- Threads ---------------------------------------------------------------------------------------------------- */
-
 static const uint32_t thread_counts[] = {0, 1, 2, 4, 7};
 
 enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
 
-/* Every number of threads produces the same bytes and report. */
 static void check_threads(const char *name)
 {
     fxs_packed_scene first = {0, 0, 0, 0};
@@ -1208,7 +1191,7 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(MAX_COUNT);         /* smaller scenes have palettes of one entry per stage */
+    make_gaussians(MAX_COUNT);         /* smaller scenes have palettes of one entry for each stage */
     CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;
@@ -1279,7 +1262,8 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
     return entries;
 }
 
-/* The order holds each Gaussian once, dropped ones last, and does not depend on the number of threads. */
+/* The order holds each Gaussian once, with dropped Gaussians last. The order is independent of the number of
+   threads. */
 static void check_order(uint32_t count, uint32_t threads, int kind)
 {
     static unsigned char seen[MAX_COUNT];
@@ -1312,7 +1296,7 @@ static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), voi
         job(argument, i);
 }
 
-/* Gaussians marked to be kept together (none, a third, all) come after the chunks of the other Gaussians. */
+/* Gaussians marked to be kept together (none, a third, all) come after the chunks of all other Gaussians. */
 static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
@@ -1336,7 +1320,7 @@ static void test_likes_are_together(void)
     }
 }
 
-/* 200 of 10,184 Gaussians lie up to 2^20 units away; they share 1 of the 40 chunks. */
+/* 200 of 10,184 Gaussians lie up to 2^20 units away. They share 1 of the 40 chunks. */
 static void test_strays_are_apart(void)
 {
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
@@ -1362,7 +1346,7 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
-/* 256 far Gaussians among 40,000 that an even sample misses still get a chunk of their own. */
+/* An even sample misses 256 distant Gaussians among 40,000. They must still get their own chunk. */
 static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
@@ -1385,7 +1369,7 @@ static void test_no_stray_is_missed(void)
     CHECK(strays == FXS_CHUNK);
 }
 
-/* Clusters of 1 to 5 chunks in 5 columns of 4: no two clusters share a chunk. */
+/* Clusters of 1 to 5 chunks stand in 5 columns of 4. No two clusters share a chunk. */
 static void test_clusters_are_apart(void)
 {
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
@@ -1405,7 +1389,6 @@ static void test_clusters_are_apart(void)
         CHECK(i % FXS_CHUNK == 0 || cluster[entries[i].index] == cluster[entries[i - 1].index]);
 }
 
-/* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 would be 3 units wide at best. */
 static void test_chunks_are_small(void)
 {
     make_gaussians(MAX_COUNT);
@@ -1435,7 +1418,7 @@ static void make_strays(void)
     }
 }
 
-/* Reads the packed scene as a file. Returns the number of Gaussians, or an error. */
+/* Reads the packed scene as a file. Returns the number of Gaussians, or an error code. */
 static long read_back(fxs_gaussian *to)
 {
     fxs_scene_file *file;
@@ -1521,7 +1504,7 @@ static void check_progress(uint32_t threads)
     }
 }
 
-/* Several passes over the file for the SH give the same bytes and losses. */
+/* Packing with several passes over the file for the SH must give the same bytes and losses. */
 static void check_held(uint32_t chunks)
 {
     fxs_packed_scene all;
@@ -1554,7 +1537,7 @@ static void test_readings_for_codes(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Samples hit every step-th Gaussian, and the sampled chunks are consecutive. */
+/* Samples take every step-th Gaussian. The sampled chunks are consecutive. */
 static void test_sample(void)
 {
     static const uint32_t counts[] = {1, 300, 16384 * 256, 16384 * 256 + 1, 16384 * 300 + 7, 10000019, 1u << 30};
@@ -1586,7 +1569,6 @@ static void test_progress(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* A row in the middle of the file cannot be parsed. */
 static void test_reader_fails(void)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -1620,15 +1602,14 @@ static int read_changing(void *argument, uint64_t offset, void *out, size_t leng
     if (changing.reads++ < changing.changes_at)
         return 0;
     for (size_t i = 0; i + 4 <= length; i += 4)
-        if (offset + i > 2000) {       /* A file that changes after some read; the new bytes include NaN and
-                                          infinity. */
+        if (offset + i > 2000) {       /* The file changes after some reads; the new bytes include NaN and infinity. */
             const uint32_t word = fxs_little_32(wrong[(offset + i) / 4 % 53 % 6]);
             memcpy((unsigned char *)out + i, &word, 4);
         }
     return 0;
 }
 
-/* Packed or refused, but never packed to a scene that does not open; refused at least once. */
+/* A file that changes is packed or refused, but never packed to an invalid scene. */
 static void test_a_file_that_changes(void)
 {
     int refused = 0;

@@ -1,8 +1,8 @@
-/* Paged scenes: a pool holds part of the scene. Once no chunk is missing, frames equal the whole scene's, from
- * memory, a file or slow sources. Also: frames that never wait, and sources that fail, lie, end early or never
- * answer. */
+/* Tests paged scenes, which keep part of their chunks in a pool and load chunks from a source on demand. Once no
+   chunk is missing, frames must equal the whole scene's. Sources may be slow, fail, corrupt data, end early or never
+   answer. */
 #ifdef __linux__
-#define _GNU_SOURCE                    /* RUSAGE_THREAD */
+#define _GNU_SOURCE                    /* for RUSAGE_THREAD */
 #endif
 #include <math.h>
 #include <string.h>
@@ -30,20 +30,18 @@ static unsigned char pictures[2][PIXELS];
 static void *memory;
 static size_t memory_bytes;
 
-/* ---- Sources ----------------------------------------------------------------------------------------------------- */
-
 /* A source of the packed scene's bytes, with faults. */
 typedef struct bytes_source {
     const unsigned char *bytes;
     uint64_t rate;                     /* bytes per second; 0: unlimited */
-    long reads, fail_from, fail_count; /* reads that fail: fail_count from fail_from on */
-    int failure;                       /* the error that they return */
-    int is_silent;                     /* 1: without a message */
+    long reads, fail_from, fail_count; /* fail_count reads fail, from read number fail_from on */
+    int failure;                       /* error code of failing reads */
+    int is_silent;                     /* 1: errors have no message */
     int is_back;                       /* 1: reads succeed again; set atomically */
-    uint64_t lie_from, lie_to;         /* corrupted bytes */
+    uint64_t lie_from, lie_to;         /* range of the corrupted bytes */
     int hangs;                         /* 1: reads return only when cancelled; set atomically */
     int is_hanging, cancelled, closed;
-    uint64_t most;                     /* largest read */
+    uint64_t most;                     /* largest number of bytes in a read */
 } bytes_source;
 
 static void hang(bytes_source *s)
@@ -99,8 +97,6 @@ static fxs_pager *open_with(bytes_source *s, uint32_t places, fxs_message *why)
     return fxs_pager_open("made.fxs", &source, &options, &pager, why) ? 0 : pager;
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
 static fxs_camera camera_on_way(int i)
 {
     const double angle = i * 0.021, out = 5.2 + 3.6 * sin(i * 0.037);
@@ -120,7 +116,7 @@ static fxs_stats frame_of(const fxs_scene *scene, fxs_pager *pager, fxs_camera c
     return stats;
 }
 
-/* Renders until no chunk is missing or nothing more arrives. Returns the number of frames. */
+/* Renders until no chunk is missing or no chunk arrives any more. Returns the number of frames. */
 static int settle(fxs_pager *pager, fxs_camera camera, uint32_t budget, fxs_pager_state *state)
 {
     int frames = 0, error;
@@ -140,8 +136,6 @@ static int is_as_whole(fxs_camera camera, uint32_t budget)
     frame_of(&whole, 0, camera, budget, pictures[0]);
     return !memcmp(pictures[0], pictures[1], PIXELS);
 }
-
-/* ---- Tests ------------------------------------------------------------------------------------------------------- */
 
 /* After camera jumps, a pool of a third of the scene gives the same bytes. */
 static void test_same_bytes(void)
@@ -182,7 +176,7 @@ static void test_all(void)
     fxs_pager_close(pager);
 }
 
-/* From a file: the same bytes. Also a file being written, truncated, missing, or a folder. */
+/* Reads a whole file, a file being written, a truncated file, a missing file, and a folder. */
 static void test_file(void)
 {
     char path[128];
@@ -209,7 +203,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* another file replaced it; the open one is unchanged */
+        else                                                   /* the replaced file stays open and unchanged */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }
@@ -219,7 +213,6 @@ static void test_file(void)
     CHECK(fxs_pager_open_file(path, &options, &pager, &why) == FXS_ERR_FILE && strstr(why.text, "No such file"));
 }
 
-/* Bytes before the rows damaged anywhere, or cut at any length: an error, and no pager. */
 static void test_damaged_heads(void)
 {
     fxs_message why;
@@ -243,7 +236,7 @@ static void test_damaged_heads(void)
     CHECK(!open_with(&s, 15, &why) && strstr(why.text, "too little"));
 }
 
-/* Scene and source claim a billion Gaussians: the first reads fail before memory is allocated for the rest. */
+/* The header claims a billion Gaussians. Reads must fail before memory is allocated for them. */
 static void test_large_claim(void)
 {
     fxs_packed_header h;
@@ -267,7 +260,7 @@ static void test_large_claim(void)
     free(bytes);
 }
 
-/* Chunks with wrong checksums are lost after three attempts; coarser chunks replace them. */
+/* Chunks with wrong checksums are given up after three attempts. Coarser chunks replace them. */
 static void test_lies(void)
 {
     const uint64_t first = (uint64_t)(whole.rows - (unsigned char *)packed.data);
@@ -293,7 +286,7 @@ static void test_lies(void)
     fxs_pager_close(pager);
 }
 
-/* A temporary failure is retried; a permanent one is an error, whatever the source returns. */
+/* Temporary failures are retried. Permanent failures are errors, whatever code the source returns. */
 static void test_failures(void)
 {
     fxs_message why;
@@ -347,7 +340,7 @@ static void test_never_answers(void)
     CHECK(s.closed == 1 && s.cancelled && fxs_clock(0) - start < 20 * SECOND);
 }
 
-/* A pool too small for a frame reports it; frames go on with as many chunks as fit. */
+/* A pool too small for a frame reports an error. Frames continue with as many chunks as fit. */
 static void test_no_room(void)
 {
     bytes_source s = {.reads = 0};
@@ -374,7 +367,7 @@ static double seconds_of_thread(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* How often this thread has waited; 0 if not counted. Losing the processor to others does not count. */
+/* Returns the number of voluntary waits of the current thread, 0 if the system does not count. */
 static long waits_of_thread(void)
 {
 #ifdef RUSAGE_THREAD
@@ -385,8 +378,8 @@ static long waits_of_thread(void)
 #endif
 }
 
-/* 300 frames of a moving camera from a source of 50 MB/s. No frame waits, except rarely for the reader's thread at
-   the lock. With a still camera the picture converges. */
+/* Renders 300 frames of a moving camera from a source of 50 MB/s. Frames must not wait for the source. With a still
+   camera the picture converges. */
 static void test_path(void)
 {
     bytes_source s = {.rate = 50000000};

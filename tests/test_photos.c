@@ -1,16 +1,14 @@
-/* Photographs with their cameras: every folder layout, sizes, backgrounds and lenses against plain reference code,
-   points, bad input, and the real sets if present. */
+/* Tests photographs with their cameras: every folder layout, sizes, backgrounds, lenses, points, bad input, and real
+   sets if present. Results are compared with plain reference code. */
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
 #include "src/fit/blocks.h"
 #include <fixsplat/system.h>
 #include <time.h>
 
-/* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
-
 enum { VIEWS = 9 };
 
-/* FNV-1a of the real sets' pixels to fit. */
+/* FNV-1a of the pixels that a fit of the real sets uses. */
 #define SNOWMIKU_HASH 0xa49170f0u
 #define LEGO_HASH 0xf7f298f0u
 
@@ -27,7 +25,7 @@ static void add_double(double value)
     add_integer(bits, 8);
 }
 
-/* Point i lies at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
+/* Writes point i at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
 static void make_points_bin(uint64_t count)
 {
     add_integer(count, 8);
@@ -46,7 +44,7 @@ static void make_points_bin(uint64_t count)
     }
 }
 
-/* Two sizes of photographs, named from last to first. Camera 5 is half the size of its photographs. */
+/* Writes photographs of two sizes, named from last to first. Camera 5 has half the size of its photographs. */
 static void put_colmap(int binary)
 {
     if (binary) {
@@ -142,7 +140,7 @@ static uint32_t hash_of_pixels(void)
     return hash;
 }
 
-/* By its folder, its model's folder and its files; binary and text. */
+/* A model can be named by its folder, by the folder above, or by its files, in binary or text. */
 static void colmap(void)
 {
     static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
@@ -166,7 +164,7 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
-    /* COLMAP 3.12 adds these; images.bin still has all poses */
+    /* COLMAP 3.12 adds these files. images.bin still has all poses. */
     put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
     put_file("c/sparse/0/frames.bin", "", 0);
     check_colmap("c");
@@ -174,7 +172,7 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* Equal to the points of the set without points read last. */
+/* Compares random points with the points of the previous set that had none. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -216,7 +214,7 @@ static void bad_points(void)
     CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
     remove_file("c/sparse/0/points3D.bin");
     CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
-    /* the cameras are at -8 to 0 on a line: a cube of 24 units around its middle */
+    /* The cameras stand at -8 to 0 on a line. Random points fill a cube of 24 units around the middle of the line. */
     double low[3] = {99, 99, 99}, high[3] = {-99, -99, -99};
     for (size_t i = 0; i < photos.point_count; i++)
         for (int k = 0; k < 3; k++) {
@@ -234,8 +232,6 @@ static void bad_points(void)
     put_colmap(0);
     put_colmap(1);
 }
-
-/* ---- Bad photographs --------------------------------------------------------------------------------------------- */
 
 static int stop(void *argument, double done)
 {
@@ -325,7 +321,7 @@ static void missing_folders(void)
     put_colmap(1);
 }
 
-/* One camera is enough. Held out, it leaves nothing to fit. An all-black photograph is accepted. */
+/* A single camera is enough. If the camera is held out for testing, no photograph remains and the fit is refused. */
 static void one_camera(void)
 {
     static const uint8_t black[24 * 20 * 3];
@@ -347,9 +343,7 @@ static void one_camera(void)
     check_refused("one", &options, FXS_ERR_FILE, "every photograph of 1 would be held out");
 }
 
-/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
-
-/* The overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
+/* Returns the overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
 static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
 {
     const int64_t low = i * to > j * from ? i * to : j * from;
@@ -396,17 +390,15 @@ static void averages(void)
     }
 }
 
-/* ---- Lenses ------------------------------------------------------------------------------------------------------ */
-
 enum { WIDE = 160, HIGH = 120 };
 
-/* A smooth scene, by direction. */
+/* Returns a smooth colour for a direction. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(4 * x + c) + 50 * cos(3 * y - 2 * x + 2 * c);
 }
 
-/* Inverts the lens by Newton's method with differences. */
+/* Inverts the lens formula by Newton's method with differences. */
 static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 {
     const double step = 1e-6;
@@ -428,10 +420,10 @@ static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 
 static const struct {
     const char *model;
-    fxs_lens lens;                 /* parameters as in the model's line */
+    fxs_lens lens;                 /* parameters in the order of the COLMAP model */
     double fx, fy, cx, cy;
-    int widens;                    /* the pinhole sees more (1) or less (0) than the photograph's size at its focal
-                                      length */
+    int widens;                    /* 1: the undistorted picture sees more than the photograph's size at its focal
+                                      length; 0: less */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -467,7 +459,7 @@ static fxs_lens lens_of(size_t number)
     return lens;
 }
 
-/* OpenCV's formulas, from "Camera Calibration and 3D Reconstruction" and its fisheye page, and COLMAP's, from
+/* Formulas of OpenCV from "Camera Calibration and 3D Reconstruction" and its fisheye page, and of COLMAP from
    src/colmap/sensor/models.h. */
 static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
 {
@@ -551,7 +543,7 @@ static void lens_models(void)
         check_lens(i);
 }
 
-/* A pinhole leaves pixels untouched. A lens that folds the picture is refused. */
+/* A pinhole camera leaves pixels untouched. A lens that folds the picture over itself is refused. */
 static void lens_limits(void)
 {
     static uint8_t rgb[3 * WIDE * HIGH];
@@ -577,7 +569,7 @@ static void put_lens(const char *camera)
     put_text("one/cameras.txt");
 }
 
-/* Fisheyes of 180 degrees and more are cut at 60 degrees from the axis on the farthest side. Inside, pixels stay. */
+/* Fisheye pictures of 180 degrees and more are cropped at 60 degrees from the axis on the farthest side. */
 static void lens_widest(void)
 {
     static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
@@ -620,8 +612,6 @@ static void lens_faults(void)
     check_refused("one", &options, FXS_ERR_FILE, "a camera model that is not known here");
 }
 
-/* ---- JSON -------------------------------------------------------------------------------------------------------- */
-
 #ifdef FXS_WITH_CJSON
 
 #define MATRIX "\"transform_matrix\":[[1,0,0,%d],[0,1,0,0],[0,0,1,4],[0,0,0,1]]"
@@ -637,7 +627,7 @@ static void say_frames(const char *top, const char *format, int count)
     say("]}");
 }
 
-/* Blender's layout: no size, names without endings, a separate test list, random points. */
+/* Blender's layout has no size, names without endings, and a separate list of test photographs. */
 static void blender(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 8, .seed = 1};
@@ -735,8 +725,8 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for /, or with the ending in the other case, give the same set and order: "a0/1" comes after "a/0",
-   though "a0\1" comes before "a\0". A real \ in a name works too. */
+/* Names with \ for / give the same set and order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0".
+   Endings may differ in case. A real \ in a name works too. */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -767,7 +757,7 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
-    put_ppm("w/z.ppm", 24, 20, NULL);  /* of a path from another machine, the last part is used */
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* the file name of a path from another machine */
     say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
     put_text("w/transforms.json");
     said[0] = 0;
@@ -785,11 +775,11 @@ static void names_of_windows(void)
 #define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
                    "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
 
-/* nerfstudio undoes the same lens as COLMAP's OPENCV, and starts with the points of its .ply. */
+/* nerfstudio has the same lens as COLMAP's OPENCV, and its fit starts with the points of a .ply. */
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    check_lens(4);                 /* leaves the photograph and its camera */
+    check_lens(4);                 /* frees the photograph and its camera */
     const fxs_file_view view = photos.fit[0].view;
     const uint32_t hash = hash_of_pixels();
     say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
@@ -835,7 +825,6 @@ static void nerfstudio(void)
     remove_file("one/transforms.json");
 }
 
-/* Colours of every type and name found in point clouds become 8 bits. */
 static void colours_of_points(void)
 {
     static const struct { const char *type, *prefix, *values; uint8_t colour[3]; } cases[] = {
@@ -868,7 +857,7 @@ static void colours_of_points(void)
 #define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
                     "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
-/* nerfstudio's and instant-ngp's fisheyes undo the same distortion as COLMAP's. */
+/* The fisheyes of nerfstudio and instant-ngp have the same distortion as COLMAP's. */
 static void nerfstudio_fisheye(void)
 {
     static const struct {
@@ -902,7 +891,7 @@ static void nerfstudio_fisheye(void)
     remove_file("one/transforms.json");
 }
 
-/* Each frame may have its own camera; missing values come from the file's top. */
+/* Each frame may have its own camera. Missing values come from the top of the file. */
 static void nerfstudio_cameras(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -923,13 +912,13 @@ static void nerfstudio_cameras(void)
     put_ppm("n/a.ppm", 24, 20, NULL);
 }
 
-/* A transforms.json may list the photographs to fit and to hold out. */
+/* transforms.json may list the photographs to fit and the photographs held out for testing. */
 static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* photographs, with hold_out = 8 */
-        char first, held;          /* the first name of each */
+        size_t fit, held_out;      /* numbers of photographs, with hold_out = 8 */
+        char first, held;          /* first letter of each name */
     } files[] = {
         {"", 4, 1, '1', '0'},
         {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
@@ -962,13 +951,13 @@ static void nerfstudio_parts(void)
     put_text("n/transforms.json");
     options.hold_out = 0;
     char said[256] = "";
-    options.left_out = left_out;   /* unused ones have cameras, so no message names them */
+    options.left_out = left_out;   /* unused photographs have cameras, so no message names them */
     options.argument = said;
     CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
 }
 
-/* Many equal names for many frames are matched in time proportional to both. */
+/* Equal names in many frames are matched in linear time. */
 static void one_name(void)
 {
     enum { NAMES = 400000, FRAMES = 20000 };
@@ -1016,7 +1005,7 @@ static void nerfstudio_part_faults(void)
     }
 }
 
-/* The folder of an Inria model: names without endings, points in input.ply. */
+/* A folder of an Inria model has names without endings and points in input.ply. */
 static void inria(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -1047,8 +1036,6 @@ static void inria(void)
 
 #endif
 
-/* ---- Alpha ------------------------------------------------------------------------------------------------------- */
-
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
@@ -1077,8 +1064,6 @@ static void alpha(void)
     }
 }
 #endif
-
-/* ---- The real sets ----------------------------------------------------------------------------------------------- */
 
 #if defined(FXS_WITH_CJSON) && defined(FXS_WITH_PNG) && defined(FXS_WITH_JPEG)
 

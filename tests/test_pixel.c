@@ -1,4 +1,4 @@
-/* pixel.h over its whole input range, against 64-bit integers and doubles. */
+/* Tests the functions of pixel.h over their whole input range against 64-bit integers and doubles. */
 #include <math.h>
 #include <stdint.h>
 
@@ -13,7 +13,7 @@
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
-enum { COARSE = 61 };   /* under a sanitizer: overflow happens at the ends, so a prime stride suffices */
+enum { COARSE = 61 };   /* a prime stride for the slow builds with a sanitizer */
 #else
 enum { COARSE = 1 };
 #endif
@@ -68,12 +68,13 @@ static void test_coordinate(void)
     CHECK(wrong == 0);
 }
 
-/* coordinate^2 + base for every coordinate: within half a unit of rounding, saturating at the top. */
+/* Compares level = coordinate^2 + base for every coordinate. The level may be half a unit off and saturates at the
+   top. */
 static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int base_q11)
 {
     int64_t wrong = 0;
     for (int c = -32767; c <= 32767; c++) {
-        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounded: halves up */
+        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounded half up */
         int64_t got = level(c, base_q11);
         wrong += got != (twice > 2 * FXS_LEVEL_MAX_Q11 ? FXS_LEVEL_MAX_Q11 : twice / 2);
     }
@@ -122,7 +123,7 @@ static void test_alpha(void)
     CHECK(fxs_alpha_q15(0) == FXS_ALPHA_MAX_Q15 && fxs_alpha_q15(FXS_FAINT_Q11) > 0);
 }
 
-/* A weight never takes a negative amount, or more transmittance than is left. */
+/* A weight is never negative and never exceeds the remaining transmittance. */
 static void test_weight(void)
 {
     int least = 0, most = 0, over = 0;

@@ -1,4 +1,4 @@
-/* Reads .ply files made here in every encoding, faulty ones, and real scenes. */
+/* Reads .ply files made by the test in every encoding, faulty files, and real scenes. */
 #include <math.h>
 #include <string.h>
 
@@ -6,12 +6,10 @@
 
 enum { ROWS = 3 };
 
-/* Making a file */
-
 static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
 enum { ASCII, LITTLE, BIG };
 
-/* A whole number that fits every type, or for real types an exact fraction. */
+/* Returns a whole number that fits every type, or for real types an exact fraction. */
 static double value_of(const char *name, int row, int is_whole)
 {
     unsigned hash = 17u * (unsigned)row + 5;
@@ -20,7 +18,7 @@ static double value_of(const char *name, int row, int is_whole)
     return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
 }
 
-/* The bits of a half float; value must be exact. */
+/* Converts a value to a half float without rounding. */
 static uint32_t half_of(double value)
 {
     int exponent = 0;
@@ -113,8 +111,6 @@ static void make_file(int encoding, int count, int is_whole)
         put_row(encoding, properties, count, row, is_whole);
 }
 
-/* Reading it */
-
 static void expect_gaussian(fxs_gaussian *g, int row, int rest, int is_whole)
 {
     char name[32];
@@ -182,7 +178,7 @@ static void every_type(void)
         for (int encoding = ASCII; encoding <= BIG; encoding++) {
             int count = fill_properties(9);
             if (encoding != ASCII && (!strcmp(types[type], "ushort") || !strcmp(types[type], "uint16")))
-                continue;                /* halves */
+                continue;                /* half floats */
             for (int i = 0; i < CORE; i++) {
                 snprintf(text[i], sizeof text[i], "%s %s", types[type], strchr(core[i], ' ') + 1);
                 properties[i] = text[i];
@@ -192,8 +188,8 @@ static void every_type(void)
         }
 }
 
-/* Half floats of each sign and exponent, ends and special values. `ushort` has the same bytes in a binary file. An
-   infinite logit is read as 20. */
+/* Tests half floats of each sign and exponent, and special values. The type `ushort` has the same bytes in a binary
+   file. An infinite logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -231,7 +227,7 @@ static void halves(void)
             }
 }
 
-/* A single ushort among floats is a half too; 0x3555 is 0.333. */
+/* A single ushort among floats is a half float too. 0x3555 is 0.333. */
 static void one_half(void)
 {
     fxs_gaussian g;
@@ -257,7 +253,7 @@ static void one_half(void)
         }
 }
 
-/* An infinite logit in any encoding is opaque or transparent; NaN stays. */
+/* An infinite logit is opaque or transparent. NaN stays NaN. */
 static void infinite_opacities(void)
 {
     static const char *const types[] = {"float", "double", "half"};
@@ -290,7 +286,7 @@ static void infinite_opacities(void)
 
 /* ---- Properties under other names ---- */
 
-/* Writes a file of one Gaussian: every property is 1, followed by the given ones, each "type name". */
+/* Writes a file of a single Gaussian with all properties 1, followed by further properties "type name". */
 static void put_with(const char *const *more, const double *values, int count, int encoding)
 {
     size = 0;
@@ -338,7 +334,7 @@ static void colours(void)
     check_fails("element vertex has no property f_dc_0");
 }
 
-/* sigma' = sqrt(sigma^2 + f^2); the opacity is multiplied by the ratio of the products of sigma and sigma'. */
+/* sigma' = sqrt(sigma^2 + f^2). The opacity is multiplied by product(sigma) / product(sigma'). */
 static void filters(void)
 {
     static const char *const names[] = {"float f_dc_0", "float f_dc_1", "float f_dc_2", "float filter_3D"};
@@ -358,7 +354,7 @@ static void filters(void)
         }
 }
 
-/* Unused properties that affect other programs' pictures are named in a message; others are silent. */
+/* A message names unused properties that affect the pictures of other programs. */
 static void unused_properties(void)
 {
     static const struct { const char *properties[4]; const char *named; } cases[] = {
@@ -384,7 +380,6 @@ static void unused_properties(void)
         }
 }
 
-/* 2D Gaussians have two scales. */
 static void flat_gaussians(void)
 {
     fxs_gaussian gaussians[ROWS + 1], expected;
@@ -681,7 +676,6 @@ static void faulty_headers(void)
     }
 }
 
-/* Point clouds and meshes are refused by kind, with a hint at their use. */
 static void points_and_meshes(void)
 {
     size = 0;
@@ -751,7 +745,7 @@ static void wrong_rest_counts(void)
     check_fails("element vertex has no property f_rest_4");
 }
 
-/* A count that the file cannot hold is refused before anything is allocated. */
+/* A count that the file cannot hold is refused before any allocation. */
 static void absurd_counts(void)
 {
     for (int encoding = ASCII; encoding <= BIG; encoding++) {

@@ -1,4 +1,5 @@
-/* The generated scenes: hashes of their bytes, plausible values, each scene's special property, and the .ply writer. */
+/* Tests the procedural scenes: hashes of their bytes, plausible values, and each scene's special property. Also
+   tests the .ply writer. */
 #include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
@@ -133,7 +134,7 @@ static void test_meadow_has_strays_and_discs(void)
     }
 }
 
-/* At every count, nearly all Gaussians of the fence are 5 to 40 times as long as wide. */
+/* At every count, nearly all Gaussians of the scene "fence" are 5 to 40 times as long as wide. */
 static void test_fence_has_needles(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("fence");
@@ -149,7 +150,7 @@ static void test_fence_has_needles(void)
     }
 }
 
-/* The layers have equal depths, whose order renderers must keep. */
+/* The layers have equal depths. Renderers must keep the order of the file. */
 static void test_layers_have_ties(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("layers");
@@ -206,7 +207,7 @@ static float float_at(const unsigned char *bytes)
     return value;
 }
 
-/* Every float of a degree 3 row in its place; f_rest is channel-major. */
+/* Checks every float of a row with SH degree 3. f_rest is stored channel by channel. */
 static void check_row(const unsigned char *row, const fxs_gaussian *g)
 {
     int wrong = 0;

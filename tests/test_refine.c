@@ -1,5 +1,5 @@
-/* Refined levels of detail: pictures within a budget come closer to the full picture, the bytes do not depend on
-   threads or kernels, and hostile options and trees are refused. */
+/* Tests the refinement of levels of detail against photographs. Pictures within a budget must come closer to the
+   full picture. The bytes must not depend on threads or kernels. Damaged options and trees are refused. */
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
@@ -30,7 +30,7 @@ static float number(uint32_t *state)
     return (float)((*state = *state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
 }
 
-/* A ball with squares in two colours, and as many hidden Gaussians inside it. */
+/* Makes a ball with squares in two colours, and as many hidden Gaussians inside the ball. */
 static void make(void)
 {
     uint32_t state = 3;
@@ -95,8 +95,6 @@ static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t 
     return error;
 }
 
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
-
 static void draw(const fxs_packed_scene *packed, const fxs_file_view *view, uint32_t budget, uint8_t *rgba)
 {
     fxs_context context;
@@ -152,8 +150,6 @@ static void check_better(enum fxs_profile profile, int antialiased)
     fxs_packed_scene_free(&measured);
 }
 
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
-
 static void check_same(size_t view_count, uint64_t count)
 {
     const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .tree = 1};
@@ -200,8 +196,6 @@ static void check_kept(void)
     fxs_packed_scene_free(&plain);
 }
 
-/* ---- Hostile ----------------------------------------------------------------------------------------------------- */
-
 static int stop(void *calls, double done)
 {
     CHECK(done >= 0 && done <= 1);
@@ -238,7 +232,7 @@ static void check_refused(void)
     fxs_packed_scene_free(&plain);
 }
 
-/* Headers and nodes with changed numbers and right checksums: an error, or drawable levels. */
+/* Tests headers and nodes with changed numbers and right checksums. The result is an error or a valid tree. */
 static void check_damaged(void)
 {
     const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};

@@ -1,4 +1,4 @@
-/* Damaged or random packed scenes give one error code or a picture, never anything else. */
+/* Opens and renders damaged or random packed scenes. The result must be an error code or a picture. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "one_scene.h"
 #include "packed_scene.h"
 
-static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
+static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -27,11 +27,9 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* ---- Opening ---------------------------------------------------------------------------------------------------- */
-
 enum { COUNT = 300, CHUNKS = 2, DEGREE = 1 };
 
-/* A scene of two chunks, all zero except the header; all values are in range. */
+/* A scene of two chunks. All bytes are zero except in the header. */
 static struct {
     unsigned char *bytes;
     size_t size;
@@ -197,8 +195,6 @@ static void test_open_chunk_out_of_range(void)
     free(s.bytes);
 }
 
-/* ---- Sizes ------------------------------------------------------------------------------------------------------ */
-
 static void test_scene_bytes(void)
 {
     const enum fxs_profile d = FXS_PROFILE_DEFAULT, compact = FXS_PROFILE_COMPACT, small = FXS_PROFILE_SMALL;
@@ -241,8 +237,6 @@ static void test_frame_bytes(void)
     free(s.bytes);
 }
 
-/* ---- Rendering random bytes ------------------------------------------------------------------------------------- */
-
 static int64_t any(int most_bits)
 {
     int n = (int)(bits() % (uint32_t)(most_bits + 1));
@@ -275,7 +269,7 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Scales of the first and last codes only, and rotations with only the first, the last and 0. */
+/* Scales have the first and last codes only. Rotations have the first code, the last code and 0 only. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
@@ -288,7 +282,7 @@ static void extreme_codes(unsigned char *rows)
         }
 }
 
-/* Rows of a random rotation, sometimes with swapped axes. */
+/* Makes a random rotation matrix, sometimes with swapped axes. */
 static void random_rotation(int32_t m_q30[9])
 {
     double q[4], norm = 0;
@@ -319,7 +313,7 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = any(60);
 }
 
-/* Moves the camera into or near the first chunk's box, with an ordinary field of view. */
+/* Moves the camera into or near the box of the first chunk, with an ordinary field of view. */
 static void move_close(fxs_camera *camera)
 {
     const int64_t limit = (int64_t)1 << 60;

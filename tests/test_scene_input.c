@@ -1,14 +1,13 @@
-/* Every format gives the same Gaussians from a file, from memory and by functions. Every failed allocation or read
-   is an error without a leak, and opening allocates little. */
+/* Every format must give the same Gaussians from a file, from memory and by read functions. A failed allocation or
+   read must be an error without a leak. */
 #include <fixsplat/internal/allocator.h>
 
 #include "every_format_bytes.h"
 
 enum { MOST = 64 };
 
-/* ---- A counting allocator -------------------------------------------------------------------------------------- */
-
-static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: call number, from 0; -1: none */
+static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: index of the failing call from
+                                                                           0; -1: none */
 
 static void *allocate(void *argument, size_t length)
 {
@@ -36,9 +35,8 @@ static void count_from_0(long fails_at)
     memory.fails_at = fails_at;
 }
 
-/* ---- Files by functions ---------------------------------------------------------------------------------------- */
-
-static struct { long reads, open, fails_from; } input_calls;   /* fails_from: read number, from 0; -1: none */
+static struct { long reads, open, fails_from; } input_calls;   /* fails_from: index of the first failing read from 0;
+                                                                  -1: none */
 
 static int read_made(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -75,8 +73,6 @@ static void forget_calls(long fails_from)
     input_calls.reads = input_calls.open = 0;
     input_calls.fails_from = fails_from;
 }
-
-/* ---- Reading --------------------------------------------------------------------------------------------------- */
 
 typedef enum way { BY_PATH, BY_MEMORY, BY_INPUT } way;
 
@@ -148,8 +144,6 @@ static void file_that_is_not_there(void)
     }
 }
 
-/* ---- Neighbour files ------------------------------------------------------------------------------------------- */
-
 static void move_and_link(const char *from, const char *to)
 {
     CHECK(rename(from, to) == 0 && symlink(to, from) == 0);
@@ -160,7 +154,7 @@ static void move_back(const char *from, const char *to)
     CHECK(unlink(from) == 0 && rename(to, from) == 0);
 }
 
-/* A neighbour file may link within the folder, but not out of it, nor through a linked folder. */
+/* A file beside the scene may be a link within the folder, but not out of the folder or through a linked folder. */
 static void links_stay_in_the_folder(void)
 {
     static fxs_gaussian out[MOST];
@@ -189,7 +183,7 @@ static void links_stay_in_the_folder(void)
     }
 }
 
-/* A scene that is a link is read, with the neighbour files of the link. */
+/* A scene that is a link is read, with the files beside the link. */
 static void linked_scene(void)
 {
     static fxs_gaussian out[MOST];
@@ -206,7 +200,7 @@ static void linked_scene(void)
     }
 }
 
-/* A pipe, device or folder is refused without waiting, as the scene or as a neighbour file. */
+/* A pipe, device or folder is refused at once, as the scene or as a file beside the scene. */
 static void only_regular_files(void)
 {
     static fxs_gaussian out[MOST];
@@ -230,8 +224,6 @@ static void only_regular_files(void)
         }
     }
 }
-
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
 static int is_one_line(void)
 {
@@ -306,7 +298,7 @@ static void count_comes_first(void)
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0))
         return;
     CHECK(info.count == MANY && info.sh_degree == 0 && memory.largest < 100000);
-    memory.fails_at = memory.calls + 1;   /* after the gzip stream's buffer */
+    memory.fails_at = memory.calls + 1;   /* after the buffer of the gzip stream */
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_MEMORY && strstr(message.text, "out of memory"));
     memory.fails_at = -1;
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == 1 && memory.largest >= MANY_BYTES);
@@ -323,9 +315,8 @@ static void count_comes_first(void)
 
 #endif
 
-/* ---- Progress -------------------------------------------------------------------------------------------------- */
-
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: call number, from 0; -1: none */
+static struct { int calls, stops_at; double done; } progress;   /* stops_at: index of the stopped call from 0; -1:
+                                                                   none */
 
 static int note_progress(void *argument, double done)
 {
@@ -403,8 +394,6 @@ static void every_progress_stops(void)
 }
 
 #endif
-
-/* ---- The allocator's helpers ----------------------------------------------------------------------------------- */
 
 static void allocator_helpers(void)
 {

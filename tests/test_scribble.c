@@ -1,6 +1,6 @@
-/* A scene that changes while it is rendered gives some picture or FXS_ERR_SCENE, and writes only to the memory and
- * the pixels. Only the last few pages touched are open, so the change comes at a chosen touch of another page:
- * between plan and band, or within a chunk, in every version of the stages. */
+/* Tests a scene that changes while it is rendered. The result must be any picture or FXS_ERR_SCENE. Only the memory
+   and the pixels may be written. The pages of the scene are protected, so that the scene can change at a chosen
+   access to a page. */
 #define _DEFAULT_SOURCE
 #include <signal.h>
 #include <sys/mman.h>
@@ -15,11 +15,11 @@
 #endif
 
 enum {
-    OPEN = 4,                      /* open pages; one access may need two */
-    SCENES = 3,                    /* one per profile */
-    SEEN = 4,                      /* visible Gaussians per chunk in the faint scene */
-    CHANGES = 12,                  /* touches that change the scene, per run */
-    ZONE = 1 << 20                 /* closed bytes before and after memory and pixels */
+    OPEN = 4,                      /* number of accessible pages; an access may need two */
+    SCENES = 3,                    /* one scene for each profile */
+    SEEN = 4,                      /* visible Gaussians of each chunk in the faint scene */
+    CHANGES = 12,                  /* page accesses that change the scene in each run */
+    ZONE = 1 << 20                 /* protected bytes before and after memory and pixels */
 };
 
 typedef struct bytes {
@@ -34,17 +34,17 @@ static struct {
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    unsigned char *bright, *faint;         /* the original, and one with all but SEEN opacities per chunk set to 0 */
+    unsigned char *bright, *faint;         /* the original, and a copy with all but SEEN opacities of each chunk set
+                                              to 0 */
 } drawn;
 
 static struct {
     unsigned char *recent[OPEN];
     int oldest;
-    uint64_t touches, first, every;        /* changes at touch `first`, then every `every` touches; every 0: once */
-    int wild;                              /* 1: to random bytes; 0: to the bright scene */
+    uint64_t touches, first, every;        /* the scene changes at access `first`, then every `every` accesses; every
+                                              0: once */
+    int wild;                              /* 1: change to random bytes; 0: change to the bright scene */
 } watch;
-
-/* ---- Pages ------------------------------------------------------------------------------------------------------ */
 
 static void protect(void *start, size_t size, int how)
 {
@@ -69,7 +69,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* outside the renderer's memory: the retried access ends the process */
+        signal(number, SIG_DFL);           /* outside the renderer's memory: repeating the access ends the process */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -101,7 +101,7 @@ static uint64_t end_watch(void)
     return watch.touches;
 }
 
-/* Allocates a multiple of 64 bytes that ends where a closed zone begins. The zone before it is closed too. */
+/* Allocates a multiple of 64 bytes between two protected zones. */
 static bytes make_room(size_t size)
 {
     const size_t whole = (size + drawn.page - 1) / drawn.page * drawn.page;
@@ -124,8 +124,6 @@ static int free_room(bytes room)
     return untouched;
 }
 
-/* ---- Frames ----------------------------------------------------------------------------------------------------- */
-
 enum call { SLICES, HALF, WHOLE, STEREO, PAIRS, CALLS };
 static const char *const call_names[CALLS] = {"least memory", "half the memory", "whole memory", "stereo",
                                               "count_pairs"};
@@ -135,7 +133,7 @@ static size_t to_multiple_of_64(size_t size)
     return (size + 63) / 64 * 64;
 }
 
-/* Memory for the faint scene only, so that the bright one does not fit. */
+/* Returns memory for the faint scene only. The bright scene does not fit. */
 static size_t memory_for(const fxs_context *context, enum call call)
 {
     fxs_frame_memory memory;
@@ -195,7 +193,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* Runs in a child, which a write outside the memory ends. */
+/* Runs in a child process, which a write outside the memory ends. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;
@@ -215,8 +213,6 @@ static void check_call(const fxs_context *context, const char *name, enum call c
         printf("  %s, %s, profile %d: %s %d\n", name, call_names[call], (int)drawn.scene.profile,
                WIFSIGNALED(status) ? "signal" : "status", WIFSIGNALED(status) ? WTERMSIG(status) : status);
 }
-
-/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t visible(const unsigned char *scene)
 {

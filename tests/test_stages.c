@@ -1,6 +1,6 @@
-/* The stages on random scenes packed here. Single stages are compared with the double-precision reference; whole
- * frames must equal a brute-force renderer with the same per-pixel math that visits every splat in order at every
- * pixel, without tiles. */
+/* Tests the renderer's stages on random packed scenes. Single stages are compared with the double-precision
+   reference. Whole frames must equal a brute-force renderer with the same per-pixel formula and without tiles. A
+   splat is a projected Gaussian. A chunk is 256 Gaussians of a packed scene. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,9 +15,7 @@
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
 
-/* ---- Random scenes ---------------------------------------------------------------------------------------------- */
-
-static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
+static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -38,10 +36,10 @@ static double uniform(double low, double high)
 }
 
 typedef struct recipe {
-    double reach;                   /* centres within +-reach, scene units */
+    double reach;                   /* centres lie within +-reach scene units */
     double sigma_low, sigma_high;   /* log2(sigma) */
-    int needle;                     /* one axis at sigma_high, two at sigma_low */
-    int opacity_low, opacity_high;  /* codes */
+    int needle;                     /* 1: one axis at sigma_high, two axes at sigma_low */
+    int opacity_low, opacity_high;  /* opacity codes */
 } recipe;
 
 static const recipe ordinary = {1, -9, -3, 0, 1, 255};
@@ -68,7 +66,7 @@ static void random_quaternion(double q[4])
         q[i] /= sqrt(norm);
 }
 
-/* A random rotation word, with X and Y no longer than 1. */
+/* Returns a random rotation word with X^2 + Y^2 <= 1. */
 static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 {
     const int n = axis_bits_of_word(0, scale_word, scale_step_q24);
@@ -144,7 +142,7 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
     return s;
 }
 
-/* Rows of a rotation matrix. */
+/* Makes a random rotation matrix, row by row. */
 static void random_rotation(double m[9])
 {
     double q[4];
@@ -172,17 +170,15 @@ static fxs_camera make_camera(int width, int height, double distance)
     return camera;
 }
 
-/* ---- Projected scenes ------------------------------------------------------------------------------------------- */
-
 static struct {
     fxs_view view;
     fxs_splat splats[MAX_COUNT];
     fxs_bounds bounds[MAX_COUNT];
     uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
-    fxs_key keys[MAX_COUNT];       /* sorted */
+    fxs_key keys[MAX_COUNT];       /* sorted by depth */
 } all;
 
-/* Insertion sort: stable. */
+/* Sorts stably by insertion. */
 static void sort_keys(void)
 {
     for (uint32_t i = 0; i < all.count; i++) {
@@ -212,7 +208,7 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     project_chunks(scene);
 }
 
-/* Includes every chunk within 255 times its depth of the axis. */
+/* Projects all chunks within 255 times their depth of the axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
     CHECK(one_view_init(&all.view, scene, camera, options) == 0);
@@ -233,13 +229,11 @@ static struct reference_options reference_of(const fxs_options *options, const f
     return r;
 }
 
-/* ---- project ---------------------------------------------------------------------------------------------------- */
-
 static struct errors {
     double centre, shape, opacity, radius, colour;   /* largest errors */
-} worst, worst_large;   /* splats up to 128 pixels, and larger ones: needles over 1000 pixels are widened */
+} worst, worst_large;   /* splats up to 128 pixels; larger splats, which the renderer may widen */
 
-/* f sigma_max / z: a Gaussian's largest size in the picture, pixels. */
+/* f sigma_max / z: the largest size of a Gaussian in the picture in pixels. */
 static double size_of(const fxs_gaussian *g, const fxs_file_view *view, double z)
 {
     return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
@@ -252,8 +246,8 @@ static double elongation(const struct reference_splat *r)
     return (mid + spread) / sqrt(r->a * r->c - r->b * r->b);
 }
 
-/* Largest entry of W Sigma W^T - I; 0 if the whitening rows W match the covariance Sigma. The short axis of a needle
-   has the absolute error of its long axis. */
+/* Returns the largest entry of W Sigma W^T - I. The entry is 0 if the whitening rows W match the covariance Sigma.
+   The short axis has the absolute error of the long axis. */
 static double shape_error(const fxs_splat *s, const struct reference_splat *r)
 {
     double ux = ldexp(s->ux_q24, -24), uy = ldexp(s->uy_q24, -24), vy = ldexp(s->vy_q24, -24);
@@ -266,7 +260,8 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
 {
     const fxs_splat *s = &all.splats[slot];
     const fxs_bounds *b = &all.bounds[slot];
-    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* a veil has no centre or radius */
+    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* a splat over the whole picture has no centre or
+                                                                  radius */
     double dx = ldexp(b->cx_q14, -14) + 0.5 - r->x, dy = ldexp(b->cy_q14, -14) + 0.5 - r->y;
     e->centre = fmax(e->centre, veil ? 0 : hypot(dx, dy));
     e->shape = fmax(e->shape, shape_error(s, r));
@@ -290,14 +285,12 @@ static void compare_visible(const packed_scene *s, const fxs_camera *camera, con
     }
 }
 
-/* ---- Veils ------------------------------------------------------------------------------------------------------ */
-
 static double alpha_of(double opacity, double level)
 {
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* The alpha error at a pixel; 0 within 2 % of the splat's edge. */
+/* Returns the alpha error of a splat that covers the whole picture. Returns 0 within 2 % of the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -311,8 +304,7 @@ static double veil_error(const fxs_splat *s, const struct reference_splat *r, in
     return fabs(alpha_of(exp(-ldexp(s->offset_q11, -12)), u * u + v * v) - alpha_of(r->opacity, level));
 }
 
-/* True if too narrow to compare: the rounding of the long axis shows, or the splat may be widened. Limits: 1/64 of
-   its length, 1/10 of the picture's diagonal. */
+/* True if a splat is too narrow to compare. Limits: 1/64 of its length, 1/10 of the picture's diagonal. */
 static int is_narrow(const struct reference_splat *r, const fxs_view *view)
 {
     const double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
@@ -320,7 +312,7 @@ static int is_narrow(const struct reference_splat *r, const fxs_view *view)
     return (r->a * r->c - r->b * r->b) / (mid + spread) < least;
 }
 
-/* A veil's alpha at the corners and the middle equals the reference. */
+/* Splats that cover the whole picture must have the reference's alpha at the corners and the middle. */
 static void test_veils(void)
 {
     static const recipe discs = {20, -4, 7, 0, 20, 255}, off_axis = {300, 2, 9, 0, 20, 255};
@@ -391,7 +383,8 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* In a chunk 40 units wide, a coordinate step is 0.005 pixels at the near plane for f = 4000, and more off the axis. */
+/* The chunk is 40 units wide. A coordinate step is 0.005 pixels at the near plane for f = 4000, and more off the
+   axis. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -406,7 +399,7 @@ static void test_project_antialiased(void)
     CHECK(within(&worst_large, 0.003, 0.1, 0.05));
 }
 
-/* Counts by a margin: 2 % of its size, and alpha 1.1 / 255. */
+/* True if a Gaussian is visible by a margin: 2 % of its size, and alpha 1.1 / 255. */
 static int counts_somewhere(const struct reference_splat *r, const fxs_file_view *view)
 {
     double det = r->a * r->c - r->b * r->b, limit = fmin(9, 2 * log(255 / 1.1 * r->opacity)) * 0.96 - 0.02;
@@ -419,8 +412,8 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
     return 0;
 }
 
-/* Culled Gaussians count at no pixel; the others are in front of the near plane and not too faint. In pictures of a
-   few pixels, project also drops Gaussians farther from the axis than 64 times their depth. */
+/* Culled Gaussians must be invisible. In pictures of a few pixels, Gaussians farther from the axis than 64 times
+   their depth are culled too. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);
@@ -455,7 +448,6 @@ static void test_culls(void)
     }
 }
 
-/* Near planes from 2^-14 to 4 units. */
 static void random_near(fxs_camera *camera)
 {
     camera->near_q32 = (int64_t)ldexp(1, 18 + below(16)) + (int64_t)below(1 << 18);
@@ -487,7 +479,7 @@ static void test_padding_and_opacity_0_are_never_drawn(void)
     free(s.data);
 }
 
-/* Depth keys compare across chunks of any size and place, exact to the last bit of a coordinate. */
+/* Depth keys are comparable between chunks of any size and place, exact to the last bit of a coordinate. */
 static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
@@ -512,8 +504,6 @@ static void test_depth_order(void)
         free(s.data);
     }
 }
-
-/* ---- shade ------------------------------------------------------------------------------------------------------ */
 
 static void check_shade(uint32_t scene_degree, int degree)
 {
@@ -540,9 +530,7 @@ static void test_shade_against_reference(void)
     }
 }
 
-/* ---- sort ------------------------------------------------------------------------------------------------------- */
-
-/* `pool` counts the calls, or is null. */
+/* pool: counts the calls; may be null. */
 static void run_backwards(void *pool, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
 {
     if (pool)
@@ -557,7 +545,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The sort is stable by depth; slots arrive in order, so by the whole key. `mask`: bits of the depth in use. */
+/* Checks that the sort is stable by depth. mask: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
     enum { MOST = 70000 };
@@ -570,7 +558,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
-    for (uint32_t i = 0; i < count; i++)           /* a list's slots arrive a little out of order */
+    for (uint32_t i = 0; i < count; i++)           /* the indices of a list arrive a little out of order */
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
     fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
@@ -585,7 +573,7 @@ static void test_sort(void)
             check_sort(counts[i], masks[k], parts[(i + k) % 4]);
 }
 
-/* ---- bin: no entry is missing ----------------------------------------------------------------------------------- */
+/* ---- Stage bin lists every splat -------------------------------------------------------------------------------- */
 
 static int level_at(uint32_t slot, int x, int y)
 {
@@ -624,8 +612,8 @@ static struct {
     int64_t missed, wrapped, in_cut_off;
 } lists;
 
-/* A pixel counts in blend exactly if its level is within the limit, and with the square cutoff also its tile within
-   the square. */
+/* A pixel is covered if its level is within the limit. With the square cut-off, the pixel's tile must also be in the
+   square. */
 static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 {
     const fxs_splat *s = &all.splats[slot];
@@ -671,7 +659,7 @@ static void test_lists_of_small_pictures(void)
     }
 }
 
-/* Long splats in pictures of few tiles on one side and many on the other. */
+/* Long splats in pictures with few tiles on one side and many on the other. */
 static void test_lists_of_narrow_pictures(void)
 {
     for (int i = 0; i < 4 * RECIPES; i++) {
@@ -688,7 +676,7 @@ static void test_lists_of_large_pictures(void)
         check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
 }
 
-/* Squares with edges on tile edges, or one step of the centre to either side. */
+/* The edges of squares are on tile edges, or one step to either side. */
 static void test_squares_at_tile_edges(void)
 {
     static unsigned char listed[4096];
@@ -715,8 +703,6 @@ static void test_squares_at_tile_edges(void)
     CHECK(missed == 0 && beyond == 0);
     free(s.data);
 }
-
-/* ---- frame ------------------------------------------------------------------------------------------------------ */
 
 static struct {
     int transmittance_q15[MAX_SIDE * 80], sum_q13[3][MAX_SIDE * 80];
@@ -757,7 +743,7 @@ static void store(unsigned char *pixel, int i, const fxs_options *options, enum 
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
-/* Without tiles, lists or rows, and without culling chunks by place. */
+/* Renders without tiles or lists, and without culling chunks. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                          enum fxs_format format, unsigned char *pixels, ptrdiff_t stride)
 {
@@ -802,7 +788,7 @@ static int draw_tiles(void *argument, const fxs_tile_run *run)
     return 0;
 }
 
-/* A back end without lists. Returns the number of Gaussians it received in order. */
+/* A back end without tile lists. Returns the number of Gaussians that arrived in order. */
 static int draw_keys(void *argument, const fxs_tile_run *run)
 {
     uint32_t *ordered = argument;
@@ -820,7 +806,8 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* Back ends: one gives the same bytes in one call per run, one without lists gets the order, one returns its error. */
+/* Tests three back ends. The first must give the same bytes. The second needs no lists and gets the depth order. The
+   third returns its error. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -848,7 +835,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     free(pixels);
 }
 
-/* Runs fxs_render in exactly the memory it asks for, and compares all bytes, padding included. */
+/* Renders in exactly the memory that the frame requests, and compares all bytes with padding. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
                              ptrdiff_t stride)
@@ -869,7 +856,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(!context.config.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
-    /* Counters include the whole of each tile. */
+    /* Counters include the whole of each tile, even outside the picture. */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
     check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
@@ -944,7 +931,7 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* More list entries than fit: the frame is rendered in several runs of tiles. */
+/* The lists exceed their memory. The frame is rendered in several runs of tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
@@ -966,7 +953,7 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
-/* With a clock that advances by one per call, stages timed equally often report equal times. */
+/* The clock advances by one a call. Stages with equally many calls often report equal times. */
 static void test_times_are_shared_out(void)
 {
     uint64_t ticks = 0;
@@ -982,7 +969,8 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* The layout of memory counts as project. Macro tile lists and tile lists both count as bin. */
+        /* The memory layout counts as stage project. Lists of macro tiles (2x2 tiles) and of tiles count as stage
+           bin. */
         CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 2 + t[FXS_BLEND]);
         CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
@@ -991,9 +979,7 @@ static void test_times_are_shared_out(void)
     free(s.data);
 }
 
-/* ---- Chunks outside the picture ---------------------------------------------------------------------------------- */
-
-/* A Gaussian near an edge of the picture; slope[i] is x/z or y/z of its centre. */
+/* A Gaussian near an edge of the picture. slope[i] is x/z or y/z of its centre. */
 typedef struct beside {
     double slope[2], depth, log2_sigma;
 } beside;
@@ -1003,15 +989,15 @@ static double focal_of(const fxs_camera *camera, int axis)
     return ldexp(axis ? camera->fy_q12 : camera->fx_q12, -12);
 }
 
-/* Sets an off-axis picture with pixel 0 at this x/z or y/z. */
+/* Sets an off-axis picture with pixel 0 at the given x/z or y/z. */
 static void aim(fxs_camera *camera, int axis, double focal, double slope)
 {
     *(axis ? &camera->fy_q12 : &camera->fx_q12) = (int32_t)ldexp(focal, 12);
     *(axis ? &camera->cy_q12 : &camera->cx_q12) = (int32_t)ldexp(-slope * focal, 12);
 }
 
-/* Pixels from the centre to distance 3, for a sphere of sigma 2^log2_sigma at this slope. The slope in the Jacobian
-   is clamped to the field of view plus 30 %. */
+/* Returns the radius at Mahalanobis distance 3 in pixels, for a sphere of sigma 2^log2_sigma. The slope in the
+   Jacobian is clamped to the field of view plus 30 %. */
 static double reach_of(const fxs_view *view, const fxs_camera *camera, const beside *b, int axis)
 {
     double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
@@ -1020,12 +1006,12 @@ static double reach_of(const fxs_view *view, const fxs_camera *camera, const bes
     return 3 * sqrt(sigma * sigma * (1 + slope * slope) + 0.3);
 }
 
-/* Moves the centre to `far` times the reach beyond the first or last pixel of an axis. */
+/* Moves the centre to `far` times the radius beyond the first or last pixel of an axis. */
 static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, int axis, int last, double far)
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* the reach depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* the radius depends on the slope */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }
@@ -1055,10 +1041,10 @@ static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside
 }
 
 static struct {
-    int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the reach */
+    int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the radius */
 } beside_tally;
 
-/* Draws the sphere at each side and corner of the picture, within reach and just out of it. */
+/* Renders the sphere at each side and corner of the picture, within reach and just out of reach. */
 static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
     fxs_view view;
@@ -1085,7 +1071,7 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
     free(s.data);
 }
 
-/* Tiny pictures at all angles; Gaussians from a point to far larger than the picture. */
+/* Renders tiny pictures at all angles. Gaussians range from a point to far larger than the picture. */
 static void test_chunks_beside_the_picture(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1099,7 +1085,7 @@ static void test_chunks_beside_the_picture(void)
             aim(&camera, axis, focal, slope);
             most = fmax(most, focal / b.depth);
         }
-        /* A quarter has no size but the dilation. The others have up to 4096 pixels, which for some is far away. */
+        /* A quarter of the Gaussians have no size but the dilation. All others have up to 4096 pixels. */
         b.log2_sigma = i % 4 ? uniform(-1, 12) - log2(most) : -31;
         if (b.log2_sigma > -31.5 && b.log2_sigma < 31)
             check_beside(&camera, &b, i % 2 ? 0 : b.depth * exp2(uniform(-8, 1)));
@@ -1108,8 +1094,8 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where the bound on a sphere's reach is tightest: x/z at the Jacobian's limit with length exactly the bounding
-   power of two, the sphere on the far side, and too large for the picture's margin to matter. */
+/* The bound on the radius of a sphere is tightest with x/z at the Jacobian's limit, a length equal to the bounding
+   power of two, and a large sphere on the far side. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1127,8 +1113,8 @@ static void test_chunks_at_the_bound_of_their_reach(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where one unit of the chunk's place covers most pixels: the longest focal length on one axis, slope 60 on the
-   other. */
+/* A unit of the chunk's position covers the most pixels at the longest focal length on one axis and slope 60 on the
+   other axis. */
 static void test_chunks_of_the_coarsest_units(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1136,18 +1122,18 @@ static void test_chunks_of_the_coarsest_units(void)
         fxs_camera camera = make_camera(16, 16, 0);
         const int axis = i & 1;
         beside b = {{0, 0}, exp2(uniform(2, 15)), 0};
-        for (int k = 0; k < 9; k++)                          /* no turn: the units follow the larger coordinate */
+        for (int k = 0; k < 9; k++)                          /* no rotation: the units follow the larger coordinate */
             camera.rotation_q30[k] = k % 4 ? 0 : 1 << 30;
         aim(&camera, axis, 524287, 0);
         aim(&camera, !axis, 8000, i & 2 ? 60 : -60);
-        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* a reach of about 7 units, and of less than one */
+        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* a radius of about 7 units, and of less than a unit */
         check_beside(&camera, &b, 0);
     }
     if (!CHECK(beside_tally.touching > 100) || !CHECK(beside_tally.farthest > 10))
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The far corner of the chunk is slightly in front of the near plane, or slightly behind it. */
+/* The far corner of the chunk is slightly in front of the near plane, or slightly behind. */
 static void test_chunks_across_the_near_plane(void)
 {
     int touching = 0, behind = 0;
@@ -1156,7 +1142,7 @@ static void test_chunks_across_the_near_plane(void)
         const double hair = (i % 3 ? 1 : -1) * exp2(uniform(-24, -8));
         const beside b = {{uniform(-0.3, 0.3), uniform(-0.3, 0.3)}, 0.2 + hair, -6};
         packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));   /* error of a place */
+        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));   /* error of a position */
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
         for (int axis = 0; axis < 3; axis++) {               /* the foremost corner */
@@ -1175,7 +1161,7 @@ static void test_chunks_across_the_near_plane(void)
     CHECK(touching > 150 && behind > 80);
 }
 
-/* A Gaussian on the near plane is culled; one unit in front of it, it is drawn. Part of the chunk is farther. */
+/* A Gaussian on the near plane is culled. A unit beyond the near plane, the Gaussian is drawn. */
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1185,7 +1171,7 @@ static void test_near_plane_itself(void)
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
     place_sphere(&s, &camera, &b, 0);
-    s.chunks->step_q32[2] = 2;                               /* one unit of cv, since its shift is 1 */
+    s.chunks->step_q32[2] = 2;                               /* a unit of cv with shift 1 */
     ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
     for (int ahead = -1; ahead <= 1; ahead++) {
         s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* near plane 0.2 */
@@ -1194,14 +1180,12 @@ static void test_near_plane_itself(void)
     free(s.data);
 }
 
-/* ---- The camera ------------------------------------------------------------------------------------------------- */
-
 static void check_slope(int32_t q23, double slope, double most)
 {
     CHECK(fabs(ldexp(q23, -23) - fmax(-most, fmin(slope, most))) < ldexp(1, -22));
 }
 
-/* The slopes of a view, up to their clamp. */
+/* Tests the slopes of a view, up to their clamp. */
 static void test_view_slopes(void)
 {
     const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1229,8 +1213,6 @@ static void test_view_slopes(void)
     CHECK(cut > 100 && cut < 1900);
     free(s.data);
 }
-
-/* ---- Errors ----------------------------------------------------------------------------------------------------- */
 
 static struct {
     fxs_context context;
@@ -1303,7 +1285,7 @@ static void test_render_refuses_cameras(void)
     free(good.memory);
 }
 
-/* near 0 means 0.2. Both ends of the range are accepted; at the far end the picture is empty. */
+/* near 0 means 0.2. The ends of the range are accepted. At the far end the picture is empty. */
 static void test_near_range(void)
 {
     static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};

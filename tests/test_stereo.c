@@ -1,5 +1,5 @@
-/* Stereo: the bytes and tile lists of two mono frames, on any number of threads, with every version of the stages, and in
- * any memory. */
+/* A stereo frame must have the bytes and tile lists of two mono frames, on any number of threads, with every kernel
+   set, and in any memory. */
 #include <inttypes.h>
 
 #include <fixsplat/system.h>
@@ -18,8 +18,8 @@ typedef struct pair {
     fxs_camera cameras[2];
     fxs_options options;
     enum fxs_format format;
-    ptrdiff_t stride;              /* of the two pictures side by side */
-    size_t bytes;                  /* of both pictures */
+    ptrdiff_t stride;              /* stride of the two pictures side by side */
+    size_t bytes;                  /* bytes of both pictures */
     fxs_stats stats;
 } pair;
 
@@ -57,7 +57,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memo
     return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Two mono frames. Returns their list entries. */
+/* Renders two mono frames. Returns the number of their list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = bytes_of(p, context, 0);
@@ -70,12 +70,10 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
     return stats[0].entries + stats[1].entries;
 }
 
-/* ---- Random scenes ----------------------------------------------------------------------------------------------- */
-
-/* Case by case: eyes with unrelated directions, at one place, side by side (twice), apart in any direction. */
+/* Relations of the two eyes, case by case: unrelated directions, at one place, side by side (twice), apart in any
+   direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
-/* Returns the format. */
 static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, int which)
 {
     random_camera(&cameras[0]);
@@ -102,7 +100,7 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* Renders in memory for all splats and in just enough; one byte less is refused and nothing is written. */
+/* Renders in memory for all splats and in minimum memory. With one byte less nothing may be written. */
 static void check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries)
 {
     unsigned char *pixels = malloc(p->bytes);
@@ -156,7 +154,7 @@ static void test_random_pairs(void)
     CHECK(sum == EXPECTED);
 }
 
-/* One eye looks straight ahead, the other is turned about x or y, to either side. */
+/* One eye looks straight ahead. The other eye is rotated about x or y, to either side. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
@@ -285,7 +283,7 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* From the first clock call to the last, including all stages. */
+/* The frame's time spans from the first clock call to the last. */
 static void test_time(void)
 {
     fxs_scene scene;
@@ -311,7 +309,7 @@ static void test_time(void)
     free(packed.data);
 }
 
-/* More slots than a band may have: two eyes are drawn in bands, as one is. */
+/* The two eyes have more splats than a band may have, so the frame is drawn in bands. */
 static void test_too_many_slots(void)
 {
     static fxs_object objects[FXS_MAX_OBJECTS];

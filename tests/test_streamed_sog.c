@@ -1,4 +1,4 @@
-/* Written streamed SOG: its levels read back, its index, and that errors leave no files. */
+/* Tests the writer of streamed SOG: levels, index, and errors that must leave no files. */
 #include <sys/stat.h>
 
 #include <fixsplat/scene.h>
@@ -8,7 +8,7 @@
 
 #include <cjson/cJSON.h>
 
-enum { COUNT = 40000, LEVELS = 7 };     /* 157 sets, three leaves */
+enum { COUNT = 40000, LEVELS = 7 };     /* 157 chunks in three leaves */
 
 static fxs_gaussian wanted[COUNT], got[COUNT];
 static char folder[] = "/tmp/fixsplat-streamed-XXXXXX";
@@ -20,7 +20,7 @@ static const char *in_folder(const char *name)
     return full;
 }
 
-/* A grid of 40 x 40 x 25. */
+/* Makes a grid of 40 x 40 x 25 Gaussians. */
 static void make(void)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -43,7 +43,7 @@ static int write_scene(const char *name, int count, int announced, fxs_progress_
     return result ? result : closed;
 }
 
-/* Returns the number of Gaussians, or an error. */
+/* Returns the number of Gaussians, or an error code. */
 static long read_level(const char *name, int level)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
@@ -109,8 +109,8 @@ static void has_the_middle(const sums *s, double off)
     }
 }
 
-/* Each level has half the Gaussians of the one before, with the same middle and colours, weighted by optical depth
-   and by opacity. At the coarsest level opacity saturates, so only optical depth is compared. */
+/* Each level has half the Gaussians of the finer level, with equal mean position and colours. Means are weighted by
+   optical depth and by opacity. At the coarsest level opacity saturates, so only optical depth is compared. */
 static void coarser_levels(void)
 {
     long before = COUNT;

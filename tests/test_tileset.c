@@ -1,4 +1,5 @@
-/* Reads tilesets made here: refinement, transforms, nesting, the globe; faulty ones; limits of the import. */
+/* Reads tilesets that the test makes: refinement, transforms, nesting, positions on the Earth, faulty tilesets, and
+   limits of the import. */
 #include <math.h>
 
 #include <fixsplat/scene.h>
@@ -13,7 +14,6 @@ static fxs_scene_file_info info;
 enum { MOST = 400, TILES = 100 };
 
 static fxs_gaussian out[MOST];
-/* ---- Making files ---------------------------------------------------------------------------------------------- */
 
 static uint8_t glb[1 << 16];
 static size_t glb_size;
@@ -28,7 +28,7 @@ static uint8_t *put_floats(uint8_t *to, int count, const float *values)
     return to;
 }
 
-/* Gaussian i of file `number`. */
+/* Computes the 14 values of Gaussian i in file `number`. */
 static void values_of(int number, int i, float row[14])
 {
     const float made[14] = {(float)number, 0.25f * (float)i, -1, 0, 0, 0.6f, 0.8f, 0.5f, 0.125f, 0.25f, 0.5f,
@@ -36,7 +36,7 @@ static void values_of(int number, int i, float row[14])
     memcpy(row, made, sizeof made);
 }
 
-/* A .glb of `count` Gaussians, each a row of 14 floats; 0: a scene without Gaussians. */
+/* Makes a .glb of `count` Gaussians of 14 floats. count 0: a scene without Gaussians. */
 static void make_glb(int number, int count)
 {
     static const struct { const char *name, *type; int offset; } attributes[] = {
@@ -85,9 +85,7 @@ static void put_tiles(const char *name, const char *tiles)
 #define BOX "\"boundingVolume\":{\"sphere\":[0,0,0,9]},\"geometricError\":4,"
 #define CONTENT(name) "\"content\":{\"uri\":\"" name "\"}"
 
-/* ---- Reading --------------------------------------------------------------------------------------------------- */
-
-/* Reads twice, `step` Gaussians at a time. Returns their number, or -1 and the message. */
+/* Reads twice, `step` Gaussians a call. Returns the number of Gaussians, or -1 with a message. */
 static long read_step(const char *name, const fxs_scene_file_options *options, size_t step)
 {
     static fxs_gaussian again[MOST];
@@ -125,9 +123,7 @@ static void check_fails(const char *words)
         printf("  said: %s\n  not:  %s\n", message.text, words);
 }
 
-/* ---- Refinement ------------------------------------------------------------------------------------------------ */
-
-/* The set of files read: bit n for file n, which stores its number in dc. */
+/* Returns the set of files that were read: bit n for file n. Each file stores its number in dc. */
 static int numbers_read(const char *tiles)
 {
     int bits = 0;
@@ -161,7 +157,7 @@ static void refinement(void)
           == 1);
     CHECK(numbers_read("{" BOX CONTENT("0.glb") ",\"children\":[{" BOX "\"children\":[{" BOX CONTENT("1.glb") "}]}]}")
           == 2);
-    /* inherited, then changed below */
+    /* Refinement is inherited, then changed by a child. */
     CHECK(numbers_read("{" BOX "\"refine\":\"REPLACE\"," CONTENT("0.glb") ",\"children\":[{" BOX "\"refine\":\"add\","
                        CONTENT("1.glb") ",\"children\":[{" BOX CONTENT("2.glb") ",\"children\":[{" BOX CONTENT("3.glb")
                        "}]}]},{" BOX CONTENT("4.glb") "}]}") == 30);
@@ -200,7 +196,7 @@ static void same_as_its_content(void)
     CHECK(read_scene("tileset.json") == 20 && memcmp(out, alone, 20 * sizeof *out) == 0);
 }
 
-/* The tileset's (x, y, z), z up, is read as (-x, -z, -y). */
+/* The tileset's (x, y, z) with z up is read as (-x, -z, -y). */
 static int is_at(const fxs_gaussian *g, double x, double y, double z)
 {
     const int is_there = fabs((double)g->position[0] + x) < 1e-5 && fabs((double)g->position[1] + z) < 1e-5 &&
@@ -233,7 +229,7 @@ static void transforms(void)
     CHECK(read_scene("tileset.json") == 2 && is_at(&out[1], 2, 2.25, 2));
 }
 
-/* A tile at the Earth's radius defines the frame; tiles below it keep their place to float precision. */
+/* A tile at the Earth's radius defines the frame. Tiles below keep their positions to float precision. */
 static void globe(void)
 {
     put_glb("1.glb", 1, 2);
@@ -249,7 +245,7 @@ static void globe(void)
     check_fails("tileset.json: the transform of a tile has no inverse");
 }
 
-/* A nested tileset: names relative to its folder, its transform on top, its own up axis. */
+/* A nested tileset has names relative to its folder, its own up axis, and a transform in addition to its parent's. */
 static void nested(void)
 {
     mkdir(in_folder("sub"), 0700);
@@ -261,15 +257,13 @@ static void nested(void)
               CONTENT("3.glb") "}]}");
     put_tiles("tileset.json", "{" BOX "\"refine\":\"REPLACE\"," CONTENT("1.glb") ",\"children\":[{" BOX TURN
               CONTENT("sub/more.json") "}]}");
-    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset is y up and must not be turned twice */
+    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset is y up and must not be rotated twice */
         CHECK(is_at(&out[1], 5 - 2, 6 + 6, 7 + 6.5));
         CHECK(is_at(&out[3], 5 - 2, 6 + 4, 7 + 6.5));
     } else {
         printf("  %s\n", message.text);
     }
 }
-
-/* ---- Faults ---------------------------------------------------------------------------------------------------- */
 
 static const char good[] =
     "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":9,\"root\":{" BOX "\"refine\":\"ADD\"," MOVE(1, 2, 3)
@@ -343,7 +337,7 @@ static void faulty_tilesets(void)
 
 #define MOVED(x) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," x ",0,0,1],"
 
-/* Several tiles with one file, under one name or several, each get their copy. */
+/* Several tiles may use one file, under one name or several. Each tile gets its copy. */
 static void repeated_contents(void)
 {
     static const char *const names[] = {"1.glb", ".//1.glb", "link.glb", "hard.glb", "sub\\\\1.glb",
@@ -365,7 +359,7 @@ static void repeated_contents(void)
     }
 }
 
-/* Tilesets that each name the next one twice: 2^20 contents from 20 files. */
+/* Each tileset names the next tileset twice: 2^20 contents from 20 files. */
 static void doubling(void)
 {
     char name[32], tiles[256];
@@ -397,8 +391,6 @@ static void deep_nesting(void)
     check_fails("tilesets nested too deep");
 }
 
-/* ---- Limits ---------------------------------------------------------------------------------------------------- */
-
 static void put_many(void)
 {
     static char tiles[1 << 15];
@@ -413,7 +405,7 @@ static void put_many(void)
     put_tiles("tileset.json", tiles);
 }
 
-/* More contents than may stay open, with little memory; an exact limit. */
+/* More contents than files may stay open, with little memory. */
 static void many_contents(void)
 {
     const long count = TILES / 5 * 15;
@@ -432,7 +424,7 @@ static void many_contents(void)
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
-/* A content's bytes count once, however often it is opened. */
+/* The bytes of a content count once, however often the file is opened. */
 static void bytes_count_once(void)
 {
     char words[64];
@@ -458,7 +450,7 @@ static void changed_while_open(void)
     fxs_scene_file_close(file);
 }
 
-/* A small file that names very many others. */
+/* A small file names very many other files. */
 static void too_many_contents(void)
 {
     static char tiles[1 << 19];

@@ -1,5 +1,5 @@
-/* The tree of levels of detail: its shape, how well its chunks keep the leaves' means, its file, and the same bytes
-   for any number of threads. test_fxs_bytes checks other processors. */
+/* Tests the tree of levels of detail: its shape, how well its chunks keep the means of the leaves, and its file. The
+   bytes must be equal for any number of threads. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -25,7 +25,7 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* Gaussians on three walls, and some far away. */
+/* Makes Gaussians on three walls, and some far away. */
 static void make(void)
 {
     uint32_t state = 5;
@@ -55,9 +55,7 @@ static int pack(fxs_packed_scene *packed, fxs_scene *scene, uint64_t count, cons
     return CHECK(!error && !fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* ---- Shape ------------------------------------------------------------------------------------------------------- */
-
-/* Per chunk: number of leaves below, first leaf, parent. */
+/* For each chunk: number of leaves below, first leaf, parent. */
 static uint32_t leaves[MOST_CHUNKS], first[MOST_CHUNKS], parents[MOST_CHUNKS];
 
 static void check_shape(const fxs_scene *scene)
@@ -102,10 +100,8 @@ static void check_gains(const fxs_scene *scene)
     }
 }
 
-/* ---- Means ------------------------------------------------------------------------------------------------------- */
-
-/* Sums over a chunk. weight: drawn opacity * area, where area is sqrt(x^2 y^2 + x^2 z^2 + y^2 z^2) of the sigmas;
-   at, dc: weight * position, weight * colour. */
+/* Sums over a chunk. weight: drawn opacity * area, with area sqrt(x^2 y^2 + x^2 z^2 + y^2 z^2) of the sigmas. at,
+   dc: weight * position, weight * colour. */
 typedef struct sums {
     double weight, area, at[3], dc[3];
     uint32_t count;
@@ -136,8 +132,7 @@ static sums sums_of(const fxs_scene *scene, uint32_t number)
     return s;
 }
 
-/* A parent keeps its children's mean colour and place, and nearly their weight, minus overlap; quantisation adds a
-   little. */
+/* A parent keeps its children's mean colour and position, and nearly their weight, within quantisation. */
 static void check_means(const fxs_scene *scene, double loss)
 {
     double worst = 0;
@@ -171,8 +166,6 @@ static void check_tree(enum fxs_profile profile, double loss)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
-
 static void check_threads(enum fxs_profile profile)
 {
     fxs_packed_scene alone, packed, plain;
@@ -197,7 +190,7 @@ static void check_threads(enum fxs_profile profile)
     fxs_packed_scene_free(&plain);
 }
 
-/* One chunk has no tree; two have one node. */
+/* One chunk has no tree. Two chunks have one node. */
 static void few(void)
 {
     for (uint64_t count = FXS_CHUNK - 1; count <= FXS_CHUNK + 1; count++) {
@@ -305,8 +298,6 @@ static void stopped(void)
         CHECK(error == (stop_from > 1 ? 0 : FXS_ERR_STOPPED) && (error || last == 1));
     }
 }
-
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
 
 /* Every changed byte is detected. Leaves read as without the tree. */
 static void in_a_file(void)

@@ -1,4 +1,5 @@
-/* The viewer: camera motion, the overlay, and the window, fed with SDL events on SDL's driver without a screen. */
+/* Tests the viewer: camera motion, the overlay, and the window. SDL runs on its driver without a screen and gets
+   events from the test. */
 #include <fixsplat/camera.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
@@ -22,7 +23,7 @@ static fxs_file_view a_view(void)
     return view;
 }
 
-/* Returns the depth. */
+/* Projects a point to a pixel. Returns the depth. */
 static double see(const fxs_file_view *view, const double point[3], double pixel[2])
 {
     double seen[3] = {0, 0, 0};
@@ -44,8 +45,6 @@ static int near(double a, double b)
 {
     return fabs(a - b) < 1e-9;
 }
-
-/* ---- Motion ------------------------------------------------------------------------------------------------------ */
 
 static void test_orbit_keeps_the_pivot(void)
 {
@@ -129,7 +128,7 @@ static void test_parallel_rays(void)
     CHECK(!memcmp(view.position, before.position, sizeof view.position));
 }
 
-/* The vertical field of view does not depend on the window's size. */
+/* The vertical field of view does not depend on the size of the window. */
 static void test_height_stays(void)
 {
     fxs_file_view view = a_view();
@@ -161,8 +160,6 @@ static void test_rotations_stay_rotations(void)
             CHECK(near(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], i == j));
         }
 }
-
-/* ---- Overlay ----------------------------------------------------------------------------------------------------- */
 
 static uint8_t dots[FXS_GRAPH_WIDTH * 200 * 4];
 
@@ -248,7 +245,7 @@ static void test_ids_have_colours(void)
     CHECK(pixels_of(&picture, 0x000000ff) == 1);
 }
 
-/* Words in both themes on their panels: in place, as wide as reported, with enough contrast. */
+/* Text in both themes must be in place, as wide as reported, and have enough contrast. */
 static void test_words(void)
 {
     fxs_words *words;
@@ -312,8 +309,6 @@ static void test_graph_shows_the_times(void)
     CHECK(column_of(&picture, right - 4, 0xf0705aff) == 0);
 }
 
-/* ---- The viewer -------------------------------------------------------------------------------------------------- */
-
 #ifdef FXS_WITH_SDL
 #include <SDL2/SDL.h>
 
@@ -321,7 +316,7 @@ static void test_graph_shows_the_times(void)
 #include <fixsplat/scene.h>
 #include "tools/view/viewer.h"
 
-/* Replaces SDL's function: a screen with several pixels per point. */
+/* Replaces SDL's function to simulate a screen with several pixels per point. */
 static int pixels_a_point = 1;
 
 void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
@@ -331,7 +326,7 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-/* The environment variable that names the folder for the list of recent scenes. */
+/* The environment variable that names the folder of the list of recent scenes. */
 #ifdef _WIN32
 #define KEPT_BELOW "APPDATA"
 #else
@@ -369,7 +364,7 @@ static frame_options small_options(void)
     return options;
 }
 
-/* Options that look at the box from the front, with its x axis to the right. */
+/* Returns options that look at the box from the front, with its x axis to the right. */
 static frame_options framed_options(void)
 {
     frame_options options = small_options();
@@ -386,7 +381,7 @@ static int open_file(viewer *v, const frame_options *options, const char *path, 
     return viewer_open(v, &all, screenshot, 0);
 }
 
-/* Steps until all requested work is done. */
+/* Runs viewer steps until all requested work is done. */
 static void settle(viewer *v)
 {
     do
@@ -394,7 +389,7 @@ static void settle(viewer *v)
     while (viewer_busy(v) && !v->quit);
 }
 
-/* Steps until the picture is complete. */
+/* Runs viewer steps until the picture is complete. */
 static void rest(viewer *v)
 {
     do
@@ -410,7 +405,7 @@ static int start(viewer *v, const frame_options *options)
     return status;
 }
 
-/* One step handles all pending events. */
+/* A viewer step handles all pending events. */
 static void push_key(int symbol)
 {
     SDL_Event event = {0};
@@ -489,7 +484,7 @@ static void drop(viewer *v, const char *path)
     settle(v);
 }
 
-/* True if the picture is the renderer's of that view. */
+/* True if the picture equals the renderer's picture of a view. */
 static int shows(const viewer *v, fxs_file_view view, int width, int height)
 {
     renderer r;
@@ -591,7 +586,7 @@ static int frames_taken(const viewer *v)
     return count;
 }
 
-/* A slow picture, rendered by plain C, is stopped when the view moves. */
+/* Plain C renders slowly, so the frame is stopped when the view moves. */
 static void test_frame_is_stopped(void)
 {
     viewer v;
@@ -739,7 +734,6 @@ static void test_screenshot(void)
     viewer_close(&v);
 }
 
-/* Screenshots go to the current folder and never overwrite a file. */
 static void test_numbered_screenshots(void)
 {
     viewer v;
@@ -761,7 +755,7 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
-/* Bytes of a file, or -1 if it does not exist; also its first line. */
+/* Returns the size of a file, or -1 if the file does not exist, and the first line. */
 static long size_of(const char *path, char line[80])
 {
     FILE *file = fopen(path, "r");
@@ -804,9 +798,7 @@ static void test_films(void)
     viewer_close(&v);
 }
 
-/* ---- Waiting ----------------------------------------------------------------------------------------------------- */
-
-/* Help fits a small window: the panel leaves the window's edges free. */
+/* True if the help panel leaves the edges of a small window free. */
 static int help_fits(viewer *v)
 {
     static const int places[5][2] = {{160, 120}, {0, 120}, {319, 120}, {160, 0}, {160, 239}};
@@ -844,7 +836,7 @@ static void test_empty_window(void)
     viewer_close(&v);
 }
 
-/* Keys work while a scene loads. Of files dropped meanwhile, the last opens next. */
+/* Keys work while a scene loads. The last file dropped meanwhile opens next. */
 static void test_events_while_loading(void)
 {
     viewer v;
@@ -874,8 +866,6 @@ static void test_events_while_loading(void)
     remove(other);
 }
 
-/* ---- Depths and ids ---------------------------------------------------------------------------------------------- */
-
 /* True if the picture shows depths or ids. */
 static int shows_painted(const viewer *v, int draws)
 {
@@ -895,8 +885,6 @@ static int shows_painted(const viewer *v, int draws)
     picture_free(&expected);
     return same;
 }
-
-/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
 static void make_levels(char *path)
 {
@@ -919,7 +907,7 @@ static int is_picture_of(const viewer *v, const picture *p)
            !memcmp(v->picture.pixels, p->pixels, (size_t)p->width * (size_t)p->height * 4);
 }
 
-/* The keys for budget and level colours. Without levels they show a note. */
+/* Keys change the budget and the level colours. A scene without levels shows a note. */
 static void test_levels(void)
 {
     static char path[sizeof knot];
@@ -948,7 +936,7 @@ static void test_levels(void)
     CHECK(v.options.render.budget == 0 && is_picture_of(&v, &whole));
     key(&v, 'o');
     CHECK(v.options.render.show_levels && !is_picture_of(&v, &whole) && shows(&v, v.view, 64, 48));
-    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white, so each pixel is a
+    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white, so each pixel is
                                                                                 grey */
         CHECK(v.picture.pixels[i] == v.picture.pixels[i + 1] && v.picture.pixels[i] == v.picture.pixels[i + 2]);
     key(&v, 'o'), key(&v, 'f');
@@ -958,7 +946,7 @@ static void test_levels(void)
     viewer_close(&v);
 }
 
-/* The budget follows the frame time, in motion only and only on request. */
+/* The budget follows the frame time in motion only, and only if requested. */
 static void test_rate(void)
 {
     static char path[sizeof knot];
@@ -976,7 +964,7 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* too few are visible for the budget to limit */
+    viewer_follow_rate(&v, 10000000, 5000);                 /* too few chunks are visible for the budget to limit */
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
@@ -992,7 +980,7 @@ static void test_rate(void)
     viewer_close(&v);
 }
 
-/* Paging: frames follow until no chunk is missing; the last equals the picture of the mapped file. */
+/* Frames follow until no chunk is missing. The last frame equals the picture of the mapped file. */
 static void test_pool(void)
 {
     static char path[sizeof knot];
@@ -1036,7 +1024,7 @@ static void test_depths_and_ids(void)
     viewer_close(&v);
 }
 
-/* The first pixel from `from` on that shows a Gaussian. */
+/* Finds the first pixel from index `from` on that shows a Gaussian. */
 static int find_seen(viewer *v, int from, int *x, int *y)
 {
     fxs_pick_result pick;
@@ -1098,8 +1086,6 @@ static void test_measure(void)
     viewer_close(&v);
 }
 
-/* ---- The crop box ------------------------------------------------------------------------------------------------ */
-
 static void drag_handle(viewer *v, int face, int dx, int dy)
 {
     double point[3], pixel[2];
@@ -1129,7 +1115,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Writes with Enter, in the scene's folder. Returns the number of Gaussians. */
+/* Writes the cropped scene by pressing Enter. Returns the number of Gaussians. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1187,7 +1173,7 @@ static void test_crop(void)
     viewer_close(&v);
 }
 
-/* A dragged handle stays below the pointer from every camera, orthographic ones included. */
+/* A dragged handle stays below the pointer with every camera, also orthographic. */
 static void test_crop_handles(void)
 {
     viewer v;
@@ -1214,7 +1200,7 @@ static void test_crop_handles(void)
     }
 }
 
-/* World crop boxes are written as boxes of the objects, inside the objects' own. */
+/* Crop boxes in world coordinates are written as boxes of the objects. */
 static void test_crop_of_objects(void)
 {
     static const char text[] =
@@ -1286,8 +1272,6 @@ static void test_crop_not_written(void)
     viewer_close(&v);
 }
 
-/* ---- Recent scenes ----------------------------------------------------------------------------------------------- */
-
 static int open_empty(viewer *v)
 {
     const frame_options options = small_options();
@@ -1353,8 +1337,8 @@ static void test_recent_by_click(void)
     viewer_close(&v);
 }
 
-/* Sets the folder that the list is kept below. On POSIX it is set by HOME, since XDG_STATE_HOME is not absolute
-   here. Null: none. */
+/* Sets the folder of the list of recent scenes by HOME. XDG_STATE_HOME is not absolute in this test. home: null
+   unsets the folder. */
 static void keep_below(const char *home)
 {
 #ifdef _WIN32
@@ -1368,7 +1352,7 @@ static void keep_below(const char *home)
 #endif
 }
 
-/* The list keeps ten scenes, each once. Without a folder it is not kept. */
+/* The list keeps ten scenes without duplicates. Without a folder the list is not kept. */
 static void test_recent_list(void)
 {
     fxs_message message;
@@ -1407,9 +1391,7 @@ static void test_recent_list(void)
     setenv(KEPT_BELOW, state, 1);
 }
 
-/* ---- Others ------------------------------------------------------------------------------------------------------ */
-
-/* On a screen of two pixels per point, pointer positions are doubled to find the picture's pixel. */
+/* The screen has two pixels per point. Pointer positions are doubled to find a pixel. */
 static void test_fine_pixels(void)
 {
 #if SDL_VERSION_ATLEAST(2, 26, 0)
@@ -1443,7 +1425,7 @@ static void test_fine_pixels(void)
 #endif
 }
 
-/* The speed follows the nearest geometry: slower the closer the camera is. */
+/* The closer the nearest geometry, the slower the camera moves. */
 static void test_speed(void)
 {
     viewer v;
@@ -1460,7 +1442,7 @@ static void test_speed(void)
     viewer_close(&v);
 }
 
-/* Side by side stereo: each half of the window, and of the screenshot, shows one eye. */
+/* Each half of the window and of a screenshot shows one eye. */
 static void test_two_eyes(void)
 {
     viewer v;
@@ -1480,7 +1462,7 @@ static void test_two_eyes(void)
     viewer_close(&v);
 }
 
-/* Foveated, with an asymmetric field of view: in motion, gaze and radii are scaled to the smaller picture. */
+/* While the view moves, gaze and radii are scaled to the smaller picture. */
 static void test_foveated(void)
 {
     const double tangents[4] = {-1.38, 1.19, 1.0, -1.2}, gaze[5] = {40, 20, 6, 12, 2};
@@ -1510,7 +1492,7 @@ static void test_foveated(void)
     viewer_close(&v);
 }
 
-/* The window opens first. If its scene fails to load, it closes with the status. */
+/* If the scene fails to load, the window closes with the status. */
 static int fails_to_open(const frame_options *options, const char *path)
 {
     viewer v;
@@ -1586,7 +1568,7 @@ int main(void)
     free(whole);
     snprintf(state, sizeof state, "%s/state", folder);
 #ifdef _WIN32
-    mkdir(state, 0700);                                          /* Windows creates it itself */
+    mkdir(state, 0700);                                          /* Windows creates the folder itself */
 #endif
     setenv(KEPT_BELOW, state, 1);
     RUN(test_files_are_made);
