@@ -1,5 +1,5 @@
-/* A minimal test harness. RUN(test) counts a test function as failed if a CHECK in the function failed. RUN_AS does
-   so under another name. A test that calls SKIP counts as skipped. */
+/* A minimal test harness. RUN(test) counts a test function as failed if a CHECK in the function failed, and as
+   skipped after SKIP. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -7,12 +7,12 @@
 #include <stdlib.h>
 
 static int check_passed, check_failed, check_skipped;   /* numbers of tests */
-static int check_faults, check_skips;                   /* counts of failed checks and of skips in the running test */
+static int check_faults, check_skips;                   /* failed checks and skips in the running test */
 
 #define CHECK(condition) \
     ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))
 
-/* Leaves the test function and prints the reason why the test cannot run here. */
+/* Leaves the test function with a printed reason. */
 #define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
 
 #define RUN(test) RUN_AS(#test, test())
@@ -26,14 +26,14 @@ static int check_faults, check_skips;                   /* counts of failed chec
         fflush(stdout); \
     } while (0)
 
-/* Allocates memory aligned to 64 bytes. The caller releases the memory with free. */
+/* Allocates memory aligned to 64 bytes, released with free. */
 static inline void *check_aligned(size_t bytes)
 {
     void *memory = 0;
     return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
 }
 
-/* Prints the last line of a test program for tests/run.sh. Returns the exit status of the program. */
+/* Prints the line that tests/run.sh adds up. Returns the exit status of the program. */
 static int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);

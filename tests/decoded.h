@@ -33,7 +33,7 @@ static inline double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* Extends a code of `bits` bits to `wide` bits by repeating its high bits. */
+/* Extends a code to `wide` bits by repeating its high bits. */
 static inline uint32_t widen(uint32_t code, int bits, int wide)
 {
     return code << (wide - bits) | code >> (2 * bits - wide);
@@ -47,7 +47,6 @@ typedef struct decoded {
 
 enum { FIELDS = 11 };                  /* 3 positions, 3 scales, the rotation word, 3 colours, opacity */
 
-/* Reads the codes of a Gaussian in the profile "small" and widens them to the profile "default". */
 static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {
     uint32_t a, b, c, d = rows[3072 + at];

@@ -1,4 +1,4 @@
-/* Builds a small scene in every supported file format and container, as files in memory. */
+/* Builds a small scene in every supported file format, as files in memory. */
 #ifndef EVERY_FORMAT_BYTES_H
 #define EVERY_FORMAT_BYTES_H
 
@@ -21,7 +21,6 @@
 
 enum { GAUSSIANS = 3, MAX_FILES = 24 };
 
-/* A test opens the scene by the first file of the list. */
 static struct made_file { char name[32]; uint8_t data[1 << 14]; size_t size; } files[MAX_FILES];
 static int file_count;
 
@@ -34,7 +33,6 @@ static inline void add_file(const char *name)
     size = 0;
 }
 
-/* Writes the files into a folder and creates the subfolders in their names. */
 static inline void write_made(const char *folder)
 {
     char full[160];
@@ -65,16 +63,13 @@ static inline void remove_made(const char *folder)
     }
 }
 
-/* Appends `count` nonzero finite floats to the file. */
 static inline void put_floats(int count)
 {
     for (int i = 1; i <= count; i++)
         put_float((float)i / 8);
 }
 
-/* ---- Formats with a single file -------------------------------------------------------------------------------- */
-
-/* Writes the header of a .ply without its last line: 14 floats for each Gaussian, after an optional other property. */
+/* Writes the header of a .ply without its last line. A Gaussian has 14 floats, after an optional other property. */
 static inline void put_ply_header(const char *encoding, const char *before)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -178,14 +173,12 @@ static inline void make_zstd_spz(void)
 }
 #endif
 
-/* ---- glTF files ------------------------------------------------------------------------------------------------ */
-
 #ifdef FXS_WITH_CJSON
 
 enum { GLTF_FLOATS = 14 * GAUSSIANS };
 
-/* Writes the JSON of two primitives. The first has floats in buffer 0. The second is an .spz of `spz` bytes at an
-   offset of buffer `where`. */
+/* Writes two primitives. The first has floats in buffer 0. The second is an .spz of `spz` bytes at an offset of
+   buffer `where`. */
 static inline void put_gltf_json(const char *first_buffer, size_t first_size, int where, size_t offset, size_t spz)
 {
     static const struct { const char *name, *type; int components; } attributes[] = {
@@ -228,7 +221,6 @@ static inline void make_glb(void)
     add_file("a.glb");
 }
 
-/* Writes a .gltf with two buffers: one in base64 with all floats 1.0, one in another file. */
 static inline void make_gltf(void)
 {
     char uri[64 + GLTF_FLOATS / 3 * 16] = "\"uri\":\"data:application/octet-stream;base64,";
@@ -244,7 +236,6 @@ static inline void make_gltf(void)
     add_file("b1.bin");
 }
 
-/* Writes a tileset that contains a .glb and a nested tileset with a .gltf. */
 static inline void make_tileset(void)
 {
     put("{\"asset\":{\"version\":\"1.1\"},\"geometricError\":9,\"root\":{\"refine\":\"ADD\",\"content\":{\"uri\":"
@@ -262,7 +253,6 @@ static inline void make_tileset(void)
     }
 }
 
-/* Writes the columns of a .rad as floats with SH degree 1. */
 static inline void put_rad_columns(int count)
 {
     static const struct { const char *name; int numbers; } columns[] = {
@@ -288,7 +278,7 @@ static inline void make_rad(void)
 }
 
 #ifdef FXS_WITH_ZLIB
-/* Writes a .rad with a tree of two levels: all other nodes are children of the root. */
+/* Writes a tree of two levels: all other nodes are children of the root. */
 static inline void make_rad_tree(void)
 {
     rad_begin(1);
@@ -304,7 +294,6 @@ static inline void make_rad_tree(void)
     add_file("a.rad");
 }
 
-/* Writes a .rad with its chunks in separate files. */
 static inline void make_rad_chunks(void)
 {
     rad_begin(1);
@@ -329,7 +318,7 @@ static inline void make_rad_chunks(void)
 }
 #endif
 
-/* Writes an .lcc with two cells of one Gaussian each and a third Gaussian in the environment. The SH degree is 3. */
+/* Writes two cells of one Gaussian each and a third Gaussian in the environment, with SH degree 3. */
 static inline void make_lcc(void)
 {
     put("{\"totalLevel\":1,\"attributes\":[{\"name\":\"scale\",\"min\":[1,2,3],\"max\":[4,5,6]},{\"name\":\"shcoef\",");
@@ -352,7 +341,6 @@ static inline void make_lcc(void)
 #endif
 
 #ifdef FXS_WITH_ZIP
-/* Replaces the files from index `first` on by one zip in `bytes`. */
 static inline void zip_files(int first)
 {
     char name[] = "/tmp/test_zip_XXXXXX";
@@ -370,8 +358,6 @@ static inline void zip_files(int first)
     file_count = first;
 }
 #endif
-
-/* ---- SOG files ------------------------------------------------------------------------------------------------- */
 
 #ifdef WITH_SOG
 
@@ -418,7 +404,6 @@ static inline void make_streamed_sog(void)
 }
 
 #ifdef FXS_WITH_ZIP
-/* Puts the files of add_sog into one zip. */
 static inline void make_sog_zip(void)
 {
     add_sog("");
@@ -428,8 +413,6 @@ static inline void make_sog_zip(void)
 #endif
 
 #endif
-
-/* ---- Folders of gsplat ----------------------------------------------------------------------------------------- */
 
 #ifdef WITH_GSPLAT
 
@@ -527,8 +510,6 @@ static inline void make_gsplat(void)
 }
 
 #endif
-
-/* ---- Table of all formats -------------------------------------------------------------------------------------- */
 
 static const struct made_format { const char *name; void (*make)(void); int is_several; } formats[] = {
     {"ply", make_ply, 0}, {"compressed ply", make_compressed_ply, 0}, {"splat", make_splat, 0},

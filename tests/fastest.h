@@ -4,8 +4,8 @@
 
 #include <fixsplat/internal/kernels.h>
 
-/* Returns the fastest kernels for the instruction sets in the bit mask `cpu` that this processor has. The table
-   stays valid until the program ends. */
+/* Returns the fastest kernels for the instruction sets in `cpu` that this processor has. The table stays valid until
+   the program ends. */
 static inline const fxs_kernels *kernels_for(unsigned cpu)
 {
     static fxs_kernels tables[128];

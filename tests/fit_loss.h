@@ -25,8 +25,7 @@ static inline double fit_similarity(const double m[5])
     return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) / ((m[0] * m[0] + m[1] * m[1] + c1) * (variances + c2));
 }
 
-/* Convolves five channels with the window along one axis. Neighbouring pixels are `step` apart; a line has `size`
-   pixels. */
+/* Convolves five channels along one axis. Neighbouring pixels are `step` apart; a line has `size` pixels. */
 static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int pixels, int step, int size,
                                    const double *window)
 {
@@ -40,9 +39,9 @@ static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int
     }
 }
 
-/* Returns the sum of 0.8 |a - b| + 0.2 (1 - SSIM) over the pixels of one channel. The photograph's samples are three
-   bytes apart. Pixels with mask 0 count as outside of the picture; mask may be null. is_cut: 1 gives no loss where
-   the photograph is white and the picture is brighter. */
+/* Sums 0.8 |a - b| + 0.2 (1 - SSIM) over one channel. The photograph's samples are three bytes apart. Pixels with
+   mask 0 count as outside of the picture; mask may be null. is_cut: 1 gives no loss where the photograph is white
+   and the picture is brighter. */
 static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int is_cut,
                               int width, int height)
 {

@@ -1,4 +1,4 @@
-/* Random numbers, small cameras and a list of the stages' versions for the tests of the fit. */
+/* Random numbers, small cameras and kernel versions for the tests of the fit. */
 #ifndef FIT_SCENE_H
 #define FIT_SCENE_H
 
@@ -25,8 +25,8 @@ static inline double fit_uniform(double low, double high)
     return low + (high - low) * (double)(fit_random() >> 11) * 0x1p-53;
 }
 
-/* Lists the distinct versions of the stages for this processor, plain C first. Returns the number of versions, at
-   most FIT_VERSIONS. */
+/* Lists the distinct versions of the stages for this processor, plain C first. Returns their number, at most
+   FIT_VERSIONS. */
 enum { FIT_VERSIONS = 5 };
 static const unsigned fit_cpus[FIT_VERSIONS] = {0, FXS_CPU_SSE41, FXS_CPU_AVX2, FXS_CPU_AVX512, FXS_CPU_NEON};
 static inline int fit_versions(const fxs_fit_stages *versions[FIT_VERSIONS])

@@ -1,4 +1,4 @@
-/* Creates a temporary folder for a test, writes files into the folder and builds their text. */
+/* Creates a temporary folder for a test and writes files into the folder. */
 #ifndef FOLDER_H
 #define FOLDER_H
 
@@ -44,7 +44,7 @@ static inline void say(const char *format, ...)
     va_end(arguments);
 }
 
-/* Runs `tests` with a temporary folder, then removes the folder. Returns the exit status of main. */
+/* Runs `tests` with a temporary folder, then removes the folder. */
 static inline int in_a_folder(void (*tests)(void))
 {
     char command[64];

@@ -1,6 +1,5 @@
-/* Shared by the fuzz targets that render. Builds a packed scene, objects, cameras, options and targets from the
-   bytes of an input. Memory and pictures lie in zones between poisoned guards. Any access to a guard ends the
-   program. */
+/* Builds a packed scene, objects, cameras, options and targets from the bytes of a fuzz input. Memory and pictures
+   lie in zones between poisoned guards. Any access to a guard ends the program. */
 #ifndef FUZZ_FRAME_H
 #define FUZZ_FRAME_H
 
@@ -15,13 +14,13 @@
 #include "fastest.h"
 
 enum {
-    FUZZ_GUARD = 1 << 20,          /* bytes of the guards before and after a zone */
+    FUZZ_GUARD = 1 << 20,          /* bytes before and after a zone */
     FUZZ_ROOM = 4 << 20,
-    FUZZ_CONTROL = 20,             /* control bytes at the start of an input */
+    FUZZ_CONTROL = 20,
     FUZZ_EDIT = 6,                 /* bytes that describe an edit of a generated scene */
     FUZZ_OBJECTS = 3,
-    FUZZ_IMAGES = 5,               /* number of output images */
-    FUZZ_OCCLUDER = 3,             /* index of the zone of the occluder */
+    FUZZ_IMAGES = 5,
+    FUZZ_OCCLUDER = 3,
     FUZZ_ZONES = 4,
     FUZZ_LEVELS = 5
 };
@@ -35,12 +34,12 @@ typedef struct fuzz_frame {
     enum fxs_format format;
     fxs_object objects[FUZZ_OBJECTS];
     fxs_crop crops[FUZZ_OBJECTS][2];
-    uint32_t count;                /* number of objects */
+    uint32_t count;
     unsigned images;               /* bit i: image i is a target */
     int depth_bits, occluded, upside_down, wrong_stride;
-    fxs_context levels[FUZZ_LEVELS];   /* plain C first, then each instruction set of this processor */
+    fxs_context levels[FUZZ_LEVELS];
     int level_count;
-    uint32_t scribble;             /* seed of the random writes in fuzz_scribble.c */
+    uint32_t scribble;
     size_t picture;                /* bytes of all targets of one eye */
 } fuzz_frame;
 
@@ -67,7 +66,7 @@ static uint32_t fuzz_word(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Edits a generated scene. Each edit selects a part of the file and an offset, and writes 1 to 8 equal bytes. */
+/* Each edit selects a part of the file and an offset, and writes 1 to 8 equal bytes. */
 static void fuzz_edit(fuzz_frame *f, size_t headers, const uint8_t *edits, size_t size)
 {
     for (; size >= FUZZ_EDIT; edits += FUZZ_EDIT, size -= FUZZ_EDIT) {
@@ -81,7 +80,7 @@ static void fuzz_edit(fuzz_frame *f, size_t headers, const uint8_t *edits, size_
     }
 }
 
-/* Takes the scene from the input's bytes, or generates and edits a scene. Returns 0 if the scene does not open. */
+/* Takes the scene from the input, or generates and edits a scene. Returns 0 if the scene does not open. */
 static int fuzz_scene(fuzz_frame *f, const uint8_t *control, const uint8_t *rest, size_t size)
 {
     fxs_message message;
@@ -102,7 +101,6 @@ static int fuzz_scene(fuzz_frame *f, const uint8_t *control, const uint8_t *rest
     return fxs_scene_open(&f->scene, f->data, f->bytes) == 0;
 }
 
-/* Makes a random camera, sometimes with invalid numbers. */
 static void fuzz_camera(fxs_camera *camera, const uint8_t *control)
 {
     random_camera(camera);
@@ -147,7 +145,6 @@ static void fuzz_options(fuzz_frame *f, const uint8_t *control)
     memcpy(f->options.background, control + 1, sizeof f->options.background);
 }
 
-/* Sets at most one field of an object to an arbitrary value. */
 static void fuzz_wild_object(fxs_object *object)
 {
     switch (next() % 12) {
@@ -208,8 +205,6 @@ static void fuzz_world(fuzz_frame *f, unsigned control)
         f->cameras[0].projection = f->cameras[1].projection = FXS_ORTHOGRAPHIC;
 }
 
-/* ---- Targets of a frame ------------------------------------------------------------------------------------------ */
-
 static void fuzz_images(fuzz_frame *f, unsigned control)
 {
     const int pixel_bytes[FUZZ_IMAGES] = {fxs_pixel_bytes(f->format), 1, 4, 4, 8};
@@ -227,8 +222,7 @@ static void fuzz_images(fuzz_frame *f, unsigned control)
         depths[i] = next() % 4 ? (uint32_t)next() >> next() % 32 : FXS_NOTHING;
 }
 
-/* Returns the targets of an eye, consecutive in the eye's zone. All bytes are set to one value, so that unwritten
-   pixels compare equal. */
+/* Returns consecutive targets in the eye's zone. Equal initial bytes make unwritten pixels compare equal. */
 static fxs_targets fuzz_targets(const fuzz_frame *f, int eye)
 {
     fxs_targets t;
@@ -263,7 +257,7 @@ static void fuzz_levels(fuzz_frame *f)
         }
 }
 
-/* Returns 0 if no scene of the input opens. The caller releases f->data with free in either case. */
+/* Returns 0 if no scene of the input opens. The caller releases f->data in either case. */
 static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
 {
     memset(f, 0, sizeof *f);
@@ -306,8 +300,7 @@ static size_t fuzz_frame_bytes(const fuzz_frame *f, fxs_frame_memory *memory)
     return fxs_frame_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height, memory);
 }
 
-/* Returns the minimum memory of this view in bytes as fxs_render states it. After another error, returns the minimum
-   of any view. */
+/* Returns the minimum memory of this view in bytes. After an error, returns the minimum of any view. */
 static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_frame_memory *memory)
 {
     fxs_stats stats = {.visible = 0};

@@ -1,5 +1,5 @@
-/* Fuzzes .glb files with a valid container around fuzzed content. Two bytes of an input give the size of the JSON.
-   The JSON and the binary chunk follow. */
+/* Fuzzes .glb files with a valid container. Two bytes of an input give the size of the JSON. The JSON and the binary
+   chunk follow. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +22,6 @@ static size_t make_glb(const uint8_t *data, size_t size, uint8_t *out)
     return 28 + left;
 }
 
-/* Adds the number of Gaussians read to *total. Returns the last result of the reader. */
 static long read_some(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -1,6 +1,5 @@
-/* Fuzzes the pager, which loads the chunks of a scene with levels of detail on demand. The source of the chunks may
-   fail, corrupt bytes or state a wrong size. Once no chunk is missing, an intact scene must render like the whole
-   scene. */
+/* Fuzzes the pager, which loads the chunks of a scene on demand. The source of the chunks may fail, corrupt bytes or
+   state a wrong size. Once no chunk is missing, an intact scene must render like the whole scene. */
 #include <fixsplat/pager.h>
 #include <fixsplat/internal/message.h>
 
@@ -14,7 +13,7 @@ enum { CONTROL = 12, FRAMES = 3, TURNS = 40, WAIT_NS = 2000000 };
 typedef struct fuzz_source {
     const unsigned char *bytes;
     size_t there, claimed;
-    uint32_t reads, fails_each, lies_each;   /* number of reads; every n-th read fails or lies, 0: none */
+    uint32_t reads, fails_each, lies_each;   /* every n-th read fails or lies, 0: none */
     int closed;
 } fuzz_source;
 
@@ -62,13 +61,12 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     return error;
 }
 
-/* True if the frame has limits. Without limits the whole scene has no cut, so frames cannot be compared. */
+/* Without limits the whole scene has no cut, so frames cannot be compared. */
 static int has_cut(const fxs_scene *scene, const fxs_options *options)
 {
     return options->detail_q8 || (options->budget && options->budget < scene->count);
 }
 
-/* Renders with a fixed camera until no chunk is missing, then compares with the whole scene if `whole` is not null. */
 static void look(fxs_pager *pager, const fxs_scene *whole, int turns)
 {
     static unsigned char pixels[2][FUZZ_ROOM / 4];

@@ -1,5 +1,5 @@
-/* Fuzzes the reading of photographs for a fit. Bits 0, 1 and 5 of byte 0 pick the layout of the folder. Three sizes
-   of two bytes split the rest of an input into cameras, images, points and a photograph. */
+/* Fuzzes the reading of photographs for a fit. Bits 0, 1 and 5 of byte 0 pick the layout. Three sizes of two bytes
+   split the input into cameras, images, points and a photograph. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@ enum { FILES = 4 };
 
 static char folder[] = "/tmp/fixsplat-fuzz-XXXXXX";
 
-/* The file names of each layout: cameras, images, points, a photograph. */
+/* File names of each layout: cameras, images, points, a photograph. */
 static const char *const names[][FILES] = {
     {"cameras.bin", "images.bin", "points3D.bin", "images/a"},
     {"cameras.txt", "images.txt", "points3D.txt", "images/a"},
@@ -63,7 +63,7 @@ static void check_photo(const fxs_fit_photo *photo)
         sum += photo->pixels[i];
     for (int i = 0; i < v->width * v->height && photo->mask; i++)
         sum += photo->mask[i];
-    if (sum == UINT32_MAX)         /* uses every byte, so the compiler cannot drop the reads */
+    if (sum == UINT32_MAX)         /* uses every byte */
         abort();
 }
 

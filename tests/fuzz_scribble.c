@@ -1,5 +1,5 @@
-/* Fuzzes a scene that changes during rendering. A thread writes into the scene, or the renderer's clock does so for
-   reproducible findings. Any picture or error is accepted. Memory beyond the caller's must stay untouched. */
+/* Fuzzes a scene that changes during rendering. A thread writes into the scene, or for reproducible findings the
+   renderer's clock does. Any picture or error is accepted. Memory beyond the caller's must stay untouched. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -9,11 +9,11 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The scene that is overwritten. `original` and `other` are valid scenes of the same layout. */
+/* `original` and `other` are valid scenes of the same layout. */
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
-    size_t bytes, headers;         /* headers: bytes of the file and chunk headers at the start of the scene */
+    size_t bytes, headers;         /* headers: bytes of the file and chunk headers */
     const unsigned char *original, *other;
     uint32_t how;
 } target;
@@ -25,7 +25,7 @@ static uint32_t scribble_random(uint32_t *seed)
     return *seed ^= *seed << 5;
 }
 
-/* Overwrites a random range of the scene, with bytes of a valid scene or with up to 64 equal bytes. */
+/* Overwrites a random range with bytes of a valid scene, or with up to 64 equal bytes. */
 static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
@@ -107,8 +107,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                    fuzz_room(0, least), least, &picked));
 }
 
-/* Makes a scene of the same layout as the original. Chunk headers may be reversed. In some chunks only the first few
-   Gaussians have a nonzero opacity. */
+/* Makes a scene of the same layout. Chunk headers may be reversed. In some chunks only the first few Gaussians have
+   a nonzero opacity. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
     unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);

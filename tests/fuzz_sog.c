@@ -1,5 +1,5 @@
-/* Fuzzes scenes in several files: SOG as a zip, as files and streamed, tilesets, .lcc and gsplat's folders. Two
-   bytes of an input give the size of each file. A scene is read twice and must give the same result. */
+/* Fuzzes scenes in several files: SOG, tilesets, .lcc and gsplat's folders. Two bytes of an input give the size of
+   each file. A scene is read twice and must give the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,7 +51,6 @@ static int open_beside(void *argument, const char *name, fxs_scene_input *input)
     return -1;
 }
 
-/* Adds the number of Gaussians read to *total. Returns the last result of the reader. */
 static long read_all(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -8,7 +8,7 @@
 
 #include "kernels/compute/gl31.h"
 
-enum { CONTEXT_LOST = 0x0507 };            /* error code of OpenGL ES 3.2 */
+enum { CONTEXT_LOST = 0x0507 };
 
 static long calls_left = LONG_MAX;         /* calls that still succeed */
 static GLenum loss;
@@ -65,7 +65,6 @@ static GLboolean GL_APIENTRY losing_UnmapBuffer(GLenum target)
     return is_lost() ? GL_FALSE : good;
 }
 
-/* Looks up a function of the context and substitutes the failing version. */
 static inline fxs_gl_function losing_load(fxs_gl_load_fn *load, void *context, const char *name)
 {
 #define LOSES(name) {"gl" #name, (fxs_gl_function)losing_##name}
@@ -90,13 +89,11 @@ static inline fxs_gl_function losing_load(fxs_gl_load_fn *load, void *context, c
     return load(context, name);
 }
 
-/* True if a call may return this error after the simulated loss. */
 static inline int is_loss(int error)
 {
     return error == FXS_ERR_DEVICE || (loss == GL_OUT_OF_MEMORY && error == FXS_ERR_MEMORY);
 }
 
-/* Makes all calls after the first `calls` fail with the error `why`. */
 static inline void lose_after(long calls, GLenum why)
 {
     calls_left = calls;

@@ -1,5 +1,5 @@
-/* Runs a test program on a microcontroller. Defines the functions that newlib needs, beside the start-up code and
-   console of port/cortexm. The test is built with -Dmain=test_main and gets no arguments. */
+/* Runs a test program on a microcontroller. Defines the functions that newlib needs. The test is built with
+   -Dmain=test_main and gets no arguments. */
 #include <errno.h>
 #include <malloc.h>
 #include <stddef.h>

@@ -18,8 +18,7 @@
 #define setenv(name, value, replace) _putenv_s(name, value)
 #define unsetenv(name) _putenv_s(name, "")
 
-/* Creates a folder with a unique name. _mktemp has only 26 names for a process id, which an earlier process may have
-   used up. */
+/* _mktemp has only 26 names for a process id, which an earlier process may have used up. */
 static inline char *mkdtemp(char *name)
 {
     char *end = name + strlen(name) - strlen("XXXXXX");
@@ -31,7 +30,7 @@ static inline char *mkdtemp(char *name)
     return NULL;
 }
 
-/* Allocates aligned blocks that free accepts. The pointer from malloc and a 64-bit mark lie before an aligned block.
+/* Aligned blocks that free accepts. The pointer from malloc and a 64-bit mark lie before an aligned block.
    free_block replaces free and looks for the mark. */
 #define ALIGNED_MARK 0x7a11ed0b10c5ba5eu
 
@@ -56,7 +55,7 @@ static inline void free_block(void *memory)
 }
 #define free free_block
 
-/* Renames `from` to `to` and replaces an existing file. The two names may differ in case only. */
+/* Replaces an existing file. The two names may differ in case only. */
 static inline int rename_over(const char *from, const char *to)
 {
     if (!rename(from, to))

@@ -21,7 +21,6 @@ static inline fxs_targets one_target(enum fxs_format format, void *pixels, ptrdi
     return targets;
 }
 
-/* Collects the arguments in a request for fxs_render. */
 static inline fxs_request request_for(const fxs_object *objects, uint32_t count, const fxs_options *options,
                                       uint32_t eyes, const fxs_camera *cameras, const fxs_targets *targets)
 {
@@ -92,7 +91,7 @@ static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *came
     return count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
 }
 
-/* Renders a stereo pair. The pictures of both eyes have the same stride. */
+/* Both pictures have the same stride. */
 static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
                                     const fxs_options *options, enum fxs_format format, void *memory,
                                     size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)
@@ -102,7 +101,7 @@ static inline int one_render_stereo(const fxs_context *context, const fxs_scene 
     return render_eyes(context, &object, 1, cameras, options, targets, memory, memory_bytes, stats);
 }
 
-/* Computes the view that the renderer's stages receive for the chunks of the scene. */
+/* Computes the view that the renderer's stages receive. */
 static inline int one_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera,
                                 const fxs_options *options)
 {

@@ -1,6 +1,5 @@
 /* Builds a packed scene by hand. packed_scene_make zeroes all but the given values. The test then fills in the
-   headers in native byte order. The test writes the rows as bytes or by fxs_little_16 and fxs_little_32.
-   packed_scene_finish opens the scene. */
+   headers in native byte order and the rows in little-endian. packed_scene_finish opens the scene. */
 #ifndef PACKED_SCENE_H
 #define PACKED_SCENE_H
 
@@ -16,10 +15,10 @@ typedef struct packed_scene {
     fxs_chunk *chunks;
     int8_t *palette;               /* null: no palette */
     unsigned char *rows;
-    fxs_scene scene;               /* a view of `data` */
+    fxs_scene scene;
 } packed_scene;
 
-/* Converts the headers between native byte order and the byte order of a packed scene. */
+/* Converts the headers between native byte order and little-endian. */
 static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
 {
     for (uint32_t i = 0; i < chunk_count; i++)
@@ -27,7 +26,7 @@ static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
     fxs_packed_header_turn(s->header);
 }
 
-/* Converts the headers to little-endian and opens the scene. The test must not read the headers afterwards. */
+/* Opens the scene. The test must not read the headers afterwards. */
 static inline int packed_scene_finish(packed_scene *s)
 {
     packed_scene_turn(s, s->header->chunk_count);

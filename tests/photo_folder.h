@@ -11,7 +11,7 @@
 static fxs_message message;
 static fxs_photos photos;
 
-/* Continues an FNV-1a hash over `size` bytes. The start value is 2166136261. */
+/* Continues an FNV-1a hash. The start value is 2166136261. */
 static inline uint32_t hash_on(uint32_t hash, const void *data, size_t size)
 {
     const uint8_t *bytes = data;
@@ -38,7 +38,7 @@ static inline void make_folder(const char *name)
     CHECK(!mkdir(in_folder(name), 0777));
 }
 
-/* Writes a .ppm of `width` x `height` pixels. rgb: null writes noise. */
+/* rgb: null writes noise. */
 static inline void put_ppm(const char *name, int width, int height, const uint8_t *rgb)
 {
     static uint8_t bytes[1 << 17];
@@ -48,7 +48,7 @@ static inline void put_ppm(const char *name, int width, int height, const uint8_
     put_file(name, bytes, size);
 }
 
-/* Frees the photographs of the previous call and reads a folder. */
+/* Frees the photographs of the previous call first. */
 static inline int read_photos(const char *name, const fxs_photos_options *options)
 {
     fxs_photos_free(&photos);
@@ -59,7 +59,7 @@ static inline int read_photos(const char *name, const fxs_photos_options *option
     return error;
 }
 
-/* Checks that a folder is refused with `error` and that the message contains `words`. */
+/* Expects an error with `words` in its message. */
 static inline void check_refused(const char *name, const fxs_photos_options *options, int error, const char *words)
 {
     const int got = read_photos(name, options);

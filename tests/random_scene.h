@@ -53,7 +53,7 @@ static void fill_chunk(const packed_scene *s, uint32_t c)
         chunk->sh_mean[i] = (int8_t)between(-128, 127);
 }
 
-/* Makes a scene of 1 to `most` Gaussians. The caller releases the scene's data with free. */
+/* The scene has 1 to `most` Gaussians. The caller releases its data with free. */
 static packed_scene random_scene(enum fxs_profile profile, int32_t most)
 {
     int degree = between(0, 3);
@@ -92,13 +92,11 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = (int64_t)between(-4194304, 4194304) * 4096;
 }
 
-/* Sets the near plane between 2^-20 and 8 units. */
 static inline void random_near(fxs_camera *camera)
 {
     camera->near_q32 = (int64_t)between(4096, 8191) << between(0, 22);
 }
 
-/* Makes random options and a random camera, perspective or orthographic. */
 static inline void random_view(fxs_camera *camera, fxs_options *options)
 {
     random_camera(camera);

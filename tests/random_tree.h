@@ -1,13 +1,12 @@
-/* Makes random packed scenes with level-of-detail trees of any shape, and computes their cuts. A cut is the set of
-   tree nodes that a frame draws. Nodes are refined in the order of their keys, which depend on the distance. */
+/* Makes random packed scenes with level-of-detail trees of any shape. Computes their cuts: the tree nodes that a
+   frame draws. Nodes are refined in the order of their keys. */
 #ifndef RANDOM_TREE_H
 #define RANDOM_TREE_H
 
 #include "random_scene.h"
 #include "src/core/cut.h"
 
-/* Builds random tree nodes over `leaves` leaves. Children are later nodes or leaves. deep: 1 builds a chain. alike:
-   1 gives equal keys at equal distance. */
+/* Children of a node are later nodes or leaves. deep: 1 builds a chain. alike: 1 gives equal keys at equal distance. */
 static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int alike)
 {
     uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;     /* free places for children: 2 * node +
@@ -37,7 +36,7 @@ static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int 
     free(open);
 }
 
-/* Makes a scene of `leaves` chunks (at least 2) with a tree. The caller releases the scene's data with free. */
+/* The scene has `leaves` chunks, at least 2. The caller releases its data with free. */
 static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves, int deep, int alike)
 {
     const int degree = between(0, 2);
@@ -74,7 +73,6 @@ static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves
     return tree;
 }
 
-/* Makes a random camera and random limits for scenes of `chunks` chunks. */
 static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t chunks)
 {
     random_view(camera, options);
@@ -97,8 +95,7 @@ static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t
     options->budget_of_window = between(0, 1);
 }
 
-/* Computes the cut of a frame on the CPU. Returns the drawn chunks, released with free. Returns null if no object
-   needs a cut. */
+/* Computes the cut of a frame on the CPU. Returns the drawn chunks, released with free. Null: no object needs a cut. */
 static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                                   const fxs_options *options, uint32_t *drawn)
 {

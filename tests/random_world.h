@@ -14,7 +14,7 @@
 
 enum { WORLD_OBJECTS = 128, WORLD_GUARD = 0xa5 };
 
-/* A packed scene with the unpacked Gaussians for the reference renderer. */
+/* A packed scene, and unpacked Gaussians for the reference renderer. */
 typedef struct part {
     fxs_packed_scene packed;
     fxs_pack_report report;
@@ -30,7 +30,6 @@ static inline void part_free(part *p)
     p->gaussians = 0;
 }
 
-/* Generates and packs a scene. The Gaussians stay unpacked for the reference renderer. */
 static inline int part_make(part *p, const char *name, uint64_t count)
 {
     fxs_message m = {.text = ""};
@@ -66,7 +65,7 @@ static inline int part_load(part *p, const char *name)
     return CHECK(!error && !fxs_scene_open(&p->scene, p->packed.data, p->packed.bytes));
 }
 
-/* Replaces the reference's Gaussians by the decoded packed Gaussians, in packed order. */
+/* Replaces the reference's Gaussians by the decoded packed Gaussians. */
 static inline void part_unpack(part *p)
 {
     free(p->gaussians);
@@ -91,7 +90,6 @@ static inline fxs_object *world_add(world *w, const part *p)
     return object;
 }
 
-/* Rotates an object by `angle` radians about an axis, then scales and moves the object. */
 static inline void object_place(fxs_object *object, const double axis[3], double angle, double scale,
                                 const double translation[3])
 {
@@ -107,7 +105,7 @@ static inline void object_place(fxs_object *object, const double axis[3], double
     object->scale_q32 = (int64_t)ldexp(scale, 32);
 }
 
-/* All targets of a picture in one block of memory. Rows have no padding. */
+/* All targets of a picture in one block of memory, without padding. */
 typedef struct picture {
     int width, height;
     size_t bytes;
@@ -166,7 +164,7 @@ static inline fxs_id picture_id(const picture *p, int i)
     return ((const fxs_id *)p->targets.id.pixels)[i];
 }
 
-/* Renders with the memory that an undivided frame needs, and checks a guard behind the memory. */
+/* Renders with the memory of an undivided frame and checks a guard behind the memory. */
 static inline int world_render(const fxs_context *context, const world *w, const fxs_camera *camera,
                                const fxs_options *options, const fxs_targets *targets, fxs_stats *stats)
 {
@@ -200,7 +198,6 @@ static inline int is_kept(const fxs_object *object, const float position[3])
     return kept && !left_out;
 }
 
-/* The reference's picture and targets, with the ids of its splats (projected Gaussians). */
 typedef struct reference_world {
     struct reference_splat *splats;
     fxs_id *ids;
@@ -259,8 +256,6 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
     free(expected);
     return metrics.psnr;
 }
-
-/* ---- Kernels of all instruction sets ----------------------------------------------------------------------------- */
 
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>

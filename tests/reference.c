@@ -1,6 +1,5 @@
 /* The reference renderer in doubles: EWA projection with the clamp and dilation of Kerbl et al. 2023. Splats
-   (projected Gaussians) are sorted by depth. Each splat is blended front to back over its whole pixel box, without
-   tile lists. */
+   (projected Gaussians) are sorted by depth and blended front to back, without tile lists. */
 #include "reference.h"
 
 #include <math.h>
@@ -17,7 +16,7 @@ static double dot(const double *u, const double *v)
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* Clamps a value; NaN becomes `low`. */
+/* NaN becomes `low`. */
 static double clamp(double value, double low, double high)
 {
     return value >= high ? high : value > low ? value : low;
@@ -40,7 +39,7 @@ static int gaussian_is_valid(const fxs_gaussian *g)
         && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
 }
 
-/* Computes the rotation matrix of the quaternion w, x, y, z after normalising it. */
+/* The quaternion is w, x, y, z, not normalised. */
 static void rotation_matrix(const float *rotation, double m[3][3])
 {
     double q[4], length = 0;
@@ -62,9 +61,8 @@ static void parallel_row(double focal, const double *axis, double row[3])
         row[i] = focal * axis[i];
 }
 
-/* Computes one row of J W. J is the derivative of focal * x / z + centre, so the row is focal / z * (axis - slope *
-   forward). The slope x/z is clamped to the image widened by 15 % of its size on each side. The linear approximation
-   diverges beyond. */
+/* Row of J W, with J the derivative of focal * x / z + centre: focal / z * (axis - slope * forward). The slope x/z
+   is clamped to the image widened by 15 % of its size on each side. The linear approximation diverges beyond. */
 static void jacobian_row(double focal, double centre, int size, double slope, double z, const double *axis,
                          const double *forward, double row[3])
 {
@@ -131,8 +129,7 @@ static void sh_basis(const double *d, double basis[15])
     basis[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* Colour of a Gaussian: max(0, 0.5 + SH) * tint. SH is evaluated in the direction from the camera, in the object's
-   frame. */
+/* max(0, 0.5 + SH) * tint, with SH in the direction from the camera in the object's frame. */
 static void shade(const fxs_gaussian *g, const struct reference_object *object, const double *from_camera, int degree,
                   double colour[3])
 {
@@ -150,7 +147,7 @@ static void shade(const fxs_gaussian *g, const struct reference_object *object, 
     }
 }
 
-/* ceil(3 sqrt(lambda_max)), with the largest eigenvalue computed as in Kerbl et al. */
+/* ceil(3 sqrt(lambda_max)), with the eigenvalue computed as in Kerbl et al. */
 static int square_radius(const struct reference_splat *s)
 {
     double mid = (s->a + s->c) / 2, det = determinant(s);
@@ -158,7 +155,7 @@ static int square_radius(const struct reference_splat *s)
     return (int)fmin(ceil(3 * sqrt(lambda)), 1 << 30);
 }
 
-/* Returns the largest squared Mahalanobis distance with alpha >= 1/255: d2 <= 2 ln(255 opacity). */
+/* alpha >= 1/255 is d2 <= 2 ln(255 opacity). */
 static double distance_limit(const struct reference_splat *s, enum reference_cutoff cutoff)
 {
     double limit = 2 * log(255 * s->opacity);
@@ -172,8 +169,7 @@ static int clamp_index(double value, int size)
     return (int)clamp(value, 0, size);
 }
 
-/* Returns the pixels of one axis that the Gaussian may reach. A negative limit makes the reach NaN and gives an
-   empty span. */
+/* A negative limit makes the reach NaN and gives an empty span. */
 static struct span pixel_span(double centre, double variance, int radius, int size, double limit,
                               enum reference_cutoff cutoff)
 {
@@ -288,8 +284,7 @@ static void trace_pixel(const struct canvas *canvas, const struct reference_spla
     t->largest_margin[i] = 1 - second / t->most[i];
 }
 
-/* Blends a splat into a pixel. A pixel that becomes opaque blends its background at once and sets its transmittance
-   to 0. */
+/* A pixel that becomes opaque blends its background at once and sets its transmittance to 0. */
 static void blend_pixel(const struct canvas *canvas, const struct reference_splat *s, double alpha, size_t i)
 {
     double before = canvas->transmittance[i], after = before * (1 - alpha);
@@ -324,7 +319,7 @@ static void blend_splat(const struct canvas *canvas, const struct reference_spla
     }
 }
 
-/* Compares by depth. Equal depths compare by address, which is the order of the indices. */
+/* Equal depths compare by address, which is the order of the indices. */
 static int compare_depth(const void *left, const void *right)
 {
     const struct reference_splat *l = *(const struct reference_splat *const *)left;
@@ -356,7 +351,7 @@ void reference_trace_free(struct reference_trace *trace)
     free(trace->largest_margin);
 }
 
-/* Clears the arrays. Until trace_end, mean holds the sum of weight * depth. */
+/* Until trace_end, mean holds the sum of weight * depth. */
 static void trace_start(struct reference_trace *t, size_t pixels)
 {
     for (size_t i = 0; i < pixels; i++) {

@@ -1,6 +1,6 @@
 /* A double-precision renderer of unquantised Gaussians, the reference for image quality. The method follows Kerbl et
    al. 2023, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", and Zwicker et al. 2001, "EWA Volume
-   Splatting". The code is independent of the library's renderer. */
+   Splatting". No code is shared with the library's renderer. */
 #ifndef REFERENCE_H
 #define REFERENCE_H
 
@@ -11,38 +11,35 @@
 #include <fixsplat/scene.h>
 
 enum reference_cutoff {
-    REFERENCE_MAHALANOBIS,   /* pixels with a squared Mahalanobis distance <= 9 */
-    REFERENCE_SQUARE         /* pixels of all 16x16 tiles that the square centre +- radius touches, as in Kerbl et
-                                al. */
+    REFERENCE_MAHALANOBIS,   /* squared Mahalanobis distance <= 9 */
+    REFERENCE_SQUARE         /* all 16x16 tiles that the square centre +- radius touches (Kerbl et al.) */
 };
 
 struct reference_options {
     enum reference_cutoff cutoff;
-    int sh_degree;            /* highest SH degree that is used */
+    int sh_degree;
     int antialiased;          /* 1: lower the opacity to compensate for the dilation */
     double background[3];
 };
 
 struct reference_splat {
-    double x, y;         /* centre in pixels; pixel centres lie at +0.5 */
+    double x, y;         /* pixels; pixel centres lie at +0.5 */
     double a, b, c;      /* covariance [[a, b], [b, c]] in pixels^2, with dilation; positive definite */
     double opacity;      /* 0 to 1, after compensation for the dilation */
     double colour[3];
-    double depth;        /* z along the camera's viewing direction */
+    double depth;
     int radius;          /* ceil(3 sigma_max) in pixels, for REFERENCE_SQUARE */
 };
 
-/* A placement of Gaussians: world = translation + scale * rotation * position. SH coefficients rotate with the
-   object. */
+/* world = translation + scale * rotation * position. SH coefficients rotate with the object. */
 struct reference_object {
-    double rotation[9];  /* orthonormal matrix, row by row */
+    double rotation[9];  /* orthonormal, row by row */
     double translation[3], scale;
     double opacity, tint[3];
 };
 
-/* Projects a Gaussian. Returns 0 if the Gaussian is culled, else 1. A Gaussian is culled if its numbers are not
-   finite, if its rotation is zero, or if it is not beyond the near plane. A Gaussian is also culled if alpha is
-   below 1/255 at every pixel of its bounding box. */
+/* Returns 0 if the Gaussian is culled, else 1. A Gaussian is culled if its numbers are not finite, if its rotation
+   is zero, or if it is not beyond the near plane. A Gaussian is also culled if alpha is below 1/255 at every pixel. */
 int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
                       struct reference_splat *out);
 
@@ -55,15 +52,15 @@ int reference_project_object(const fxs_gaussian *gaussian, const struct referenc
 int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file_view *view,
                      const struct reference_options *options, double *rgb);
 
-/* Renders projected Gaussians after sorting them by depth, then by index. Returns 0, or -1 if memory runs out. */
+/* Renders projected Gaussians after sorting them by depth, then by index. */
 int reference_render_splats(const struct reference_splat *splats, size_t count, int width, int height,
                             const struct reference_options *options, double *rgb);
 
 #define REFERENCE_NONE ((size_t)-1)
 
-/* Further targets of a picture. Splats are identified by their index in the list. REFERENCE_NONE: no splat. */
+/* Further targets of a picture. Splats are given by their index. REFERENCE_NONE: no splat. */
 struct reference_trace {
-    const double *occluder;    /* depth of each pixel; splats behind the depth are hidden. May be null */
+    const double *occluder;    /* depth of each pixel that hides splats behind; may be null */
     double *mean;              /* sum of weight * depth / sum of weights; infinite if all weights are 0 */
     double *weight;
     size_t *median;            /* the splat at which the transmittance falls below 1/2 */
@@ -73,7 +70,7 @@ struct reference_trace {
     double *largest_margin;    /* relative gap between the largest and the second largest weight */
 };
 
-/* Allocates the arrays for a picture and sets occluder to null. Returns 0, or -1 if memory runs out. */
+/* Allocates the arrays and sets occluder to null. Returns 0, or -1 if memory runs out. */
 int reference_trace_init(struct reference_trace *trace, int width, int height);
 void reference_trace_free(struct reference_trace *trace);
 
@@ -81,7 +78,7 @@ void reference_trace_free(struct reference_trace *trace);
 int reference_trace_splats(const struct reference_splat *splats, size_t count, int width, int height,
                            const struct reference_options *options, struct reference_trace *trace, double *rgb);
 
-/* Converts levels from 0..1 to 0..255, rounded to nearest, after clamping. Alpha is 255. */
+/* Converts levels from 0..1 to 0..255, clamped and rounded to nearest. Alpha is 255. */
 void reference_to_rgba8(const double *rgb, int width, int height, uint8_t *rgba);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* Returns the number of bits of X and of Y, from the Gaussian's three scale codes of 10 bits. */
+/* Returns the number of bits of X and of Y, from three scale codes of 10 bits. */
 static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scale_step_q24)
 {
     int32_t fall[3];
@@ -24,7 +24,7 @@ static inline int axis_bits_of_word(int is_small, uint32_t scale_word, uint32_t 
     return axis_bits(is_small, scale, scale_step_q24);
 }
 
-/* Converts the upper 16 bits from two's complement, divided by 2^15. */
+/* Converts the upper 16 bits, a signed number, divided by 2^15. */
 static inline double in_units(uint32_t word)
 {
     return (word >> 16) / 32768.0 - (word >> 31 ? 2 : 0);
@@ -46,7 +46,7 @@ static inline double word_axes(double axis[3][3], uint32_t word, int bits)
     return square;
 }
 
-/* Computes the quaternion w, x, y, z of the matrix with the axes as columns. Its largest component is positive. */
+/* Computes the quaternion w, x, y, z of the matrix with the axes as columns. */
 static inline void word_quaternion(double q[4], uint32_t word, int bits)
 {
     double a[3][3];
@@ -65,7 +65,7 @@ static inline void word_quaternion(double q[4], uint32_t word, int bits)
 }
 
 /* Returns the angle in degrees between the axes of a word and of a quaternion. Opposite directions count as equal.
-   order[i]: the quaternion's axis that corresponds to axis i of the word. */
+   order[i]: the quaternion's axis for axis i of the word. */
 static inline double angle_of_word(uint32_t word, int bits, const float rotation[4], const int order[3])
 {
     const double w = (double)rotation[0], x = (double)rotation[1], y = (double)rotation[2], z = (double)rotation[3];

@@ -14,7 +14,7 @@
 
 enum { MAX_FILE = 1 << 21 };
 
-static const char path[] = "made/scene";   /* file name in messages only */
+static const char path[] = "made/scene";   /* used in messages only */
 static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
@@ -72,7 +72,6 @@ static inline void put_float(float value)
     size += 4;
 }
 
-/* Limits the file under test to the first `length` bytes. */
 static inline void put_file(size_t length)
 {
     file_size = length;
@@ -82,7 +81,6 @@ static inline void put_file(size_t length)
 
 static char written[] = "/tmp/fixsplat_written_XXXXXX";
 
-/* Creates an empty temporary file for a writer. */
 static inline void make_written(void)
 {
     int descriptor = mkstemp(written);
@@ -90,7 +88,6 @@ static inline void make_written(void)
         abort();
 }
 
-/* Loads the written file as the file under test. */
 static inline void take_written(void)
 {
     FILE *stream = fopen(written, "rb");
@@ -101,7 +98,7 @@ static inline void take_written(void)
 
 /* ---- Reading a scene file ---- */
 
-/* Reads the file to its end twice, with batches of two sizes. Returns 0, or the error code of the reader. */
+/* Reads the file twice, with batches of two sizes. Returns 0, or the error code of the reader. */
 static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
 {
     fxs_scene_file *file;
@@ -121,7 +118,7 @@ static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
     return count < 0 ? (int)count : 0;
 }
 
-/* Checks that the first `length` bytes fail with a message of the path, a colon and `text`. */
+/* Expects that the first `length` bytes fail with a message of the path, a colon and `text`. */
 static inline void check_cut_fails(size_t length, const char *text)
 {
     static fxs_gaussian gaussians[1024];
@@ -172,7 +169,6 @@ static inline int is_same(const fxs_gaussian *a, const fxs_gaussian *b, double t
     return same;
 }
 
-/* Checks that two files in the folder of test scenes hold the same Gaussians. */
 static inline void check_same_scenes(const char *name, const char *other, double tolerance)
 {
     static fxs_gaussian gaussians[2][1000];

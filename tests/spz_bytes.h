@@ -47,7 +47,7 @@ static inline uint8_t *spz_put_header(const spz_bytes *s, uint8_t *to)
     return to;
 }
 
-/* Writes an uncompressed .spz of version 1, 2 or 3. Returns the size in bytes. */
+/* Writes an .spz of version 1, 2 or 3, uncompressed. Returns the size in bytes. */
 static inline size_t spz_plain(const spz_bytes *s, uint8_t *out)
 {
     uint8_t *to = spz_put_header(s, out);

@@ -1,5 +1,4 @@
-/* Checks that rendering allocates no memory after set-up, on any number of threads. The test counts calls of malloc,
-   calloc and realloc. */
+/* Checks that rendering allocates no memory after set-up, on any number of threads. */
 #include <stdlib.h>
 #include <string.h>
 

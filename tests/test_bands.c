@@ -1,6 +1,5 @@
-/* Renders in less memory than fxs_frame_bytes: in bands of tile rows, and in depth slices of a single tile row. The
-   frames must have the same bytes down to the minimum memory of the view. One byte less than the minimum is refused
-   and nothing is written. */
+/* Renders in less memory than fxs_frame_bytes: in bands of tile rows, and in depth slices of a tile row. The bytes
+   must be equal down to the minimum memory of the view. One byte less is refused and nothing is written. */
 #include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
@@ -11,7 +10,6 @@
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };
 
-/* The view, its frame rendered in full memory, and a buffer for a second frame. */
 static struct {
     fxs_scene scene;
     fxs_object object;
@@ -24,7 +22,7 @@ static struct {
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, sliced;            /* numbers of frames in several bands and of frames with slices */
+static uint64_t banded, sliced;            /* frames in several bands; frames with slices */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -33,7 +31,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Renders in exactly `bytes` bytes and checks guard bytes after them. */
 static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
 {
     unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
@@ -147,8 +144,7 @@ static void draw_random(int height)
     draw();
 }
 
-/* Renders a random view of up to `most` Gaussians with 1, 2 and 4 threads, in plain C and with the fastest kernels.
-   The picture is `height` pixels high (0: random). */
+/* Renders a random view with 1, 2 and 4 threads, in plain C and with the fastest kernels. height 0: random. */
 static void check_case(uint64_t seed, int32_t most, int height)
 {
     state = seed * 0x1234567u;
@@ -199,8 +195,8 @@ static void test_same_bytes_of_larger_scenes(void)
 
 enum { ROWS = 6 };
 
-/* Makes a picture that is one tile wide and ROWS tiles high. Chunk c has counts[c][r] Gaussians in tile row r, at a
-   depth of 2^log2 units. log2 is 0 or 16. */
+/* The picture is one tile wide and ROWS tiles high. Chunk c has counts[c][r] Gaussians in tile row r, at a depth of
+   2^log2 units. log2 is 0 or 16. */
 static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int log2)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, chunks * FXS_CHUNK, 0);
@@ -235,7 +231,6 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
     return s;
 }
 
-/* Tests every number of splats that are pending before a block's last chunk. */
 static void test_blocks_of_any_number_of_splats(void)
 {
     fxs_context context;
@@ -270,7 +265,7 @@ static void test_rows_are_of_one_tile_row(void)
     CHECK(rows[0] == rows[1]);
 }
 
-/* All depths from 2^32 units on share the largest depth key. The last slice must include these splats. */
+/* All depths from 2^32 units on share the largest depth key. */
 static void test_slices_beyond_every_depth(void)
 {
     fxs_context context;

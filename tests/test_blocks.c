@@ -1,5 +1,5 @@
 /* Tests the division of a large fit into blocks. Blocks must cover every place exactly once and have nearly equal
-   numbers of points, for any order of the points. */
+   numbers of points. */
 #include <math.h>
 #include <stdlib.h>
 

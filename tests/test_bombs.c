@@ -1,5 +1,5 @@
 /* Small scene files that demand much time or memory (decompression bombs) must be refused quickly, with a message.
-   Honest small files must be read. Data are decompressed once. `test_bombs --write FOLDER` keeps the files. */
+   `test_bombs --write FOLDER` keeps the files. */
 #define _DEFAULT_SOURCE   /* for wait4 */
 
 #include <sys/resource.h>
@@ -29,9 +29,7 @@ static void write_file(const char *name, const void *data, size_t length)
     }
 }
 
-/* ---- Parts of the files ---------------------------------------------------------------------------------------- */
-
-/* Writes a lossless WebP of one colour. Five prefix codes of one symbol each make a pixel take no bits. */
+/* Five prefix codes of one symbol each make a pixel take no bits. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
 {
     uint64_t bits = (uint64_t)(width - 1) | (uint64_t)(height - 1) << 14 | (uint64_t)1 << 28;
@@ -62,7 +60,6 @@ static void put_meta(int count, const char *const names[5])
 
 static const char *const one_name[5] = {"a", "a", "a", "a", "a"}, *const five_names[5] = {"a", "b", "c", "d", "e"};
 
-/* Writes a zip with `bytes` as meta.json and `images` copies of an image. */
 static void write_sog(const char *name, int images, const void *image, size_t length)
 {
     int code;
@@ -77,7 +74,6 @@ static void write_sog(const char *name, int images, const void *image, size_t le
     size = 0;
 }
 
-/* Writes a gzipped .spz with `count` all-zero Gaussians. */
 static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
 {
     spz_bytes s;
@@ -97,7 +93,7 @@ static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
     return length;
 }
 
-/* Writes a .glb with one mesh for each .spz in the binary chunk. The nodes place the meshes in turn. */
+/* Writes one mesh for each .spz in the binary chunk. The nodes place the meshes in turn. */
 static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_size[], int count)
 {
     size_t at = 0;
@@ -129,8 +125,6 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
     memcpy(bytes + 16, "JSON", 4);
     return size;
 }
-
-/* ---- Decompression bombs --------------------------------------------------------------------------------------- */
 
 enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* at most 256 Gaussians for each byte of a file */
 
@@ -194,7 +188,7 @@ static void go_through_links(char *name, int i)
     strcpy(name + 32, "s/meta.json");
 }
 
-/* Writes a streamed scene that names a scene of one Gaussian in the folder s/ 65,536 times. */
+/* The scene names a scene of one Gaussian in the folder s/ 65,536 times. */
 static void write_streamed_sog(const char *name, void name_of(char *name, int i))
 {
     uint8_t image[40];
@@ -269,7 +263,7 @@ static void make_shared_images(const char *name)
     free(image);
 }
 
-/* All buffers of a .gltf are a single file of a million bytes that begins with an .spz. */
+/* All buffers of a .gltf are a single file that begins with an .spz. */
 static void make_shared_buffer(const char *name)
 {
     uint8_t *spz = calloc(PADDED, 1);
@@ -299,7 +293,7 @@ static void make_shared_buffer(const char *name)
     size = 0;
 }
 
-/* Gzip compresses the file by the factor 1032. Packing needs yet more memory for each Gaussian. */
+/* Gzip compresses by the factor 1032. Packing needs yet more memory for each Gaussian. */
 static void make_inflating_spz(const char *name)
 {
     write_file(name, bytes, flat_spz(4000000, 3, bytes, MAX_FILE));
@@ -308,7 +302,6 @@ static void make_inflating_spz(const char *name)
 /* A property of a .rad file: `width` zero bytes for each node. */
 typedef struct zero_column { const char *property, *encoding; int width; } zero_column;
 
-/* Deflates `count` zeros. Returns the compressed size in bytes. */
 static size_t put_deflated(uint8_t *out, size_t room, size_t count)
 {
     uint8_t *zeros = calloc(count, 1);
@@ -365,7 +358,7 @@ static void make_inflating_rad(const char *name)
     write_rad(name, 4000000, columns, "");
 }
 
-/* The scene has SH degree 3 and the largest number of Gaussians that is always allowed. */
+/* The SH degree is 3, with the largest number of Gaussians that is always allowed. */
 static void make_wide_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f32", 12}, {"alpha", "f32", 4}, {"rgb", "f32", 12},
@@ -374,7 +367,6 @@ static void make_wide_rad(const char *name)
     write_rad(name, 1000000, columns, ",\"maxSh\":3");
 }
 
-/* The palette is far larger than the scene. */
 static void make_palette_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f16", 6}, {"alpha", "r8", 1}, {"rgb", "r8", 3},
@@ -453,7 +445,7 @@ static const struct bomb {
 
 enum { BOMBS = sizeof bombs / sizeof *bombs };
 
-/* Makes a file in a separate process, so that the memory of the maker does not count for the reader. */
+/* A separate process keeps the maker's memory out of the reader's. */
 static void make_bomb(const struct bomb *b)
 {
     int status;
@@ -466,10 +458,7 @@ static void make_bomb(const struct bomb *b)
     CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
 }
 
-/* ---- Time and memory of an import ------------------------------------------------------------------------------ */
-
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* in seconds of processor time, and in
-                                                                           seconds of wall time */
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* processor time; wall time */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };
@@ -492,7 +481,6 @@ static int import(const char *name, fxs_message *said)
     return result;
 }
 
-/* Imports a file in a separate process with limits of time and memory. */
 static void import_measured(const struct bomb *b)
 {
     const struct rlimit most = {(rlim_t)4 << 30, (rlim_t)4 << 30};
@@ -574,10 +562,7 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-/* ---- Counts of decompression ----------------------------------------------------------------------------------- */
-
-static struct { uint64_t read, from; int opened; } taken;   /* bytes read from offset `from` on, and number of
-                                                               further files that were opened */
+static struct { uint64_t read, from; int opened; } taken;   /* bytes read from offset `from` on; further files opened */
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -602,7 +587,7 @@ static int open_counted(void *argument, const char *name, fxs_scene_input *input
 enum { PASSES = 3, MOST_READ = 4096 };
 static fxs_gaussian pass_read[PASSES][MOST_READ];
 
-/* Reads the scene PASSES times, checks for equal results, and sets `taken`. Returns the number of Gaussians, or -1. */
+/* Reads the scene PASSES times and sets `taken`. Returns the number of Gaussians, or -1. */
 static long read_passes(uint64_t max_memory, uint64_t from)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = max_memory};
@@ -621,8 +606,7 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     return count;
 }
 
-/* A glTF file places two .spz in turn. With memory for both, each .spz is read once. The minimum memory holds only
-   one .spz. */
+/* With memory for both .spz files, each is read once. The minimum memory holds only one .spz. */
 static void spz_is_inflated_once(void)
 {
     enum { NODES = 20, EACH = 100, PAYLOAD = 20 * EACH };

@@ -1,5 +1,4 @@
-/* Tests the readers of cameras that photogrammetry programs export: equal cameras in each convention, faulty files,
-   truncated files. */
+/* Tests the readers of cameras that photogrammetry programs export: each convention, faulty files, truncated files. */
 #include "photo_folder.h"
 #include "src/fit/blocks.h"
 #include "src/camera/camera_internal.h"
@@ -42,8 +41,6 @@ static void rows_of(const double pose[6], double r[9])
     }
 }
 
-/* ---- Writing camera files ---------------------------------------------------------------------------------------- */
-
 /* lens: number of radial coefficients */
 static void write_csv(int lens)
 {
@@ -59,7 +56,7 @@ static void write_csv(int lens)
     put_text("e/cameras.csv");
 }
 
-/* Writes a Bundler model with the principal point at the centre. Both points lie in front of a camera. */
+/* The principal point is at the centre. Both points lie in front of a camera. */
 static void write_bundler(int lens)
 {
     say("# Bundle file v0.3\n%d 2\n", CAMERAS + 1);
@@ -88,8 +85,8 @@ static void write_bundler(int lens)
 static double away;                /* shift of a Metashape chunk along x */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
-/* Writes a Metashape file with cameras in a rotated, moved and scaled Metashape chunk. `owner` is the element that
-   states the transform: "component", "chunk" or "" (none). */
+/* The cameras are in a rotated, moved and scaled Metashape chunk. owner: the element that states the transform,
+   "component", "chunk" or "" (none). */
 static void write_metashape(const char *owner, const char *type, const char *calibration)
 {
     const int whole = *owner != 0, component = !strcmp(owner, "component");
@@ -139,8 +136,6 @@ static void write_metashape(const char *owner, const char *type, const char *cal
 }
 #endif
 
-/* ---- Equal cameras in all formats -------------------------------------------------------------------------------- */
-
 static fxs_view_list read_list(const char *name)
 {
     static char path[512];
@@ -151,7 +146,6 @@ static fxs_view_list read_list(const char *name)
     return list;
 }
 
-/* Checks the poses. Pictures without a size in the file have `width` x `height` pixels. */
 static void check_poses(const fxs_view_list *list, int width, int height, const double centre[2], double focal_of)
 {
     if (!CHECK(list->count == CAMERAS))
@@ -175,7 +169,7 @@ static void check_poses(const fxs_view_list *list, int width, int height, const 
     }
 }
 
-/* Compares a lens with Brown's formula: a radial series of `coefficients` terms, then tangential terms. */
+/* Brown's formula: a radial series of `coefficients` terms, then tangential terms. */
 static void check_lens(const fxs_lens *lens, int coefficients, int fisheye, double skew)
 {
     for (double x = -0.6; x < 0.7; x += 0.3)
@@ -295,7 +289,6 @@ static void metashape(void)
     fxs_view_list_free(&list);
 }
 
-/* Both components lose the same offset, even if only one component counts as geocentric. */
 static void metashape_components(void)
 {
     static const struct { double places[2], origin; } sets[] = {
@@ -326,9 +319,7 @@ static void metashape_components(void)
 }
 #endif
 
-/* ---- Photographs of exported cameras ----------------------------------------------------------------------------- */
-
-/* Undistorted photographs match COLMAP's convention to the pixel. Cameras match within rounding. */
+/* Undistorted photographs match COLMAP's convention to the pixel. */
 static void photographs(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 3};
@@ -382,7 +373,6 @@ static void photographs(void)
     fxs_photos_free(&first);
 }
 
-/* Bundler models contain points. Other exports have a separate file of points. */
 static void points(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -408,8 +398,8 @@ static void points(void)
     remove(in_folder("e/points.ply"));
     CHECK(!remove(in_folder("e/cameras.txt")) && !remove(in_folder("e/images.txt")));
     remove(in_folder("e/cameras.xml"));
-    CHECK(!read_photos("e", &options) && photos.points_are_random);                 /* cameras from the .csv in the
-                                                                                       folder, which has no points */
+    CHECK(!read_photos("e", &options) && photos.points_are_random);                 /* the folder's .csv has no
+                                                                                       points */
     remove(in_folder("e/images/3.ppm"));
     check_refused("e", &options, FXS_ERR_FILE, "3.ppm: No such file or directory (a photograph of ");
     CHECK(strstr(message.text, "cameras.csv; skip_bad, --skip-bad, leaves such out)") != NULL);
@@ -419,7 +409,6 @@ static void points(void)
     CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* points from bundle.out */
 }
 
-/* Blocks of a large fit need the sizes of the pictures in the camera file. */
 static void blocks(void)
 {
     static const char *const files[] = {"e/cameras.csv", "e/bundle.out"};
@@ -439,8 +428,6 @@ static void blocks(void)
 
 #ifdef FXS_WITH_EXPAT
 
-/* A scene in geocentric coordinates can be fitted without points only. Photographs with a path of another machine
-   are found by their file name. */
 static void on_earth(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -477,8 +464,6 @@ static void far_away(void)
             check_refused("e/cameras.csv", &options, FXS_ERR_FILE, "4000020 units from the origin and 20 from each");
     }
 }
-
-/* ---- Faulty files ------------------------------------------------------------------------------------------------ */
 
 static void check_fault(const char *name, const char *content, const char *words)
 {

@@ -1,4 +1,4 @@
-/* Tests the readers of camera files: an equal camera in every format, faulty files, real files. */
+/* Tests the readers of camera files: the same camera in every format, faulty files, real files. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/scene.h>
@@ -69,8 +69,7 @@ static void check_fault(const char *name, const char *words)
         free(views);
 }
 
-/* The camera that every format describes. The rotation is 0.7 radians about (1, 2, 3), by Rodrigues' formula R = cos
-   I + sin [k] + (1 - cos) k k^T. */
+/* The rotation is 0.7 radians about (1, 2, 3), by Rodrigues' formula R = cos I + sin [k] + (1 - cos) k k^T. */
 
 static const double centre[3] = {1.25, -0.375, 2.0625};
 static double rotation[9], quaternion[4], translation[3];
@@ -106,8 +105,6 @@ static void check_camera(const char *name, const char *view_name, double cx, dou
         CHECK(fabs(views->position[i] - centre[i]) < 1e-9);
     free(views);
 }
-
-/* Bytes of COLMAP's binary models */
 
 static unsigned char bytes[4096];
 static size_t size;
@@ -214,7 +211,7 @@ static void colmap_txt(void)
     check_fault("", "image 0: not nine numbers and a name");
 }
 
-/* Checks whether the first view is marked as having a curved lens. Its pinhole camera is always read. */
+/* Checks whether the first view is marked as having a curved lens. */
 static void check_bends(const char *name, int bends)
 {
     fxs_file_view *views;
@@ -369,8 +366,8 @@ static void put_inria(void)
              centre[0], centre[1], centre[2], r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
 }
 
-/* Adds a frame of transforms.json with the camera's matrix and the JSON members `own`. */
-static double stretch[3] = {1, 1, 1};    /* factors of the columns of the rotation matrix */
+/* own: further JSON members of the frame. */
+static double stretch[3] = {1, 1, 1};    /* factors of the matrix columns */
 
 static void put_transforms(const char *top, const char *own)
 {
@@ -532,7 +529,6 @@ static void transforms(void)
     stretch[0] = stretch[1] = stretch[2] = 1;
 }
 
-/* A default camera of Blender looks along -z with y up. */
 static void blender(void)
 {
     static const double axes[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
@@ -685,7 +681,7 @@ static void make_projection(double m[16], int flat, const double at[6])
     m[15] = flat;
 }
 
-/* Computes the view matrix of the rotated camera at `centre`. OpenGL's camera has y up and z back. */
+/* OpenGL's camera has y up and z back. */
 static void make_view_matrix(double m[16])
 {
     memset(m, 0, 16 * sizeof *m);
@@ -704,7 +700,6 @@ static void apply(double out[4], const double m[16], const double v[4])
     }
 }
 
-/* Checks that the camera projects points like the OpenGL matrices. */
 static void check_matrices(int flat, const double at[6])
 {
     double view[16], projection[16], eye[4], clip[4];
@@ -792,7 +787,6 @@ static void camera_from_matrices(void)
     CHECK(fxs_camera_from_matrices(&camera, view, projection, 640, FXS_MAX_SIZE + 1, &message) == FXS_ERR_SIZE);
 }
 
-/* Resizing keeps the ray through every point of the picture. */
 static void view_resized(void)
 {
     const fxs_file_view before = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 300.3, .cy = 250.7};
@@ -832,7 +826,7 @@ static void view_of_a_box(void)
     CHECK(fxs_view_frame_box(&view, far_low, far_high, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
 }
 
-/* Returns the position, the viewing direction and the log focal length at `at` along a path of key views. */
+/* Returns the position, the viewing direction and the log focal length at `at` along a path. */
 static void state_at(const fxs_file_view *keys, long count, double at, double state[7])
 {
     fxs_file_view view;
@@ -842,7 +836,6 @@ static void state_at(const fxs_file_view *keys, long count, double at, double st
     state[6] = log(view.fx);
 }
 
-/* Tests rotations with each of the four quaternion components as the largest. */
 static void start_views(void)
 {
     static const double ups[3][3] = {{0, -1, 0}, {0, 1, 0}, {1, 0.2, 0.3}}, middle[3] = {0, 0, 0};
@@ -877,7 +870,6 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Tests directions all around, and near the edge between the halves of the octahedral encoding. */
 static void up_of_a_scene(void)
 {
     unsigned char scene[sizeof(fxs_packed_header)] = {0}, again[sizeof scene];
@@ -908,7 +900,6 @@ static void up_of_a_scene(void)
     }
 }
 
-/* Invalid codes read as an unknown start view. Unusable directions and views out of range are not stored. */
 static void start_that_is_none(void)
 {
     static const uint32_t codes[] = {0x7fffffff, 0x80000000 | 0x4000 << 1, 0x80000000 | (uint32_t)0x4000 << 16};
@@ -943,7 +934,6 @@ static void start_that_is_none(void)
     }
 }
 
-/* A camera that looks at a point of the scene still does after both are placed. */
 static void start_is_placed(void)
 {
     fxs_placement p;
@@ -966,8 +956,6 @@ static void start_is_placed(void)
     CHECK(start.tangent == 0 && start.position[0] == 0 && fabs(start.up[2] + 1) < 1e-12);
 }
 
-/* Handheld cameras surround a subject and are rolled to either side. One camera is level. The up vector is parallel
-   to no axis. */
 static void start_view_is_upright(void)
 {
     enum { COUNT = 12, LEVEL = 7 };
@@ -987,8 +975,7 @@ static void start_view_is_upright(void)
     }
     CHECK(fxs_views_up(&photos->view, COUNT, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 1 - 1e-6 && fabs(along(found, found) - 1) < 1e-12);
-    /* All cameras stand on one side and look down. The mean of their up vectors leans, but their right vectors are
-       level. */
+    /* The mean of the cameras' up vectors leans, but their right vectors are level. */
     CHECK(fxs_views_up(&photos->view, COUNT / 2, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 0.9998);
     CHECK(!fxs_fit_start_view(photos, COUNT, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
@@ -1002,7 +989,6 @@ static void start_view_is_upright(void)
     fxs_start_of(&start, scene);
     CHECK(along(start.up, up) > cos(0.02));
 
-    /* One camera is upright and the other is upside down. */
     photos[1] = photos[0];
     for (int k = 0; k < 6; k++)
         photos[1].view.rotation[k] = -photos[0].view.rotation[k];
@@ -1032,7 +1018,6 @@ static void up_of_a_view(void)
         fxs_view_up(&view, found);
         CHECK(along(found, up) > 1 - 1e-12);
     }
-    /* Without a level axis, the picture's up vector is the result. */
     const double eye[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
     double found[3];
     fxs_file_view view;
@@ -1042,7 +1027,6 @@ static void up_of_a_view(void)
         CHECK(found[k] == -view.rotation[3 + k]);
 }
 
-/* The velocity of the path is continuous at each key view. Every rotation in between is orthonormal. */
 static void way_is_smooth(void)
 {
     enum { KEYS = 6 };

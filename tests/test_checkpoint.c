@@ -20,7 +20,7 @@ static float uniform(uint64_t index)
     return fxs_fit_uniform(fxs_fit_random(17, 4, index));
 }
 
-/* Coloured spots in a box, seen from three sides, are coarse enough for the fit to split and clone Gaussians. */
+/* The spots are coarse enough for the fit to split and clone Gaussians. */
 static void make_input(void)
 {
     fxs_fit_options_init(&options);
@@ -80,7 +80,6 @@ static void save(fxs_fit *fit, const char *name)
         printf("  %s\n", message.text);
 }
 
-/* Reads a file. The caller releases the bytes with free. */
 static uint8_t *bytes_of(const char *name, size_t *size)
 {
     FILE *file = fopen(in_folder(name), "rb");
@@ -102,9 +101,6 @@ static int same_files(const char *a, const char *b)
     return same;
 }
 
-/* ---- Resuming a fit ---------------------------------------------------------------------------------------------- */
-
-/* Batches of four from three photographs continue across the end of a round through the photographs. */
 static void goes_on_in_the_middle_of_a_round(void)
 {
     const fxs_fit_options mine = options;
@@ -131,7 +127,6 @@ static void goes_on_in_the_middle_of_a_round(void)
     options = mine;
 }
 
-/* The checkpoint stores the exposures, their Adam moments and the option. */
 static void goes_on_with_exposure(enum fxs_fit_exposure exposure, const char *half)
 {
     const fxs_fit_options mine = options;
@@ -170,8 +165,7 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
-/* If all photographs state an exposure, the fit starts at log2(exposure) / 2.2 minus the mean, else at 0. The bits
-   are equal for all compilers and processors. */
+/* Exposures start at log2(exposure) / 2.2 minus the mean. */
 static void begins_with_known_exposures(void)
 {
     static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};
@@ -222,7 +216,7 @@ static void begins_with_known_exposures(void)
     save(fit, "extreme-exposures");
     fxs_fit_free(fit);
     for (int i = 0; i < PHOTOS; i++)
-        photos[i].exposure = 0;                    /* the numbers of the checkpoint take precedence */
+        photos[i].exposure = 0;                    /* the checkpoint takes precedence */
     if (CHECK(resume(&fit, "extreme-exposures") == 0)) {
         CHECK(fit->gains.of[0].at[0] > 5 && fit->gains.of[1].at[0] < -10);
         fxs_fit_free(fit);
@@ -230,7 +224,7 @@ static void begins_with_known_exposures(void)
     options = mine;
 }
 
-/* Resuming needs the same masks. A mask that ignores nothing equals no mask. */
+/* A mask that ignores nothing equals no mask. */
 static void goes_on_with_masks(void)
 {
     static uint8_t masks[PHOTOS][WIDTH * HEIGHT], all[WIDTH * HEIGHT];
@@ -307,7 +301,6 @@ static void a_block_keeps(const char *name, uint32_t steps)
     fxs_fit_free(whole);
 }
 
-/* Checkpoints before and after the first step that moves the poses, with exposures and without. */
 static void goes_on_with_poses(void)
 {
     const fxs_fit_options mine = options;
@@ -352,7 +345,6 @@ static void goes_on_with_poses(void)
     options = mine;
 }
 
-/* The checkpoint lies between two steps that bound scales. The file stores the option. */
 static void goes_on_antialiased(void)
 {
     const fxs_fit_options mine = options;
@@ -384,7 +376,6 @@ static void goes_on_antialiased(void)
     options = mine;
 }
 
-/* The checkpoint stores how sizes are measured. A block takes the measure from its coarse fit. */
 static void goes_on_with_a_sky(void)
 {
     const fxs_fit_options mine = options;
@@ -423,7 +414,6 @@ static void a_block_keeps_exposures_and_poses(void)
     a_block_keeps("half-poses", 526);
 }
 
-/* The checkpoint follows a densification in the middle of a round through the photographs. */
 static void goes_on_as_if_never_stopped(void)
 {
     fxs_fit *whole = begin(), *first = begin(), *second;
@@ -453,7 +443,7 @@ static void goes_on_as_if_never_stopped(void)
     fxs_fit_free(whole);
 }
 
-/* In the last tenth of the steps, scales are quantised as in the packed file. Scales out of range are refused. */
+/* In the last tenth of the steps, scales are quantised as in the packed file. */
 static void goes_on_in_the_last_tenth(void)
 {
     const fxs_fit_options mine = options;
@@ -527,8 +517,6 @@ static void names_of_photographs_do_not_matter(void)
         fxs_fit_free(fit);
 }
 
-/* ---- Faulty files ------------------------------------------------------------------------------------------------ */
-
 static int refused(const char *name, int error, const char *why)
 {
     fxs_fit *fit = (fxs_fit *)&fit;
@@ -585,7 +573,7 @@ static void seal(uint8_t *bytes, size_t size)
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* Changes a word of the file and corrects the checksum. A negative offset counts from the end of the file. */
+/* Changes a word of the file and corrects the checksum. A negative offset counts from the end. */
 static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
@@ -660,7 +648,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* a version that hashes cameras differently, because of antialiasing */
+    change("half", 1, 19);          /* a version that hashes cameras differently */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
@@ -684,7 +672,6 @@ static void faulty_exposures_are_refused(void)
     }
 }
 
-/* Changes rotations, shifts, moments and depths of poses. */
 static void faulty_poses_are_refused(void)
 {
     enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
@@ -713,8 +700,7 @@ static void faulty_poses_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
-/* The number of directions follows from the options. The centre and the inverse radius follow from the extent of the
-   scene. */
+/* The centre and the inverse radius follow from the extent of the scene. */
 static void faulty_skies_are_refused(void)
 {
     enum { SKY = PRINT, FAR = EXTENT + 2 };

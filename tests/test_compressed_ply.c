@@ -162,7 +162,6 @@ static void faulty_headers(void)
     }
 }
 
-/* A count beyond the file's size is refused before any allocation. */
 static void absurd_count(void)
 {
     make_file(MANY, 1, 0);

@@ -1,5 +1,5 @@
-/* Tests the compute back end on a GPU against the CPU renderer: stages on random chunks, frames of random objects
-   with every target, real scenes, long lists and small buffers. Fake OpenGL functions simulate device failures. */
+/* Compares the compute back end on a GPU with the CPU renderer: stages, random frames, real scenes, long lists and
+   small buffers. Fake OpenGL functions simulate device failures. */
 #include <string.h>
 
 #include <fixsplat/camera.h>
@@ -30,10 +30,8 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;                /* largest upload of a part of a scene in bytes; 0: no limit */
+static uint64_t part_bytes;                /* largest upload in bytes; 0: no limit */
 static fxs_message why;
-
-/* ---- Fake OpenGL functions --------------------------------------------------------------------------------------- */
 
 static struct fake {
     const char *name;
@@ -48,7 +46,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* Creates a back end with a fake function. *out is null on failure. */
+/* *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -132,7 +130,6 @@ static int is_same(fxs_request *request, picture *a, picture *b)
            CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b);
 }
 
-/* Fills a chunk with random values that are valid. */
 static void fill_wild(const packed_scene *s)
 {
     for (uint32_t c = 0; c < s->header->chunk_count; c++) {
@@ -199,7 +196,6 @@ static void random_window(fxs_camera *camera)
     }
 }
 
-/* Drops random targets, and adds an occluder or a background. */
 static void random_targets(picture *a, picture *b, uint32_t *read)
 {
     const unsigned without = (unsigned)next();
@@ -291,8 +287,7 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
     return words;
 }
 
-/* Compares the splats (projected Gaussians) and depths of the n-th visible chunk. Returns the number of visible
-   splats. */
+/* Compares the splats (projected Gaussians) of the n-th visible chunk. Returns the number of visible splats. */
 static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
                               const fxs_splat *splats, const uint32_t *depths)
 {
@@ -314,7 +309,6 @@ static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint
     return (uint32_t)count;
 }
 
-/* True if every list is sorted from near to far by the depths of its splats. */
 static int check_lists(const uint32_t *depths)
 {
     const fxs_compute_frame *f = &device->plan.frame;
@@ -371,7 +365,6 @@ static int compare_stages(const fxs_scene *scene)
     return same;
 }
 
-/* Compares the stages project, shade and sort with the CPU. Whole frames check the number of visible chunks. */
 static void stages(void)
 {
     state = 20263;
@@ -420,7 +413,6 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     }
 }
 
-/* Tests lists of all lengths, up to the whole scene in a picture of one tile. */
 static void sizes(void)
 {
     part p;
@@ -465,7 +457,6 @@ static void captured_scenes(void)
         SKIP("the captured scenes are not here");
 }
 
-/* Renders a scene with a tree, uploaded in small parts, with and without budgets. */
 static void parts_and_levels(void)
 {
     for (int profile = 0; profile < 3; profile++) {
@@ -483,8 +474,6 @@ static void parts_and_levels(void)
         fxs_packed_scene_free(&packed);
     }
 }
-
-/* ---- Failures of the device -------------------------------------------------------------------------------------- */
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLenum limited;
@@ -559,7 +548,6 @@ static void *GL_APIENTRY no_map(GLenum target, GLintptr at, GLsizeiptr bytes, GL
     return 0;
 }
 
-/* A device error ends the frame. The next frame must be right. */
 static void frames_fail(void)
 {
     part p;
@@ -604,8 +592,6 @@ static void frames_fail(void)
     picture_free(&b);
     part_free(&p);
 }
-
-/* ---- Loss of the context at any call ----------------------------------------------------------------------------- */
 
 static fxs_gl_function load_losing(void *argument, const char *name)
 {
@@ -653,8 +639,6 @@ static void init_loses(void)
     close_compute(c);
 }
 
-/* A loss at any call of an upload or a frame gives an error or a picture. The picture is complete or untouched, and
-   the next frame is right. */
 static void frames_lose(void)
 {
     part p;

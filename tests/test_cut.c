@@ -1,6 +1,5 @@
 /* Tests the cut: the nodes of the level-of-detail trees that a frame draws. The cut must be complete, within the
-   budget, and nowhere coarser with a larger budget. The cut must be equal for all kernels, threads and memory sizes.
-   Damaged trees are tested too. */
+   budget, and nowhere coarser with a larger budget. The cut must be equal for all kernels, threads and memory sizes. */
 #include <string.h>
 #include <unistd.h>
 
@@ -36,7 +35,7 @@ static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, u
         walk(scene, node.children[i], drawn, whole, to);
 }
 
-/* Cuts one scene and sets each chunk's share, -1 if the chunk is not drawn. Returns the number of chunks drawn. */
+/* Sets each chunk's share, -1 if the chunk is not drawn. Returns the number of chunks drawn. */
 static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budget, uint32_t detail_q8, int32_t *shares)
 {
     unsigned char pixels[4];
@@ -74,7 +73,6 @@ static int is_seen(const fxs_scene *scene, fxs_camera camera, uint32_t chunk)
 static int32_t shares[2][2 * COUNT / FXS_CHUNK + 16];
 static uint8_t marks[2][COUNT];
 
-/* Every visible leaf is covered by a single chunk or by the shares of several chunks. */
 static void test_covered(void)
 {
     const fxs_scene *scene = &scenes[0];
@@ -88,8 +86,7 @@ static void test_covered(void)
     }
 }
 
-/* Sets the largest depth in the tree that is drawn for each leaf, 255 if none. The depth never falls with a larger
-   budget. */
+/* Sets the largest depth in the tree that is drawn for each leaf, 255 if none. */
 static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, uint8_t deepest, const int32_t *drawn,
                         uint8_t *to)
 {
@@ -145,7 +142,6 @@ static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t 
     return grown;
 }
 
-/* More nodes grow at larger distances. Leaves never grow. */
 static void test_growth(void)
 {
     uint32_t before = 0;
@@ -159,7 +155,7 @@ static void test_growth(void)
     CHECK(before > 0);
 }
 
-/* Opacity of a share: 1 - (1 - opacity)^share. Share 256 (1.0 in Q8) keeps the opacity. */
+/* 1 - (1 - opacity)^share. Share 256 (1.0 in Q8) keeps the opacity. */
 static void test_shares(void)
 {
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
@@ -188,8 +184,6 @@ static void test_detail(void)
     }
     CHECK(before < scene->chunk_count / 8);
 }
-
-/* ---- Equal bytes ------------------------------------------------------------------------------------------------- */
 
 static unsigned char pictures[3][PIXELS];
 
@@ -227,7 +221,6 @@ static double mean_error(const unsigned char *a, const unsigned char *b)
     return sum / PIXELS;
 }
 
-/* Tests all profiles. The picture approaches the picture of the leaves with larger budgets. */
 static void test_same_bytes(void)
 {
     static unsigned char whole[PIXELS];
@@ -256,7 +249,6 @@ static void test_same_bytes(void)
     }
 }
 
-/* Level colours are equal for all kernels, threads and memory sizes. A frame that draws only leaves is grey. */
 static void test_level_colours(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -296,7 +288,6 @@ static void test_window(void)
         CHECK(!memcmp(pictures[1] + row * 4 * 96, pictures[0] + ((row + 64) * WIDTH + 112) * 4, 4 * 96));
 }
 
-/* A shared budget favours near objects. An object without a tree is drawn whole. */
 static void test_objects(void)
 {
     fxs_object objects[3] = {one_object(&scenes[0]), one_object(&scenes[1]), one_object(&scenes[0])};
@@ -317,7 +308,6 @@ static void test_objects(void)
     CHECK(draw(&context, &request, 0).drawn <= (plain.chunk_count + 1) * FXS_CHUNK);
 }
 
-/* A stereo frame equals two mono frames, each with its own cut. */
 static void test_eyes(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -337,8 +327,6 @@ static void test_eyes(void)
         CHECK(!memcmp(pictures[2], pictures[eye], PIXELS));
     }
 }
-
-/* ---- Scenes with only some chunks in memory ---------------------------------------------------------------------- */
 
 /* A scene with the rows of some chunks in a pool. */
 typedef struct partial {
@@ -379,8 +367,6 @@ static void fetch(partial *p, uint32_t chunk)
     p->places[chunk] = p->held++;
 }
 
-/* Fetches a few missing chunks after each frame. The picture approaches and finally equals the picture of the whole
-   scene. */
 static void test_in_part(void)
 {
     static unsigned char wanted[PIXELS];
@@ -420,7 +406,6 @@ static void test_in_part(void)
     free(p.rows);
 }
 
-/* Changed nodes give an error or a picture, and no access beyond the memory. */
 static void test_damage(void)
 {
     const size_t bytes = packed[2].bytes;

@@ -23,7 +23,6 @@ static void add(maker *m, uint32_t value, size_t bytes)
         m->bytes[m->size++] = (uint8_t)(value >> 8 * (m->is_big ? bytes - 1 - i : i));
 }
 
-/* Adds a TIFF entry with an inline value. */
 static void add_entry(maker *m, uint32_t tag, uint32_t type, uint32_t value)
 {
     add(m, tag, 2);
@@ -65,7 +64,7 @@ static void make_exif(maker *m, const facts *f)
         add(m, rationals[i / 2][i % 2], 4);
 }
 
-/* Writes a .jpg with the EXIF segment after its first marker. */
+/* The EXIF segment follows the first marker. */
 static void put_jpg(const char *name, const uint8_t *jpg, size_t size, const uint8_t *segment, size_t bytes)
 {
     static uint8_t whole[1 << 17];
@@ -116,7 +115,6 @@ static void exposures(void)
     CHECK(!read_file("a.jpg") && exif.exposure == 0 && exif.orientation == 1 && !*exif.lens);
 }
 
-/* Truncated, changed or random EXIF leaves the picture intact. */
 static void lies(void)
 {
     static uint8_t noise[65533], plain[4 * JPEG_WIDTH * JPEG_HEIGHT];
@@ -158,8 +156,8 @@ static int read_with(int camera_width, int camera_height)
     return read_photos("one", &options);
 }
 
-/* Computes where a stored pixel appears by the EXIF standard. The first stored row is the top, bottom, left or right
-   of the picture, and so is the first column. */
+/* By the EXIF standard, the first stored row is the top, bottom, left or right of the picture, and so is the first
+   column. */
 static void shown_at(int orientation, int x, int y, int w, int h, int at[2])
 {
     static const struct {
@@ -184,8 +182,7 @@ static void check_turned(int orientation)
         }
 }
 
-/* A camera of the stored size gets the stored pixels. A camera of the rotated size gets rotated pixels if EXIF
-   states a rotation, and is refused otherwise. */
+/* A camera of the rotated size gets rotated pixels if EXIF states a rotation, and is refused otherwise. */
 static void turns(void)
 {
     facts f = ordinary;
@@ -240,8 +237,6 @@ static void square(void)
 }
 #endif
 
-/* ---- HEIF photographs -------------------------------------------------------------------------------------------- */
-
 #ifdef _WIN32
 static const char why_not[] = "the build for Windows does not read";
 #else
@@ -260,7 +255,7 @@ static int heif_is_here(void)
     return read_file("a.heic") != FXS_ERR_UNSUPPORTED;
 }
 
-/* Writes the photograph with bytes changed at an offset from each box `name`. */
+/* Changes bytes at an offset from each box `name`. */
 static void put_changed_heif(const char *name, size_t offset, const void *bytes, size_t size)
 {
     static uint8_t changed[sizeof turned_heif];
@@ -293,7 +288,7 @@ static void heif(void)
     CHECK(!fxs_image_file_read(in_folder("a.heic"), &rgba, &width, &height, &message));
 }
 
-/* Computes colours by H.273 in doubles from the pixels in BT.601 full range. */
+/* Colours by H.273 in doubles, from pixels in BT.601 full range. */
 static void heif_colours(void)
 {
     static const struct {
@@ -327,7 +322,6 @@ static void heif_colours(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "colours that are not known"));
 }
 
-/* Truncated files, false sizes and changed bytes are read, or refused with a message of one line. */
 static void bad_heif(void)
 {
     for (size_t size = 12; size < sizeof turned_heif; size++) {
@@ -341,14 +335,14 @@ static void bad_heif(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE || (width <= 64 && height <= 64));
     put_changed_heif("ispe", 8, "\0\0\0\0\0\0\0\0", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE);
-    /* Changes the picture size within the video stream to 32766 x 32766, 8190 x 1022 and 2046 x 1022. */
+    /* Picture sizes within the video stream: 32766 x 32766, 8190 x 1022 and 2046 x 1022. */
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\x3f\xff\x80\x01\xff\xfc", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\xff\xf8\x03\xff\x00", 7);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x03\xff\x80\x3f\xf0", 6);
     CHECK(!read_file("a.heic") || !strstr(message.text, "a stream of more pixels"));
-    /* Makes a picture its own tile or its own alpha. libheif 1.15 overflows the stack on such files. */
+    /* A picture is its own tile or its own alpha. libheif 1.15 overflows the stack. */
     put_changed_heif("dimg", 8, "\0\2", 2);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "in circles"));
     put_changed_heif("dimg", 0, "auxl\0\1\0\1\0\1", 10);
@@ -363,7 +357,6 @@ static void bad_heif(void)
     }
 }
 
-/* Writes the photograph, then `bytes` `times` times, then zeros. */
 static void put_chained_heif(const void *bytes, size_t size, size_t times)
 {
     enum { ZEROS = 1 << 16 };
@@ -375,8 +368,7 @@ static void put_chained_heif(const void *bytes, size_t size, size_t times)
     put_file("a.heic", chained, sizeof turned_heif + times * size + ZEROS);
 }
 
-/* References that each contain all later references would take quadratic time and are refused. Many plain references
-   are accepted. */
+/* References that each contain all later references would take quadratic time. */
 static void heif_references(void)
 {
     static const uint8_t child[] = {0, 0, 0, 12, 'i', 'r', 'e', 'f', 0, 0, 0, 0};
@@ -395,7 +387,6 @@ static void heif_references(void)
     CHECK(!read_file("a.heic") || !strstr(message.text, "references of pictures"));
 }
 
-/* The export for COLMAP rotates the pixels and states an upright orientation in EXIF. */
 static void heif_to_jpg(void)
 {
     put_file("a.heic", turned_heif, sizeof turned_heif);

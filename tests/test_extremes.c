@@ -12,8 +12,7 @@ static fxs_context plain;          /* plain C on a single thread */
 static fxs_options options = {.size = sizeof(fxs_options)};
 static uint32_t pixels[2][MOST * MOST];
 
-/* Makes opaque and faint Gaussians of all shapes in a box of 4 x 4 x 4 / 2^thin units. Sigma is 1/20 to 1 times
-   2^log2 units. */
+/* Gaussians of all shapes fill a box of 4 x 4 x 4 / 2^thin units. Sigma is 1/20 to 1 times 2^log2 units. */
 static packed_scene cloud(uint32_t count, int log2, int thin)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, count, 0);
@@ -73,7 +72,6 @@ static void bin_everywhere(const fxs_view *view, const fxs_splat *splats, const 
     }
 }
 
-/* Low opacity factors shrink ellipses. Every touched tile must still list the Gaussian. */
 static void test_faint_objects_are_listed_whole(void)
 {
     fxs_context everywhere = plain;
@@ -94,7 +92,7 @@ static void test_faint_objects_are_listed_whole(void)
     }
 }
 
-/* A wall must stay visible behind a long list of Gaussians that cover other pixels of the tile. */
+/* The list of Gaussians before the wall covers other pixels of the tile. */
 static void test_end_of_a_long_list(void)
 {
     enum { SIZE = 16, CORNER = 5 };
@@ -128,7 +126,7 @@ static void test_end_of_a_long_list(void)
     free(wall.data);
 }
 
-/* An occluder behind everything hides nothing. The pixels stay transparent, so the whole list is blended. */
+/* The pixels stay transparent, so the whole list is blended. */
 static void test_occluder_behind_a_long_list(void)
 {
     enum { SIZE = 16, COUNT = 80000 };
@@ -160,7 +158,7 @@ static void test_occluder_behind_a_long_list(void)
     }
 }
 
-/* A single pixel with a distant principal point equals that pixel of the whole orthographic picture. */
+/* A single pixel with a distant principal point equals that pixel of the whole picture. */
 static void test_pixel_of_an_orthographic_picture(void)
 {
     fxs_camera camera = camera_at(MOST, -8 * ONE);
@@ -230,7 +228,6 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
     return error;
 }
 
-/* An error for one eye leaves both pictures untouched. */
 static void test_object_too_far_from_one_eye(void)
 {
     const packed_scene s = cloud(9, 0, 0);
@@ -337,7 +334,6 @@ static void wild_camera(fxs_camera *camera)
         camera->near_q32 = wild_above(4096, 60);
 }
 
-/* Makes targets in separate memory with rows top down or bottom up, and random occluder depths. */
 static void wild_targets(fxs_targets *t, unsigned char *bytes, uint32_t *occluder, const fxs_camera *camera,
                          unsigned which, int upward)
 {
@@ -455,7 +451,6 @@ static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_c
     return error;
 }
 
-/* Checks that a stereo frame equals two mono frames, for all kernels and in any memory. */
 static int check_wild_pair(wild_frame *w, const fxs_context *fast)
 {
     const fxs_camera first = w->camera;

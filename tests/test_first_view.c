@@ -1,5 +1,5 @@
 /* Tests the first view of a scene without cameras. The view must be upright for any rotation of the scene and must
-   see Gaussians. The view must be equal for all kernels and threads. */
+   see Gaussians. */
 #include <math.h>
 #include <string.h>
 
@@ -60,7 +60,7 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Computes two shares of the picture: the covered part, and the part that a single Gaussian covers. */
+/* covered: share of the picture. largest: share that a single Gaussian covers. */
 static void look(const turned *t, const fxs_file_view *view, double *covered, double *largest)
 {
     static unsigned char coverage[PIXELS];
@@ -102,7 +102,7 @@ static void check_view(const turned *t, const char *name, int turning)
                covered, largest);
 }
 
-/* A leaning scene is levelled if its ground is visible. Haze and mountains hide the ground. */
+/* Haze and mountains hide the ground, so these scenes are not levelled. */
 static void upright_with_something_to_see(void)
 {
     for (int i = 0; i < NAMES; i++) {
@@ -163,7 +163,6 @@ static void find_direction(double d[3])
     d[2] = out * sin(angle);
 }
 
-/* Adds a flat Gaussian with a given normal and a checkered colour. */
 static void put(const double p[3], const double normal[3], double size)
 {
     const double length = sqrt(along(normal, normal)), n[3] = {normal[0] / length, normal[1] / length,
@@ -207,7 +206,6 @@ static void lay_ball(const double middle[3], const double radii[3], int count)
     }
 }
 
-/* Adds four sides and the roof of a box on the ground. */
 static void lay_box(const double low[3], const double high[3], int count)
 {
     const double x[3] = {high[0] - low[0], 0, 0}, y[3] = {0, high[1] - low[1], 0}, z[3] = {0, 0, high[2] - low[2]};
@@ -219,7 +217,7 @@ static void lay_box(const double low[3], const double high[3], int count)
     lay_panel(right, z, y, count / 5);
 }
 
-/* Adds ground from the centre to `reach`. The Gaussians grow with the distance. */
+/* The Gaussians grow with the distance. */
 static void lay_ground(double reach, int count)
 {
     static const double normal[3] = {0, 1, 0};
@@ -238,7 +236,6 @@ static void lay_ring(double radius, int trees, int count)
     }
 }
 
-/* Adds Gaussians above the ground at distances from `nearest` to `farthest`. */
 static void lay_sky(double nearest, double farthest, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -261,7 +258,7 @@ static void lay_room(void)
     lay_ball((double[3]){1.8, -0.9, 1}, (double[3]){0.25, 0.9, 0.25}, 2000);
 }
 
-/* Adds a capture's clutter behind the walls, unseen by any camera. */
+/* Adds clutter behind the walls that no camera sees. */
 static void lay_mess(void)
 {
     lay_room();
@@ -396,7 +393,6 @@ static void from_where_cameras_were(void)
     }
 }
 
-/* The up vector that a scene states is kept. Without a stated up vector, the ground determines up. */
 static void upright_as_told(void)
 {
     static const double ups[][3] = {{3, -4, 0}, {0.1, 0.2, -0.7}, {0, 0, 0}};

@@ -1,10 +1,10 @@
 /* Compares the gradients of a fit step with central differences of a forward pass in doubles, for every parameter.
-   Tests all cut-offs, clamps, picture edges, ignored pixels, exposures and poses, and the bounds of scales. */
+   Also tests the cut-offs and the bounds of scales. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
-enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* the parameters of a Gaussian and its 2D centre */
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* parameters of a Gaussian and its 2D centre */
 enum { DEPTH = 3 };                /* visible depth, which scales the learning rate of camera shifts */
 
 /* Decisions of a forward pass at cut-offs. Both passes of a difference share the decisions, because the gradient is
@@ -38,7 +38,7 @@ typedef struct flat {
 
 static double picture[3][PIXELS];
 
-/* Records the relative distance of `value` from the cut-off. Returns 1 if `value` is above the cut-off. */
+/* Records the relative distance of `value` from the cut-off. */
 static int above(cuts *c, double value, double cut, double scale)
 {
     c->nearest = fmin(c->nearest, fabs(value - cut) / scale);
@@ -55,8 +55,8 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T. Also computes the inverse of Sigma', and the opacity
-   times sqrt(det without 0.3 / det). */
+/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T; its inverse; the opacity times sqrt(det without 0.3 /
+   det). */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
@@ -259,8 +259,6 @@ typedef struct kind {
     int is_antialiased;
 } kind;
 
-/* Draws random scenes until single precision cannot change a decision. The photographs are close to the pictures of
-   the scene. */
 static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposure exposure, int has_pose)
 {
     static const double gain[3] = {0.375, -0.25, 0.125}, at[] = {0.0625, -0.25, 0.1875, -0.125, 0.0625, 0.25};
@@ -318,7 +316,7 @@ typedef struct photographs {
     fxs_fit_pose poses[2];
 } photographs;
 
-/* Runs the first step of a fit. Afterwards the mean of Adam is a tenth of each gradient. */
+/* After the first step of a fit, the mean of Adam is a tenth of each gradient. */
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
     const int is_affine = s->exposure == FXS_FIT_EXPOSURE_AFFINE;
@@ -384,7 +382,7 @@ static void count_cuts(const scene *s, int i, tally *t)
     t->dark += seen && (s->cuts.dark[i][0] || s->cuts.dark[i][1] || s->cuts.dark[i][2]);
 }
 
-/* Single precision has an error of 1e-5 of a pixel's weight. The error matters behind nearly opaque Gaussians. */
+/* Single precision has an error of 1e-5 of a pixel's weight, which matters behind nearly opaque Gaussians. */
 static void check_near(double value, double wanted, double size, int i, int k, tally *t)
 {
     const double fault = fabs(value - wanted) / (1e-4 * size + 2e-5);
@@ -408,7 +406,6 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
 
-/* Compares gradients relative to the mean over pixels and channels. */
 static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
 {
     static const fxs_fit_gain none;
@@ -420,7 +417,7 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* Checks that each step goes against the gradient and is as long as its learning rate. */
+/* Each step goes against the gradient and is as long as its learning rate. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
@@ -453,7 +450,6 @@ static void check_versions(const scene *s, const fxs_fit_model *c, const photogr
     }
 }
 
-/* Checks random scenes with SH degrees 3 to 0 in turn. */
 static tally check_scenes(const kind *k, int scenes)
 {
     static scene s;
@@ -505,7 +501,6 @@ static void test_opaque(void)
     CHECK(t.capped > 8 && t.closed > 8);
 }
 
-/* A third of the pixels are ignored, in patches. */
 static void test_ignored_pixels(void)
 {
     static uint8_t mask[PIXELS];
@@ -535,8 +530,7 @@ static void test_many(void)
     CHECK(check_scenes(&k, 4).closed > 15);
 }
 
-/* A single pixel of a tile: the transmittance after some splats (projected Gaussians), and the gradient of each
-   splat. */
+/* A single pixel: the transmittance after some splats (projected Gaussians), and the gradient of each splat. */
 enum { SPLATS = 3 };
 typedef struct pixel_case {
     const fxs_fit_stages *stages;
@@ -576,7 +570,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Bisects a number of the case down to two adjacent floats. Only `high` has the property. */
+/* Bisects a number down to two adjacent floats. Only `high` has the property. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {
@@ -605,7 +599,6 @@ static int is_taken(pixel_case *c)
     return left_of(c) < 1;
 }
 
-/* The pixel and the sums of gradients must cut a level at the same value. */
 static void test_cut_of_level(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -679,7 +672,7 @@ static void test_alpha_of_99(void)
     }
 }
 
-/* Projects a central Gaussian. red: its SH coefficient of degree 0. */
+/* red: SH coefficient of degree 0. */
 static fxs_fit_splat project_red(const fxs_fit_stages *stages, double logit, float depth, float red)
 {
     static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
@@ -702,8 +695,7 @@ static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, flo
     return project_red(stages, logit, depth, 0);
 }
 
-/* Levels end at Mahalanobis distance 3 or alpha 1/255. Fainter Gaussians and Gaussians in front of the near plane
-   are dropped. */
+/* Levels end at Mahalanobis distance 3 or alpha 1/255. */
 static void test_project_cuts(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -726,7 +718,6 @@ static void test_project_cuts(void)
     }
 }
 
-/* A splat with a non-finite colour is listed, but contributes to no pixel. */
 static void test_no_colour(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e30f};
@@ -746,7 +737,7 @@ static void test_no_colour(void)
 }
 
 /* The bound of a scale comes from the nearest camera that sees the Gaussian. A margin around the picture counts as
-   seen. A Gaussian that no camera sees has no bound. */
+   seen. */
 static void test_bounds_of_scales(void)
 {
     enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };

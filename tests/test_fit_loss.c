@@ -1,5 +1,5 @@
-/* Tests the loss of the fit in every kernel version, on random pictures, with and without masks. SSIM is compared
-   with its definition. The gradient is compared with central differences in doubles. */
+/* Compares the loss of the fit in every kernel version with its definition, and the gradient with central
+   differences in doubles. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -15,8 +15,7 @@ typedef struct pictures {
     float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } pictures;
 
-/* Makes photograph bytes that differ from the picture by up to `away`. |a - b| stays away from 0, where the loss has
-   no gradient. */
+/* |a - b| stays away from 0, where the loss has no gradient. */
 static void make_pictures(pictures *p, int width, int height, double away)
 {
     p->width = width;
@@ -111,7 +110,7 @@ static double at_of(const fxs_fit_plane *plane, const pictures *p, int i)
     return (double)plane->first[i / p->width * plane->stride + i % p->width];
 }
 
-/* Returns SSIM at a pixel from weighted means, variances and covariance, by definition. */
+/* Returns SSIM from weighted means, variances and covariance, by definition. */
 static double similarity_at(const pictures *p, int pixel)
 {
     double window[FIT_WINDOW], mean[2] = {0}, variance[2] = {0}, covariance = 0;
@@ -229,7 +228,6 @@ typedef struct outcome {
     float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } outcome;
 
-/* Computes the loss and gradient of the first `width` columns. `p` is unchanged. */
 static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, outcome *out)
 {
     memset(out, 0, sizeof *out);
@@ -242,7 +240,6 @@ static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, o
     free_planes(p);
 }
 
-/* Results do not depend on ignored pixels. A mask that ignores nothing changes no byte. */
 static void test_ignored_pixels(void)
 {
     enum { WIDE = 61, HIGH = 29 };
@@ -309,7 +306,6 @@ static void test_brighter_than_white(void)
     }
 }
 
-/* Ignoring all columns from a column on equals a narrower picture. */
 static void test_mask_of_an_edge(void)
 {
     enum { WIDE = 40, HIGH = 20, LEFT = 23 };

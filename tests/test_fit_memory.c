@@ -1,5 +1,5 @@
-/* Fails one memory allocation of a fit, or all from a point on. The fit must return an error without a leak. A
-   repeated fit must be correct. Also tests the total memory of a fit. */
+/* Fails one memory allocation of a fit, or all from a point on. The fit must return an error without a leak. Also
+   tests the total memory of a fit. */
 #include "src/fit/fit_internal.h"
 #include "fit_scene.h"
 
@@ -130,8 +130,7 @@ static void test_no_memory(void)
 #endif
 }
 
-/* A fit needs at most twice the size of its parameters, gradients and moments. With a constant number of Gaussians
-   the memory does not grow. */
+/* A fit needs at most twice the size of its parameters, gradients and moments. */
 static void test_amount(void)
 {
 #ifdef COUNTING

@@ -54,7 +54,7 @@ static int is_near(double a, double b, double relative)
     return fabs(a - b) <= relative * fmax(fabs(a), fabs(b));
 }
 
-/* Makes random parameters. Each Adam moment encodes the Gaussian and parameter to which it belongs. */
+/* Each Adam moment encodes the Gaussian and parameter to which it belongs. */
 static fxs_fit_model random_model(size_t count)
 {
     fxs_fit_model m;
@@ -192,7 +192,7 @@ static double gradient_of(const fxs_fit_model *m, size_t i)
     return m->views[i] > 0 ? (double)(m->by_centre[i] / m->views[i]) : 0;
 }
 
-/* Returns the fate of a Gaussian: 'g' removed, 'c' cloned, 's' split, ' ' unchanged. */
+/* Returns 'g' for a removed Gaussian, 'c' for a cloned, 's' for a split, ' ' for an unchanged Gaussian. */
 static char plain_fate(const fxs_fit_model *m, size_t i, const fxs_fit_densify *d)
 {
     const int wanted = gradient_of(m, i) >= (double)d->gradient;
@@ -235,8 +235,7 @@ static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
             r[a][b] = rows[a][b] / n;
 }
 
-/* True for a child of a split Gaussian. The first child lies on the positive side of each axis, the second child on
-   the negative side. */
+/* The first child of a split lies on the positive side of each axis, the second child on the negative side. */
 static int is_child(const fxs_fit_model *m, size_t i, const fxs_fit_model *old, size_t of, int which)
 {
     int ok = has_moments(m, i, -1) && !differing(m, i, old, of, FXS_FIT_ROTATION, FXS_FIT_OPACITY) &&
@@ -326,7 +325,6 @@ static void densified_up_to_a_number(void)
     }
 }
 
-/* A rule that would remove all Gaussians removes none. A Gaussian without a rotation has no longest axis. */
 static void densified_to_nothing(void)
 {
     fxs_fit_model m = random_model(40);
@@ -344,7 +342,6 @@ static void densified_to_nothing(void)
     fxs_fit_model_free(&m);
 }
 
-/* Gaussians with saturated opacity and extremely thin Gaussians must have finite children. */
 static void children(void)
 {
     fxs_fit_model m = random_model(2);
@@ -421,7 +418,7 @@ static void order(void)
     fxs_fit_model_free(&old);
 }
 
-/* Arrays have the size of the count. Places beyond the count have zero opacity and size. */
+/* Places beyond the count have zero opacity and size. */
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
@@ -486,8 +483,7 @@ static double choose_of(int n, int k)
     return k < 0 || k > n ? 0 : exp(lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1));
 }
 
-/* Opacity and scale factor after a relocation to n places, by the formula of the MCMC paper (Kheradmand et al.
-   2024). */
+/* Opacity and scale factor after a relocation to n places (Kheradmand et al. 2024). */
 static void plain_share(double o, int n, double *opacity, double *factor)
 {
     double sum = 0;
@@ -547,7 +543,7 @@ static void relocated(void)
     fxs_fit_model_free(&old);
 }
 
-/* The MCMC paper counts up to 51 Gaussians at one place. */
+/* The formula of Kheradmand et al. 2024 counts up to 51 Gaussians at one place. */
 static void relocated_to_one(void)
 {
     for (size_t count = 2; count < 90; count += 7) {
@@ -566,7 +562,7 @@ static void relocated_to_one(void)
     }
 }
 
-/* A Gaussian with an opacity at the threshold counts as dead and is relocated. */
+/* A Gaussian with an opacity at the threshold is relocated. */
 static void relocated_at_the_threshold(void)
 {
     fxs_fit_model m = random_model(2);
@@ -579,7 +575,7 @@ static void relocated_at_the_threshold(void)
     fxs_fit_model_free(&old);
 }
 
-/* Growth adds a twentieth of the Gaussians up to the limit, drawn by opacity. If all are dead, growth adds none. */
+/* Growth adds a twentieth of the Gaussians up to the limit, drawn by opacity. */
 static void grown(void)
 {
     enum { COUNT = 4000 };
@@ -650,8 +646,7 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* The learning rate of exposures is 0 by default. With exposures the rate falls to a tenth, and ramps up over 500
-   steps after the start and each opacity reset. */
+/* The learning rate falls to a tenth, and ramps up over 500 steps after the start and each opacity reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
@@ -673,7 +668,6 @@ static void rates_of_exposures(void)
     }
 }
 
-/* The recipes mcmc and fast share a schedule that scales with the number of steps. */
 static void mcmc_recipe(void)
 {
     fxs_fit_options o;
@@ -706,8 +700,7 @@ static void mcmc_recipe(void)
     CHECK(fxs_fit_first_opacity(FXS_FIT_MCMC) == 0.5f && fxs_fit_first_scale(FXS_FIT_FAST) == 0.1f);
 }
 
-/* Scales are bounded at step 1, every 100th step, and the steps around the last tenth, by photographs of the step's
-   size. */
+/* Scales are bounded at step 1, every 100th step, and the steps around the last tenth. */
 static void bounds_of_scales(void)
 {
     fxs_fit_options o;
@@ -737,7 +730,7 @@ static void extents(void)
     CHECK(is_near((double)fxs_fit_extent(photos, 1, points, 2), 1.1, 1e-6));
 }
 
-/* Adam in doubles for a single Gaussian, from the sums of red's gradient. */
+/* Adam in doubles, from the sums of red's gradient. */
 static void adam(void)
 {
     const fxs_fit_stages *stages = fxs_fit_stages_choose(~0u);
@@ -769,7 +762,6 @@ static void adam(void)
     fxs_fit_model_free(&m);
 }
 
-/* Non-finite and huge gradients change no parameter. Neighbouring Gaussians are still updated. */
 static void gradients_beyond(void)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -3e20f};
@@ -809,7 +801,6 @@ static void gradients_beyond(void)
         }
 }
 
-/* If the square of a regulariser overflows or is negative, the parameter stays unchanged. */
 static void regularisers_beyond(void)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -834,8 +825,7 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* The noise must have the covariance Sigma^2 (sigmoid(...) amount)^2, measured over many equal Gaussians. The
-   fastest kernels must equal plain C. */
+/* The noise must have the covariance Sigma^2 (sigmoid(...) amount)^2, measured over many equal Gaussians. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -873,8 +863,7 @@ static void noise(void)
     fxs_fit_model_free(&other);
 }
 
-/* Compares pictures of a single white Gaussian with the rule of Kerbl et al. in doubles. A square selects the tiles,
-   and alpha >= 1/255 selects the pixels. */
+/* Rule of Kerbl et al.: a square selects the tiles, and alpha >= 1/255 selects the pixels. */
 static void square(void)
 {
     fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
@@ -935,7 +924,6 @@ static fxs_fit_photo photos[PHOTOS];
 static fxs_fit_point points[60];
 static fxs_fit_options options;
 
-/* Makes cameras around a ball of points that look at the centre. */
 static void set_scene(void)
 {
     memset(photos, 0, sizeof photos);
@@ -963,7 +951,7 @@ static void set_scene(void)
     options.max_gaussians = fxs_fit_recipe_gaussians(options.recipe);
 }
 
-/* Runs a fit twice and checks for finite parameters and equal bytes. Returns the number of Gaussians. */
+/* Runs a fit twice and compares the bytes. Returns the number of Gaussians. */
 static size_t fitted(size_t photo_count, size_t point_count, uint32_t steps)
 {
     fxs_fit *fit;
@@ -1036,7 +1024,6 @@ static uint64_t bytes_of_fit(unsigned cpu)
     return sum;
 }
 
-/* Recipes, cut-offs and seeds change the result of a fit. Instruction sets do not. */
 static void same_bytes(void)
 {
     uint64_t sums[5];
@@ -1054,7 +1041,6 @@ static void same_bytes(void)
     }
 }
 
-/* The first step of the recipe fast uses averaged photographs of half the size, and adapted cameras. */
 static void reduced(void)
 {
     enum { W = 203, H = 195 };
@@ -1090,7 +1076,6 @@ static void reduced(void)
     CHECK(report[0].absolute == report[1].absolute && report[0].dissimilar == report[1].dissimilar);
 }
 
-/* Photographs are not reduced below 50 pixels. */
 static void sizes_of_photographs(void)
 {
     fxs_fit_options o;

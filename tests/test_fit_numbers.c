@@ -16,7 +16,7 @@ static void check_relative(const char *name, float x, float found, double wanted
         printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
 }
 
-/* The tolerance covers the rounding of the polynomial. For exp_e the tolerance also grows with the argument. */
+/* For exp_e the tolerance grows with the argument. */
 static void test_exponentials(void)
 {
     fit_state = 1;
@@ -97,7 +97,6 @@ static void make_model(fxs_fit_model *m, const fxs_fit_camera *camera)
     }
 }
 
-/* Runs full steps of a fit and recovers the gradients from the means of Adam. */
 static void test_steps_are_adams(void)
 {
     static uint8_t pixels[PHOTOGRAPHS][3 * WIDTH * HEIGHT];
@@ -144,7 +143,7 @@ static void test_steps_are_adams(void)
     fxs_fit_stepper_free(stepper);
 }
 
-/* Colour gradients down to subnormals and 0 give finite steps as long as Adam's. */
+/* Colour gradients down to subnormals give steps as long as Adam's. */
 static void test_tiny_gradients(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -202,7 +201,6 @@ static void test_factors(void)
     }
 }
 
-/* Tests gradients of all sizes and the limits of exposures. Non-finite gradients change nothing. */
 static void test_gain_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 3e18f};
@@ -241,7 +239,7 @@ static void test_gain_steps(void)
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
 }
 
-/* An affine exposure step is applied after the current map. */
+/* An affine step is applied after the current map. */
 static void test_affine_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e20f};
@@ -287,8 +285,7 @@ static void test_affine_steps(void)
           gain.at[0] == 1 && gain.at[1] == 0);
 }
 
-/* After each step the means over all photographs must be neutral within rounding. Photographs outside the batch must
-   move alike. */
+/* The means over all photographs must stay neutral within rounding. Photographs outside the batch must move alike. */
 static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };

@@ -1,5 +1,5 @@
-/* The last steps of a fit optimise values quantised as in the packed file. The test scene has strong SH. The
-   photographs are rendered from the scene. */
+/* The last steps of a fit optimise values quantised as in the packed file. The photographs are rendered from a scene
+   with strong SH. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -176,7 +176,7 @@ static int pack(const fit *f, fxs_packed_scene *packed, fxs_scene *scene)
            CHECK(!fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* Returns the PSNR between the photographs and the rendered packed scene in dB. */
+/* PSNR in dB between the photographs and the packed scene. */
 static double psnr_of(const fit *f)
 {
     enum { BYTES = 4 * PIXELS };
@@ -214,7 +214,6 @@ static double largest_of(const float *values, size_t count)
     return most;
 }
 
-/* Compares within single-precision rounding. */
 static void compare(const decoded *d, const fxs_gaussian *g)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity));
@@ -229,7 +228,6 @@ static void compare(const decoded *d, const fxs_gaussian *g)
         CHECK((float)d->sh[k] == g->sh[k]);
 }
 
-/* Compares each packed Gaussian. Packing the parameters a second time must give the same codes. */
 static void check_packed(const fit *f)
 {
     fxs_packed_scene packed;
@@ -262,7 +260,7 @@ static void test_what_is_fitted_is_packed(void)
     }
 }
 
-/* The unquantised parameters move by less than a code step. Most of them move. */
+/* The unquantised parameters move by less than a code step. */
 static void test_gradients_reach_the_masters(void)
 {
     fit f;
@@ -288,7 +286,7 @@ static void test_gradients_reach_the_masters(void)
     end(&f);
 }
 
-/* A small number of Gaussians gives a small palette, so rounding costs much quality. */
+/* A small scene gets a small palette, so rounding costs much quality. */
 static void test_fitted_is_better_than_rounded(void)
 {
     fit f;

@@ -1,12 +1,11 @@
-/* A fit must give the same bytes for every compiler and processor. Runs a few hundred steps of each recipe on
-   synthetic pictures and compares with constant hashes, for all instruction sets and several thread counts.
-   -DFXS_FIT_FEW: fewer steps, for an emulator. test_fit_steps --cuda: on a GPU. */
+/* A fit must give the same bytes for every compiler, processor and number of threads. A few hundred steps of each
+   recipe on synthetic pictures are compared with constant hashes. -DFXS_FIT_FEW: fewer steps, for an emulator.
+   test_fit_steps --cuda: on a GPU. */
 #include <fixsplat/fit.h>
 #include <fixsplat/system.h>
 #include "fit_scene.h"
 
-/* The photographs show ray-traced spheres with squares. Only + - * / and sqrt of doubles are used, which round
-   equally everywhere. */
+/* Ray-traced spheres with squares. Only + - * / and sqrt of doubles are used, which round equally everywhere. */
 enum { WIDTH = 24, HEIGHT = 16, ORDINARY = 2, LARGER = 14, PHOTOS = 6, POINTS = 120, SPHERES = 4 };
 static const uint8_t background[3] = {40, 80, 120};
 
@@ -112,7 +111,7 @@ static void make_set(int scale)
     }
 }
 
-/* Ignores a different disc in each photograph, and the lowest rows. The ignored pixels become noise from the seed. */
+/* Ignores a different disc in each photograph. The ignored pixels become noise from the seed. */
 static void ignore_pixels(uint64_t seed)
 {
     static uint8_t masks[PHOTOS][LARGER * LARGER * WIDTH * HEIGHT];
@@ -139,7 +138,7 @@ static void ignore_nothing(void)
         photos[i].mask = mask;
 }
 
-/* Multiplies photographs by gains of 0.6 to 1.6, with a different colour balance each. */
+/* Gains of 0.6 to 1.6, with a different colour balance each. */
 static void change_exposures(void)
 {
     static const int percent[PHOTOS][3] = {{60, 64, 66}, {160, 150, 140}, {85, 85, 85}, {130, 125, 136}, {72, 70, 64},
@@ -153,7 +152,7 @@ static void change_exposures(void)
     }
 }
 
-/* Sets EXIF exposures in proportion to the light. Pixels are proportional to light^(1 / 2.2). */
+/* Pixels are proportional to light^(1 / 2.2). */
 static void say_exposures(int are_known)
 {
     static const double light[PHOTOS] = {0.0033, 0.0257, 0.007, 0.0165, 0.0046, 0.0117};
@@ -161,7 +160,6 @@ static void say_exposures(int are_known)
         photos[i].exposure = are_known ? light[i] : 0;
 }
 
-/* Rotates cameras by up to a degree about each axis, and moves cameras by up to 1 % of their distance. */
 static void disturb_poses(void)
 {
     fit_state = 5;
@@ -210,7 +208,7 @@ typedef struct result {
     fxs_fit_photo refined[PHOTOS];
 } result;
 
-/* Continues an FNV-1a hash over 32-bit words. */
+/* FNV-1a over 32-bit words. */
 static void add_to_hash(uint64_t *hash, uint32_t word)
 {
     *hash = (*hash ^ word) * 0x100000001b3u;
@@ -461,7 +459,6 @@ static void test_exposures(void)
     check_fit(&fits[EXPOSURE], ~0u, 7);
 }
 
-/* Other noise in ignored pixels must give the same bytes. */
 static void test_masks(void)
 {
     make_set(ORDINARY);
@@ -471,7 +468,6 @@ static void test_masks(void)
     check_fit(&fits[MASKS], ~0u, 7);
 }
 
-/* Masks at half size exclude ignored pixels from the averages. */
 static void test_masks_from_half_the_size(void)
 {
     make_set(LARGER);
@@ -491,8 +487,6 @@ static void test_masks_that_ignore_nothing(void)
     check_fit(&fits[HALF_THE_SIZE], ~0u, 2);
 }
 
-/* Different exposures leave a large loss. A fit with exposures removes the loss. Known exposures start with a
-   smaller loss. */
 static void test_exposures_are_found(void)
 {
     enum { SHORT, SHORT_CHANGED, LONG, FOUND, KNOWN, CASES };
@@ -538,7 +532,7 @@ static double finest_sigma(const float place[3])
     return finest < INFINITY ? sqrt(0.2) * finest : 0;
 }
 
-/* With antialiasing no Gaussian ends finer than the photographs. Without antialiasing many do. */
+/* Without antialiasing many Gaussians end finer than the photographs. */
 static void test_antialiased(void)
 {
     check_everywhere(&fits[ANTIALIASED]);
@@ -580,7 +574,6 @@ static void test_poses(void)
     check_fit(&fits[POSES], ~0u, 7);
 }
 
-/* Refined poses reduce the loss and come closer to the true poses. */
 static void test_poses_are_found(void)
 {
     fxs_fit_photo right[PHOTOS];

@@ -35,7 +35,7 @@ static void test_mulhi(void)
     CHECK(fxs_mulhi(0, UINT32_MAX) == 0 && fxs_mulhi(65536, 65535) == 0 && fxs_mulhi(65536, 65536) == 1);
 }
 
-/* Rounds to nearest: floor, plus the highest bit shifted out. */
+/* Floor, plus the highest bit shifted out. */
 static int64_t rounded(int64_t x, int shift)
 {
     return (x >> shift) + (x >> (shift - 1) & 1);

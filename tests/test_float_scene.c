@@ -1,5 +1,5 @@
 /* Compares the renderer of float Gaussians with the reference renderer in doubles. The quality loss of each packing
-   profile is measured against both. Tests both projections, antialiased scenes, and scenes far from the origin. */
+   profile is measured against both. */
 #include <math.h>
 #include <string.h>
 
@@ -31,7 +31,7 @@ static double psnr(const uint8_t *a, const uint8_t *b)
     return CHECK(!fxs_metrics_compare(a, b, WIDTH, HEIGHT, &m)) ? m.psnr : 0;
 }
 
-/* Makes views around the scene's box, near and far. The last view is orthographic. */
+/* The last view is orthographic. */
 static int find_view(int number, const fxs_pack_report *report, fxs_file_view *view)
 {
     static const double up[3] = {0, -1, 0};
@@ -71,7 +71,7 @@ static int draw_packed(const fxs_packed_scene *scene, const fxs_file_view *view)
     return error;
 }
 
-/* Compares the floats with the doubles. Both must measure the same loss for each profile. */
+/* Floats and doubles must measure the same loss for each profile. */
 static void check_view(fxs_float_scene *scene, const fxs_packed_scene profiles[3], const fxs_file_view *view,
                        int antialiased)
 {
@@ -142,8 +142,6 @@ static void far_from_the_origin(void)
     check_scene("knot", 0, 1000);
 }
 
-/* Gaussians that packing drops are dropped here too. Also tests several pictures of a scene and a file with a wrong
-   count. */
 static void what_is_left_out(void)
 {
     const fxs_gaussian_source source = {3, 0, 0, read_gaussians, gaussians, {0}};
@@ -181,7 +179,7 @@ static void what_is_left_out(void)
     fxs_scene_file_close(file);
 }
 
-/* Returns the PSNR between a scene and a copy moved by a millionth. */
+/* PSNR between a scene and a copy moved by a millionth. */
 static double psnr_of_nudge(const char *name)
 {
     const fxs_procedural_scene *made = fxs_procedural_find(name);

@@ -1,6 +1,5 @@
-/* Tests crops of a picture and foveated pictures. A crop must have the pixels of the whole picture, also for
-   headsets' fields of view. Foveated pictures must be composed as the public header states, equally by every exact
-   back end. */
+/* Tests crops of a picture and foveated pictures. A crop must have the pixels of the whole picture. Foveated
+   pictures must be composed as the public header states. */
 #include <math.h>
 #include <stdio.h>
 
@@ -128,7 +127,7 @@ static void test_windows_of_wide_pictures(void)
     }
 }
 
-/* Negative test: without `whole`, a crop clamps its own slopes and pixels change. */
+/* Without `whole`, a crop clamps its own slopes and pixels change. */
 static void test_what_windows_are_for(void)
 {
     fxs_packed_scene packed;
@@ -164,8 +163,7 @@ static fxs_stats render_counted(const fxs_scene *scene, const fxs_camera *camera
     return stats;
 }
 
-/* Checks that pixels outside the hidden part do not change. Returns the number of Gaussians drawn. *all: that number
-   without a hidden part. */
+/* Returns the number of Gaussians drawn. *all: that number without a hidden part. */
 static uint32_t check_hidden(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              uint32_t *all)
 {
@@ -304,7 +302,7 @@ static int clamp(int x, int end)
     return x < 0 ? 0 : x < end ? x : end - 1;
 }
 
-/* Returns a ring's value at a pixel of the picture, times (2 rate)^2. A ring is a crop at a lower rate. */
+/* Returns a ring's value at a pixel, times (2 rate)^2. A ring is a crop at a lower rate. */
 static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int channel)
 {
     const int steps = 2 * r->rate, nx = 2 * x + 1 - r->rate, ny = 2 * y + 1 - r->rate;
@@ -320,7 +318,7 @@ static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int 
     return sum;
 }
 
-/* Returns the weight of a ring in 1/256: the minimum over ramps at those edges that are inside the picture. */
+/* The weight of a ring in 1/256 is the minimum over ramps at those edges that are inside the picture. */
 static int share(const fxs_ring *r, const fxs_foveation *f, int eye, int x, int y, int width, int height)
 {
     const int left = r->x[eye], top = r->y[eye], right = left + r->width * r->rate, lower = top + r->height * r->rate;
@@ -418,7 +416,7 @@ static void test_putting_together(void)
     fxs_pool_destroy(pool);
 }
 
-/* Pixel (X, Y) of a ring (a crop at a lower rate) lies at the centre of its block of the picture. */
+/* Pixel (X, Y) of a ring (a crop at a lower rate) lies at the centre of its block. */
 static void test_cameras_of_rings(void)
 {
     recorder r = {.fail_at = UINT32_MAX};
@@ -486,7 +484,7 @@ static fxs_request request_of(const eyes *e)
     return request_for(&e->object, 1, &e->options, 2, e->cameras, e->targets);
 }
 
-/* Renders into e->pixels. Returns 0 if the back end is unavailable. */
+/* Returns 0 if the back end is unavailable. */
 static int foveate(const char *name, const fxs_foveation *f, eyes *e, fxs_foveated *out)
 {
     const fxs_backend *backend = fxs_backend_find(name);
@@ -507,7 +505,6 @@ static int foveate(const char *name, const fxs_foveation *f, eyes *e, fxs_foveat
     return 1;
 }
 
-/* Checks that the inside of the full-rate ring has the unfoveated bytes, for both eyes. */
 static void check_inside(const eyes *e, const uint8_t *whole, const fxs_foveation *f, const fxs_foveated *out)
 {
     const fxs_ring *r = &out->rings[0];
@@ -557,7 +554,6 @@ static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_me
     return fxs_backend_cpu.render(self, &all, stats, why);
 }
 
-/* Skipping the part under a finer ring changes no pixel, for any gaze. */
 static void test_nothing_is_missed(void)
 {
     const fxs_backend all = {.name = "all", .render = render_all, .nanoseconds = no_time};

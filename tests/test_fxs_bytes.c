@@ -1,5 +1,4 @@
-/* .fxs files and their rendered pictures must have the same bytes on every processor. The test compares with
-   constant hashes. */
+/* .fxs files and their rendered pictures must have the same bytes on every processor. Constant hashes are compared. */
 #include <float.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -153,7 +152,7 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, 0, expected);
 }
 
-/* A small palette has one entry for each stage and needs no search. This scene fills its palettes. */
+/* This scene fills its palettes. Smaller palettes need no search. */
 static void test_full_palettes(void)
 {
     static const uint64_t compact[3] = {0x3cd5c70902e00437u, 0x0fea4dc982ced672u,
@@ -164,7 +163,6 @@ static void test_full_palettes(void)
     check_file(FXS_PROFILE_SMALL, 12000, 1, 0, small);
 }
 
-/* Packs levels of detail. The pictures show the leaves of the tree. */
 static void test_tree(void)
 {
     static const uint64_t expected[3] = {0xb4ac07b150dc25c8u, 0xddf2486c9aa86a74u,

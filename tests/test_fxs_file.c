@@ -101,7 +101,7 @@ static void test_round_trip(void)
     CHECK(!file.data);
 }
 
-/* Writes to a mapped file or truncates the file. The check must report the change, and lost pages must read as 0. */
+/* The check must report a changed file, and lost pages must read as 0. */
 static void test_changed(void)
 {
     enum { PAGE = 4096, PAGES = 16 };
@@ -129,7 +129,7 @@ static void test_changed(void)
     unlink(path);
 }
 
-/* The check must report a file that was truncated and extended and has its old time. */
+/* The file is truncated, extended and set to its old time. */
 static void test_cut_and_grown(void)
 {
     enum { PAGE = 4096, PAGES = 4 };
@@ -209,7 +209,6 @@ static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
     return ~crc;
 }
 
-/* Checksums must follow docs/format.md, so that other programs can use them. */
 static void test_checksums(void)
 {
     fxs_message m;

@@ -1,5 +1,5 @@
-/* Tests the packing of Gaussians from a callback. The packed bytes must equal the bytes from a .ply. A callback may
-   also give too few, too many, NaN, or other values in a later pass. */
+/* Tests the packing of Gaussians from a callback, which may give too few, too many, NaN, or other values in a later
+   pass. */
 #include <math.h>
 #include <string.h>
 
@@ -126,7 +126,7 @@ static void same_bytes_as_ply(void)
     }
 }
 
-/* An origin changes only the chunk headers and bounds of a packed scene. */
+/* An origin changes only the chunk headers and bounds. */
 static void same_codes_far_out(void)
 {
     static const double origin[3] = {500000, -4500000, 0.5};

@@ -1,6 +1,5 @@
-/* Compares the GLES back end with the CPU renderer byte for byte: sizes, formats, long lists, small device limits,
-   real scenes. Draws into the caller's target must keep the caller's OpenGL state, also with compute shaders. Fake
-   OpenGL functions simulate device failures. */
+/* Compares the GLES back end with the CPU renderer byte for byte. Drawing into the caller's target must keep the
+   caller's OpenGL state. Fake OpenGL functions simulate device failures. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +16,7 @@
 #include <fixsplat/internal/pixel.h>
 
 
-/* Number of factors outside the range that weight.frag promises to compilers. */
+/* Number of factors outside the range that weight.frag promises. */
 static int wrong_factors;
 
 static int FACTOR(int x)
@@ -113,7 +112,6 @@ static void fake_limits(GLint size, GLint type)
     fake(0, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv);
 }
 
-/* Creates a back end with the current fake functions. Returns null on failure and sets why_not. */
 static fxs_gles *open_gles(int *error)
 {
     fxs_gles *gles = malloc(fxs_gles_bytes());
@@ -168,7 +166,7 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
 
 static fxs_compute *compute;               /* not null: draws into targets by compute shaders */
 
-/* Draws by compute shaders. All objects share one scene. */
+/* All objects share one scene. */
 static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
 {
     fxs_compute_scene copy = {.key = 0};
@@ -219,7 +217,7 @@ static uint8_t *new_picture(const subject *s)
     return pixels;
 }
 
-/* Exact modes of the context: tile lists, and framebuffer fetch if supported. */
+/* Exact modes: tile lists, and framebuffer fetch if supported. */
 static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
@@ -227,8 +225,7 @@ static int exact_ways(const fxs_gles *gles)
     return compute || fxs_gles_no_fetch(gles) ? 1 : 2;
 }
 
-/* Compares all exact modes with the CPU renderer, with a given stride and first byte. *stats: statistics of the mode
-   with tile lists. */
+/* *stats: statistics of the mode with tile lists. */
 static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
 {
     uint8_t *expected = new_picture(s);
@@ -294,8 +291,7 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* The lists exceed the memory of the frame. Coordinate u of thin Gaussians overflows in tiles that they do not
-   touch. */
+/* The lists exceed the memory. Coordinate u of thin Gaussians overflows in tiles that they do not touch. */
 static void runs(void)
 {
     subject s;
@@ -330,8 +326,7 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Makes 80,000 faint points over one tile, so that pixels never become opaque. Only point 65,536 is large and
-   bright, so a missing entry shows. */
+/* Only point 65,536 of 80,000 is large and bright, so a missing entry shows. */
 static packed_scene faint_points(void)
 {
     packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
@@ -364,7 +359,6 @@ static void GL_APIENTRY count_DrawArrays(GLenum mode, GLint first, GLsizei count
     real_DrawArrays(mode, first, count);
 }
 
-/* The list is longer than a single draw call allows. */
 static void long_list(void)
 {
     const packed_scene p = faint_points();
@@ -390,7 +384,6 @@ static void long_list(void)
     close_gles(gles);
 }
 
-/* The device reads back integers only as 32-bit words and has no large points. */
 static void words_read(void)
 {
     subject s;
@@ -453,7 +446,7 @@ static void real_scenes(void)
         SKIP("no scenes at FXS_SCENES");
 }
 
-/* Compares the shaders' versions of the functions in pixel.h with C, for all inputs that can matter. */
+/* Compares the shaders' versions of the functions in pixel.h with C. */
 static void products(void)
 {
     int differing = 0;
@@ -481,7 +474,7 @@ static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
 
 static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
-/* Simulates a driver that lists the extension but rejects its keyword. */
+/* The driver lists the extension but rejects its keyword. */
 static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -491,7 +484,6 @@ static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Without the extension, tile lists still work and the reason is reported. */
 static void fetch_hidden(void)
 {
     subject s;
@@ -522,7 +514,6 @@ static void fetch_hidden(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* The eyes see different Gaussians. Both pictures must equal the CPU renderer's. */
 static void fetch_eyes(void)
 {
     subject s;
@@ -560,7 +551,7 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* The caller's drawing: a slanted plane with holes through the subject over a colour gradient. Rows are top down. */
+/* The caller's drawing: a slanted plane with holes over a colour gradient. Rows are top down. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -589,7 +580,7 @@ static void free_mesh(mesh m)
     free(m.colours);
 }
 
-/* Renders the subject with the caller's drawing. draw: null renders on the CPU. */
+/* draw: null renders on the CPU. */
 static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const mesh *m, int bottom_up,
                        size_t memory_bytes, uint8_t *pixels)
 {
@@ -612,7 +603,6 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
     return error;
 }
 
-/* An occluder and a background give the CPU renderer's bytes in every format, in crops, bands and split lists. */
 static void meshes(void)
 {
     subject s;
@@ -650,7 +640,7 @@ static void meshes(void)
 
 enum { UNITS = 10 };                       /* texture units that the back end binds */
 
-/* OpenGL state beyond what the back end changes. Unsupported values stay 0. */
+/* Unsupported state stays 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -721,7 +711,6 @@ typedef struct caller {
     GLuint texture, framebuffers[2], program, vertex_array, buffers[4], samplers[UNITS], textures[UNITS], renderbuffer;
 } caller;
 
-/* Sets all state to values other than the defaults. */
 static void upset(caller *c)
 {
     static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD,
@@ -829,7 +818,6 @@ static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *
     return !differing_pixels(s, t, expected);
 }
 
-/* Draws into the caller's target. Pixels around the picture and the OpenGL state must not change. */
 static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gles_target *t,
                          const uint8_t *expected)
 {
@@ -894,7 +882,6 @@ static double off_by(const uint8_t *pixel, const uint8_t *over)
     return most;
 }
 
-/* Blends over the framebuffer's content, also in crops and split lists. */
 static void target_over_by(int small)
 {
     subject s;
@@ -974,8 +961,7 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* Reads depths from the caller's textures. Depths as words give the CPU renderer's bytes. Depth buffers give nearly
-   these bytes. */
+/* Depths as words give the CPU renderer's bytes. Depth buffers give nearly these bytes. */
 static void target_meshes(void)
 {
     static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
@@ -1077,7 +1063,7 @@ static outputs make_outputs(void)
     return o;
 }
 
-/* Renders the subject twice with two ids into the targets or into the caller's framebuffer. */
+/* Renders the subject twice with two ids. */
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
 {
     fxs_context c;
@@ -1116,7 +1102,6 @@ static int differing_words(const subject *s, const fxs_gles_target *t, GLenum bu
     return differing;
 }
 
-/* Colours, depths and ids must equal the CPU renderer's. The OpenGL state must not change. */
 static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gles_target *t,
                           const mesh *m)
 {
@@ -1186,7 +1171,6 @@ static void depths_and_ids(void)
     depths_and_ids_by(16);
 }
 
-/* Simulates a driver that rejects the shader of depths and ids. */
 static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -1196,7 +1180,6 @@ static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Without the shader, depths and ids are refused and colours are still drawn. */
 static void depths_and_ids_without_shader(void)
 {
     subject s;
@@ -1215,7 +1198,6 @@ static void depths_and_ids_without_shader(void)
     close_gles(gles);
 }
 
-/* Framebuffer fetch and unsuitable framebuffers refuse depths and ids. */
 static void depths_and_ids_refused(void)
 {
     subject s;
@@ -1258,7 +1240,7 @@ static void close_compute(void)
     no_blocks = 0;
 }
 
-/* Runs a test with targets drawn by compute shaders, from a storage buffer, then from a texture of several rows. */
+/* Runs a test with a storage buffer, then with a texture of several rows. */
 static void run_by_compute(void (*test)(void))
 {
     for (int by_texture = 0; by_texture < 2; by_texture++) {
@@ -1301,8 +1283,7 @@ static fxs_gl_function load_losing(void *argument, const char *name)
     return losing_load(load, argument, name);
 }
 
-/* Fails each OpenGL call of a frame in turn. The frame must return an error, with the target complete or untouched.
-   The next frame must be right. */
+/* Fails each OpenGL call of a frame in turn. The target must be complete or untouched. The next frame must be right. */
 static void compute_draws_lose_by(int by_texture)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
@@ -1362,8 +1343,7 @@ static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const
     real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
 }
 
-/* The driver rejects a shader. Each draw must report the shader's line and keep the OpenGL state. Frames into memory
-   must work. */
+/* Each draw must report the shader's line and keep the OpenGL state. */
 static void compute_without_shader(void)
 {
     subject s;
@@ -1391,7 +1371,6 @@ static void compute_without_shader(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Creation and destruction keep the OpenGL state. Too large pictures and wrong arguments are refused. */
 static void compute_refuses(void)
 {
     state before, after;
@@ -1562,7 +1541,7 @@ static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
     return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
 }
 
-/* Fails a function from its n-th call on, for each n until a frame succeeds. The error must be `expected`. */
+/* Fails a function from its n-th call on, for each n until a frame succeeds. */
 static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls, int expected)
 {
     int error = expected, n;
@@ -1605,7 +1584,6 @@ static void lost_devices(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* A buffer cannot be mapped after a successful frame. */
 static void full_device(void)
 {
     subject s;

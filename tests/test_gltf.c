@@ -227,7 +227,7 @@ static void multiply(double a[3][3], double b[3][3], double c[3][3])
             c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* Colour from SH degrees 1 to 3, by "Calculating color" of KHR_gaussian_splatting. */
+/* "Calculating color" of KHR_gaussian_splatting, for SH degrees 1 to 3. */
 static double colour(const double k[15], const double d[3])
 {
     double x = d[0], y = d[1], z = d[2];
@@ -326,7 +326,7 @@ static void every_type(void)
             }
 }
 
-/* SCALE 0 and OPACITY 0 or 1 stay finite. A negative scale counts as its magnitude. */
+/* A negative scale counts as its magnitude. */
 static void extreme_values(void)
 {
     clear();
@@ -346,7 +346,7 @@ static void extreme_values(void)
     CHECK(out[0].scale[1] == 0 && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
-/* Drafts of the extension store SCALE as logarithms, floats or signed integers, under several names. */
+/* Drafts of the extension store SCALE as logarithms, floats or signed integers. */
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {
@@ -390,7 +390,7 @@ static void log_scales(void)
     }
 }
 
-/* SCALE 0 to 2 in one primitive could be linear. The other primitive proves logarithms for the whole file. */
+/* SCALE 0 to 2 could be linear. Another primitive proves logarithms for the whole file. */
 static void log_scales_of_a_file(void)
 {
     static char whole[MAX_TEXT];
@@ -419,7 +419,6 @@ static void log_scales_of_a_file(void)
               out[COUNT + i].scale[0] + out[COUNT + i].scale[1] + out[COUNT + i].scale[2] == -6);
 }
 
-/* Reads the names and the colour of Cesium's draft of 2024. */
 static void draft_names(void)
 {
     static const struct { int type, normalized; double error; } colours[] = {
@@ -467,7 +466,7 @@ static double srgb(double c)
 
 static fxs_gaussian plain[COUNT];       /* the Gaussians as in the file */
 
-/* Linear colours must become sRGB. Small coefficients scale with the slope of the sRGB curve. */
+/* Small coefficients scale with the slope of the sRGB curve. */
 static void check_srgb(int degree)
 {
     static const double sh_0 = 0.28209479177387814;
@@ -484,7 +483,7 @@ static void check_srgb(int degree)
         }
 }
 
-/* A colour space that is not stated means sRGB. Linear light is converted. */
+/* A colour space that is not stated means sRGB. */
 static void colour_spaces(void)
 {
     static const struct { const char *text; int fails, is_linear; } cases[] = {
@@ -511,7 +510,6 @@ static void colour_spaces(void)
     }
 }
 
-/* The transform of a node is multiplied by its parent's. */
 static void transforms(void)
 {
     double r[3][3], m[3][3], shift[3] = {1.5, -2, 30};
@@ -568,7 +566,6 @@ static void several_parts(void)
     check_gaussians(out + COUNT, identity, shift, identity, 2e-6);
 }
 
-/* Checks that Gaussian i is moved by `by`, in the axes of the file. */
 static void check_moved(int i, const double by[3])
 {
     static const double signs[3] = {-1, -1, 1};
@@ -578,7 +575,7 @@ static void check_moved(int i, const double by[3])
     }
 }
 
-/* Distant nodes keep their precision by an origin of the scene. */
+/* An origin keeps the precision of distant nodes. */
 static void far_nodes(void)
 {
     static const double far[3] = {-500000.25, 4500000, 3}, also[3] = {-500000.25, 4500002, 3}, still[3] = {0};
@@ -597,7 +594,6 @@ static void far_nodes(void)
     check_moved(0, still);
 }
 
-/* A node that moves distant positions back is near, by the bounds of its accessor. */
 static void far_accessor(void)
 {
     char rest[2048];
@@ -705,7 +701,6 @@ static void replace(const char *old, const char *by)
     strcpy(json, changed);
 }
 
-/* An .spz is decoded without conversion, then placed by the node's matrix in glTF's frame. */
 static void compressed(void)
 {
     static const char *const forms[] = {
@@ -733,7 +728,6 @@ static void compressed(void)
     }
 }
 
-/* EXT_splat_opacity may stand inside KHR_gaussian_splatting or beside the extension. */
 static void opacities_beside_spz(void)
 {
     static const char *const forms[] = {
@@ -765,7 +759,7 @@ static void opacities_beside_spz(void)
     CHECK(info.clamped_opacity && out[0].opacity == 20);
 }
 
-/* Opacities outside 0 to 1 are clamped and reported. NaN stays NaN. */
+/* Opacities are clamped to 0 to 1. NaN stays NaN. */
 static void opacities_out_of_range(void)
 {
     add_all(0);
@@ -785,7 +779,7 @@ static void opacities_out_of_range(void)
           out[3].opacity == -20 && out[4].opacity == 20);
 }
 
-/* Replaces two positions by a sparse accessor. The other positions stay, or are 0 without a base. */
+/* Replaces two positions by a sparse accessor. The other positions are 0 without a base. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)
 {
     char text[256];
@@ -846,7 +840,7 @@ static void faulty_sparse(void)
     }
 }
 
-/* An accessor without a bufferView is all 0. A scene with no other accessors is refused. */
+/* An accessor without a bufferView is all 0. */
 static void zeros(void)
 {
     add_all(1);
@@ -867,7 +861,6 @@ static void zeros(void)
     check_fails("no accessor of a primitive with Gaussians has data for each of them");
 }
 
-/* KHR_mesh_quantization allows integer positions. */
 static void quantized_positions(void)
 {
     double whole[3 * COUNT];
@@ -999,7 +992,7 @@ static void faulty_containers(void)
     }
 }
 
-/* The .ply is in the tile's frame with z up. 3D Tiles map glTF's y up to z up by (x, y, z) -> (x, -z, y). */
+/* The .ply has z up. 3D Tiles map glTF's y up to z up by (x, y, z) -> (x, -z, y). */
 static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";

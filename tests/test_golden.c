@@ -1,6 +1,6 @@
-/* Renders small frames of procedural scenes and compares them with tests/golden/NAME.png byte for byte, by the CPU
-   and each back end. --cuda: only CUDA. --update: writes the images. On a mismatch the frame and a difference
-   picture go to build/golden. */
+/* Renders small frames and compares them with tests/golden/NAME.png byte for byte, by the CPU and each back end.
+   --cuda: only CUDA. --update: writes the images. On a mismatch the frame and a difference picture go to
+   build/golden. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -62,7 +62,6 @@ static int updating;
 static const golden *current;
 static const fxs_backend *backend;
 
-/* Renders on the CPU with plain C. */
 static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *g, void *self, uint8_t *pixels,
                 fxs_message *m)
 {

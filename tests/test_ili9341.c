@@ -1,7 +1,6 @@
 /* Tests the driver of the ILI9341 display controller with a model of the controller. The model takes the bytes of
-   the bus and refuses sequences that the data sheet forbids. The displayed picture must equal the renderer's RGB565.
-   With arguments, the model takes the byte stream of a board's firmware: test_ili9341 SCENE.fxs WIDTH HEIGHT FRAMES
-   STREAM. */
+   the bus and refuses sequences that the data sheet forbids. With arguments, the model takes the byte stream of a
+   board: test_ili9341 SCENE.fxs WIDTH HEIGHT FRAMES STREAM. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -135,7 +134,6 @@ static void take_command(model *m, uint8_t code)
         begin_command(m);
 }
 
-/* Writes a pixel and advances, columns first. */
 static void write_pixel(model *m, uint16_t pixel)
 {
     const int turned = m->access & TRANSPOSE;
@@ -185,15 +183,13 @@ static void take(model *m, uint8_t kind, uint8_t byte)
         take_data(m, byte);
 }
 
-/* Returns the visible pixel, with the panel upright or on its side. The columns run right to left on the glass and
-   the colour filters begin with blue, so both orientations need BGR. */
+/* The columns run right to left on the glass and the colour filters begin with blue, so both orientations need BGR. */
 static uint16_t seen(const model *m, int32_t x, int32_t y, int upright)
 {
     return upright ? m->memory[y][SHORT_SIDE - 1 - x] : m->memory[x][y];
 }
 
-/* True if the picture shows in the upper left corner and all other pixels are untouched. pixels: RGB565, low byte
-   first. */
+/* pixels: RGB565, low byte first. */
 static int shows(const model *m, const unsigned char *pixels, int32_t width, int32_t height)
 {
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
@@ -208,7 +204,7 @@ static int shows(const model *m, const unsigned char *pixels, int32_t width, int
     return !differing;
 }
 
-/* A bus with optional DMA. The DMA reads pixels as late as possible. */
+/* A bus with optional DMA, which reads pixels as late as possible. */
 typedef struct bus {
     model *model;
     int dma;
@@ -374,7 +370,7 @@ static void test_model_refuses(void)
 
 /* ---- Byte stream of a board -------------------------------------------------------------------------------------- */
 
-/* Returns 0 if the stream shows the FRAMES steps of a turntable in turn. */
+/* Returns 0 if the stream shows the FRAMES steps of a turntable. */
 static int check_stream(char **arguments)
 {
     static model m;

@@ -1,5 +1,4 @@
-/* Tests writing and reading of image files, failures that keep the old file, and image metrics with values computed
-   by hand. */
+/* Tests image files, failed writes that keep the old file, and image metrics with values computed by hand. */
 #include <fixsplat/image.h>
 
 #include <dirent.h>
@@ -153,7 +152,7 @@ static void qualities(void)
     }
 }
 
-/* Conversion of RGB to BT.709; values may round up or down. */
+/* BT.709; values may round up or down. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -187,7 +186,6 @@ static void frames_of_films(void)
     }
 }
 
-/* Smooth pictures change by a few levels at most. */
 static void jpg(void)
 {
     uint8_t *rgba;
@@ -274,7 +272,7 @@ static void unwritable_folder(void)
     remove(in_folder("a.png"));
 }
 
-/* A limit of the file size simulates a full disk. The old file must stay. */
+/* A limit of the file size simulates a full disk. */
 static void full_disk(void)
 {
     static const char *const names[] = {"a.png", "a.ppm", "a.raw"};
@@ -447,7 +445,7 @@ static void cmyk(void)
     remove(in_folder("cmyk.jpg"));
 }
 
-/* Writes the first .jpg with bytes changed at `offset` after the first `marker`. */
+/* Changes bytes at `offset` after the first `marker`. */
 static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
 {
     uint8_t changed[sizeof baseline_jpeg];
@@ -480,7 +478,6 @@ static void bad_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* Data that end early in a complete file are an error. Bytes between segments are skipped. */
 static void damaged_jpeg(void)
 {
     uint8_t bytes[sizeof baseline_jpeg + 3], *rgba;
@@ -499,7 +496,7 @@ static void damaged_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* Makes a grey JPEG of 8 x 8 pixels that repeats its mean in many scans of 11 bytes. */
+/* A grey JPEG of 8 x 8 pixels repeats its mean in many scans of 11 bytes. */
 static void scans(void)
 {
     static const uint8_t frame[] = {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
@@ -577,7 +574,7 @@ static void put_zeros(const char *name, int side, int depth, int interlaced, siz
     free(zeros);
 }
 
-/* All bit depths and colour types become RGBA with 8 bits. Of 16 bits the upper 8 are kept. */
+/* Of 16 bits the upper 8 are kept. */
 static void png_kinds(void)
 {
     static const uint8_t palette[12] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 0, 255};
@@ -612,7 +609,7 @@ static void png_kinds(void)
     remove(in_folder("a.png"));
 }
 
-/* Returns the bytes of all rows. An interlaced picture has seven parts with their own rows. */
+/* An interlaced picture has seven parts with their own rows. */
 static size_t row_bytes(int side, int depth, int interlaced)
 {
     static const int parts[8][4] = {{0, 0, 1, 1}, {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4},
@@ -671,7 +668,7 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* Writes a .png of one pixel with a chunk of zeros before its data. `wrong` is added to the checksum of the chunk. */
+/* Writes a chunk of zeros before the data. `wrong` is added to the checksum of the chunk. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
@@ -689,7 +686,6 @@ static void put_chunked(const char *type, size_t size, int wrong)
     free(content);
 }
 
-/* Ancillary chunks are skipped, but their checksums must be right. */
 static void chunks(void)
 {
     static const char *const types[] = {"iCCP", "gAMA", "tEXt", "abCd"};

@@ -1,5 +1,5 @@
-/* Compares every fast kernel with plain C on random and extreme inputs. All outputs must be equal, and guard bytes
-   around outputs must stay. `test_kernels SEED` replays one case. `test_kernels --bench` measures times. */
+/* Compares every fast kernel with plain C on random and extreme inputs, with guard bytes around outputs.
+   `test_kernels SEED` replays one case. `test_kernels --bench` measures times. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -168,7 +168,7 @@ static void fill_rows(unsigned char *rows, int degree)
         rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
 }
 
-/* In the other profiles all byte values are valid codes. */
+/* In this profile all byte values are valid codes. */
 static void fill_other(unsigned char *rows, uint32_t bytes)
 {
     for (uint32_t row = 0; row < bytes / FXS_CHUNK; row++)
@@ -179,7 +179,6 @@ static void fill_other(unsigned char *rows, uint32_t bytes)
         made.header->palette_step_q19 = one_in(4) ? 32767 : below(32768);
 }
 
-/* Makes any chunk header that fxs_scene_open accepts, with the limits of each range. */
 static void wild_header(fxs_chunk *c)
 {
     const int64_t far = (int64_t)1 << 60;
@@ -208,7 +207,7 @@ static void point_header(fxs_chunk *c)
     }
 }
 
-/* Makes a header like a captured scene's: a box of usual size around the origin, sigma up to 0.05 units. */
+/* A header like a captured scene's: a box around the origin, sigma up to 0.05 units. */
 static void tame_header(fxs_chunk *c)
 {
     double size = exp2(uniform(-4, 2));
@@ -289,7 +288,7 @@ static void set_scale(fxs_chunk *c, int32_t scale_q16)
     c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
 }
 
-/* Sets an orthographic camera. The chunk is 1/16 to 4096 times as wide as the picture. */
+/* The chunk is 1/16 to 4096 times as wide as the picture. */
 static void zoom_to_chunk(fxs_camera *camera)
 {
     const fxs_chunk *c = chunk_of();
@@ -298,7 +297,7 @@ static void zoom_to_chunk(fxs_camera *camera)
     camera->fx_q12 = camera->fy_q12 = (int32_t)fmax(1, fmin(INT32_MAX, focal_q12));
 }
 
-/* Sets an orthographic camera with any zoom and distance. All Gaussian centres coincide on the axis. */
+/* Any zoom and distance, with all Gaussian centres on the axis. */
 static void zoom_to_point(fxs_camera *camera)
 {
     const int64_t distance = (int64_t)1 << (one_in(4) ? 13 : one_in(2) ? 60 : 13 + below(48));
@@ -312,8 +311,7 @@ static void zoom_to_point(fxs_camera *camera)
     camera->near_q32 = 1 << 12;
 }
 
-/* Moves the chunk sideways by 64 times the depth of the projection plane, or by a chunk unit more or less. The
-   largest sigma is 1/4 to 2 times as large. */
+/* Moves the chunk sideways by 64 times the depth of the projection plane, or by a chunk unit more or less. */
 static void move_off_axis(void)
 {
     fxs_chunk_view cv;
@@ -417,8 +415,7 @@ static uint32_t project_both(output *const to[4], size_t skew)
     return count[0];
 }
 
-/* Kernels pass chunks with a Gaussian that covers the whole picture to plain C. Sigmas are mostly halved until no
-   Gaussian does. */
+/* Kernels pass chunks with a Gaussian that covers the whole picture to plain C. Halved sigmas avoid such Gaussians. */
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
@@ -468,7 +465,6 @@ static int compare_words(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Checks that both versions wrote equal results for the boxes, in any order. */
 static void check_notes(const fxs_box *boxes, uint32_t count)
 {
     static uint32_t macros[9 * FXS_CHUNK + FXS_NOTES_MORE], listed[9 * FXS_CHUNK + FXS_NOTES_MORE];
@@ -484,7 +480,6 @@ static void check_notes(const fxs_box *boxes, uint32_t count)
     CHECK(noted[0] == noted[1] && !memcmp(notes[0], notes[1], noted[0] * sizeof **notes));
 }
 
-/* Compares the columns of a splat on some or all of its tile rows. */
 static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
 {
     fxs_span spans[2][64 + FXS_SPANS_MORE];
@@ -495,7 +490,6 @@ static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
     CHECK(!memcmp(spans[0], spans[1], (size_t)some * sizeof **spans));
 }
 
-/* Sorts lists with many similar and equal keys. */
 static void sort_case(void)
 {
     const uint32_t most = 1u << below(14), count = below(most) + below(2);
@@ -564,8 +558,8 @@ static int32_t extreme(int32_t low, int32_t high)
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
 }
 
-/* Makes a splat with coordinates within +-128 over the tile at (x, y), 0.55 to 100 pixels large. As tile lists
-   require, a row of the tile is in the splat's rows. */
+/* Coordinates are within +-128 over the tile at (x, y), sizes 0.55 to 100 pixels. As tile lists require, a row of
+   the tile is in the splat's rows. */
 static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 {
     const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
@@ -616,7 +610,7 @@ static void blend_case(void)
     CHECK(same(tile));
 }
 
-/* Makes a partly blended tile with transmittances from 0 to 1 and possible sums and weights. */
+/* Makes a partly blended tile with transmittances from 0 to 1. */
 static void begin_tile(fxs_tile *tile, fxs_trace *trace)
 {
     const int begun = !one_in(3);
@@ -632,7 +626,7 @@ static void begin_tile(fxs_tile *tile, fxs_trace *trace)
     }
 }
 
-/* Sets up a part of a list like the frame does: no depths, no slots, and an end for each pixel. */
+/* Sets up a part of a list without depths or slots, and with an end for each pixel. */
 static void begin_part(fxs_trace *trace, uint32_t count)
 {
     const int occluded = one_in(2);
@@ -700,7 +694,6 @@ static void resolve_case(void)
     }
 }
 
-/* Tests all sums and transmittances in each format. */
 static void resolve_every_number(void)
 {
     fxs_tile tile;
@@ -844,8 +837,8 @@ typedef struct workload {
 
 static workload *bench_load;
 
-/* Makes chunks of 0.4 units, 5 units away, at a focal length of 1000 pixels. Sigmas are 1 to 10 pixels. X of a
-   rotation lies in 0..1/4, so that (X, Y) is seldom longer than 1. */
+/* Chunks of 0.4 units, 5 units away, at a focal length of 1000 pixels. Sigmas are 1 to 10 pixels. X of a rotation
+   lies in 0..1/4, so that (X, Y) is seldom longer than 1. */
 static packed_scene bench_scene(enum fxs_profile profile)
 {
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};
@@ -904,7 +897,6 @@ static void bench_shade(workload *w, const fxs_kernels *k)
         k->shade(&w->view, &w->scene, i, w->indices[i], w->counts[i], w->splats[i]);
 }
 
-/* Measures with one visible Gaussian of 16. */
 static void bench_sparse(workload *w, const fxs_kernels *k)
 {
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {

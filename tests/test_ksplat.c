@@ -5,8 +5,8 @@ enum { HEADER = 4096, SECTION = 1024, SECTIONS = 3, ROWS = 9, ROOM = 10, BLOCK_R
 
 static fxs_gaussian gaussians[ROOM], expected[ROOM];
 
-/* Each .ksplat section groups its Gaussians in buckets. Section 0 has buckets of 2, 2 and 1 Gaussians with capacity
-   6. Section 1 is empty. Section 2 has buckets of 1, 0 and 3. */
+/* Sections group their Gaussians in buckets: section 0 has 2, 2 and 1 Gaussians, section 1 none, section 2 has 1, 0
+   and 3. */
 static const struct { uint32_t count, room, bucket_size, full, partial, lengths[3]; } sections[SECTIONS] = {
     {5, 6, 2, 2, 1, {1, 0, 0}}, {0, 0, 0, 0, 0, {0, 0, 0}}, {4, 4, 7, 0, 3, {1, 0, 3}}
 };
@@ -24,7 +24,7 @@ static float centre_of(int section, int bucket, int axis)
     return (float)(100 * section + 10 * bucket + axis) / 4;
 }
 
-/* Writes and returns a value from 1 to 4, as a float or as a half float with exponent 15 or 16. */
+/* Writes and returns a value from 1 to 4, as a float or as a half float. */
 static float put_real(int level, int row, int i)
 {
     int code = code_of(row, i) % 2048;
@@ -45,7 +45,7 @@ static float put_coefficient(int level, int row, int i)
     return -2 + 5 * (float)code / 255;
 }
 
-/* Maps SH coefficient i of the file to the library's order. The file has blocks by degree and channel. */
+/* The file has SH blocks by degree and channel. */
 static int place_of(int i)
 {
     int degree = i < 9 ? 1 : i < 24 ? 2 : 3, first = degree * degree - 1, width = 2 * degree + 1;
@@ -153,7 +153,7 @@ static void sizes(void)
         }
 }
 
-/* In a .ksplat header, compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
+/* Compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
 static void defaults(void)
 {
     make_file(2, 1);

@@ -1,5 +1,5 @@
-/* Reads .lcc files that an encoder in this test makes: with SH and without, with levels, with an environment, and
-   faulty files. `--write FOLDER SCENE [SKY]` writes a scene as FOLDER/scene.lcc. */
+/* Reads .lcc files that an encoder in this test makes: SH, levels, an environment, faults. `--write FOLDER SCENE
+   [SKY]` writes a scene as FOLDER/scene.lcc. */
 #include <fixsplat/scene.h>
 
 #include <math.h>
@@ -58,7 +58,7 @@ static void find_bounds(const fxs_gaussian *g, size_t count, bounds *scale, boun
         }
 }
 
-/* Encodes x, y, z, w without the largest component, which is made positive. */
+/* The largest component is not stored and made positive. */
 static uint32_t rotation_code(const float rotation[4])
 {
     uint32_t code = 0, greatest = 0;
@@ -138,8 +138,7 @@ static void make_meta(const char *type, int has_sh)
     say("]}");
 }
 
-/* True if a Gaussian is in a level of a cell. Level 0 has all Gaussians. Level 1 has every fourth, except in the
-   last cell. */
+/* Level 0 has all Gaussians. Level 1 has every fourth, except in the last cell. */
 static int is_in(const fxs_gaussian *g, size_t i, int cell, int level)
 {
     const int own = (g[i].position[0] > 0) + 2 * (g[i].position[2] > 0);
@@ -332,8 +331,7 @@ static void levels(void)
     }
 }
 
-/* Values worked out by hand. Right, front, up become right, down, front. SH of degree 1: -y, z, -x become -y', z',
-   -x'. */
+/* Right, front, up become right, down, front. SH of degree 1: -y, z, -x become -y', z', -x'. */
 static void axes(void)
 {
     const fxs_gaussian g = {.position = {1, -3, 2}, .scale = {-1, -2, -3}, .rotation = {1, 0, 0, 0}};
@@ -379,7 +377,6 @@ static void without_a_type(void)
         }
 }
 
-/* An environment without bounds uses the bounds of the scene. */
 static void bounds_of_the_sky(void)
 {
     write_made(0, 1);
@@ -426,7 +423,6 @@ static void faulty_meta(void)
     }
 }
 
-/* Cell 0 is the last in the index. Level 0 begins at byte 4 of the cell. */
 static void faulty_index(void)
 {
     static const struct { int at, size; uint64_t value; const char *words; } cases[] = {

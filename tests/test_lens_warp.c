@@ -1,12 +1,11 @@
-/* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula.
-   Round trips use the undistortion of a fit. */
+/* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include "src/fit/photo_pixels.h"
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* FNV-1a hash of a noise picture through each lens in turn. */
+/* FNV-1a hash of a noise picture through each lens. */
 #define GOLDEN 0x6dbc72eeu
 
 static const struct {
@@ -39,7 +38,7 @@ static void make(size_t number, fxs_lens_warp *warp)
     CHECK(warp->cover.width >= 1 && warp->cover.width <= 4 * WIDE + 4 && warp->cover.height <= 4 * HIGH + 4);
 }
 
-/* Returns a smooth colour for a direction, with low frequencies for wide views. */
+/* Colour for a direction, with low frequencies for wide views. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(2 * x + c) + 50 * cos(1.5 * y - x + 2 * c);
@@ -169,7 +168,6 @@ static void same_bytes(void)
         printf("  0x%08xu\n", (unsigned)hash);
 }
 
-/* Lenses with extreme parameters give an empty picture or any picture within the largest size. */
 static void strange_lenses(void)
 {
     static const double extremes[] = {0, 1e-300, 1e-9, 0.5, 3, 1e4, 1e150, 1e300};

@@ -1,9 +1,9 @@
-/* Tests masks of photographs: their file names, masks through lenses and in smaller pictures, and refused masks. */
+/* Tests masks of photographs: file names, masks through lenses and in smaller pictures, and refused masks. */
 #include "photo_folder.h"
 
 enum { WIDTH = 24, HEIGHT = 20, PIXELS = WIDTH * HEIGHT, VIEWS = 3 };
 
-/* Returns a path in the folder that stays valid for the whole test. */
+/* The path stays valid for the whole test. */
 static const char *kept_name(const char *name)
 {
     static char path[1024];
@@ -27,7 +27,6 @@ static void draw(uint8_t grey[PIXELS], int seed)
     }
 }
 
-/* Makes a COLMAP folder with a.jpg, b.png and sub/c.jpg. */
 static void put_set(const char *camera)
 {
     static const char *const names[VIEWS] = {"a.jpg", "b.png", "sub/c.jpg"};
@@ -60,7 +59,6 @@ static int are_masks(const uint8_t *const wanted[VIEWS])
 
 static uint8_t disc[2][PIXELS], inverse[2][PIXELS], white[PIXELS], black[PIXELS];
 
-/* Tests both naming schemes for masks. A white mask counts as no mask. */
 static void names(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -154,8 +152,7 @@ static void smaller(void)
     }
 }
 
-/* Each photograph is its own mask. After undistortion, pixels that count must be white, and ignored pixels must
-   contain some black. */
+/* Each photograph is its own mask. Pixels that count must be white, and ignored pixels must contain some black. */
 static void lenses(void)
 {
     static const char *const cameras[] = {"PINHOLE 24 20 25 25 12 10", "SIMPLE_RADIAL 24 20 25 12 10 -0.2",
@@ -181,7 +178,6 @@ static void lenses(void)
         }
 }
 
-/* A lens that moves no pixel leaves the mask unchanged. */
 static void lens_of_almost_nothing(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -227,8 +223,7 @@ static void bad_masks(void)
 
 #define MATRIX "\"transform_matrix\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"
 
-/* mask_path is relative to transforms.json. Without mask_path, masks are in the folder "masks" beside
-   transforms.json, with names without images/. */
+/* Without mask_path, masks are in the folder "masks" beside transforms.json, with names without images/. */
 static void transforms(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -260,8 +255,7 @@ static void transforms(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* Transparent pixels of a photograph are ignored. A mask and the alpha must both count a pixel. Transparent pixels
-   of a mask are black. */
+/* A mask and the alpha must both count a pixel. Transparent pixels of a mask are black. */
 static void alpha(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .background = {9, 9, 9}};

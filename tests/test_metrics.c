@@ -21,7 +21,7 @@ static uint8_t random_level(uint64_t number, double low, double high)
     return (uint8_t)(low + (high - low) * (double)fxs_fit_uniform(fxs_fit_random(3, 1, number)));
 }
 
-/* Sets the photograph to the picture after a colour map. Whole factors need no rounding. */
+/* Whole factors need no rounding. */
 static void map_colours(const double map[3][4])
 {
     for (int i = 0; i < 4 * PIXELS; i++) {
@@ -51,7 +51,7 @@ static void maps_are_found(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * 12)) < 0.1);
 }
 
-/* A picture of one colour is mapped to the mean of the photograph. A grey picture is mapped to the best line. */
+/* A picture of one colour is mapped to the mean of the photograph, a grey picture to the best line. */
 static void pictures_without_colours(void)
 {
     double sum = 0, squares = 0;
@@ -91,7 +91,6 @@ static void colours_that_follow_from_each_other(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / (yy - xy * xy / xx))) < 1e-6);
 }
 
-/* Mapped colours are clamped to 0 to 255. Without clamping, half of the pixels would be 200 levels above 255. */
 static void maps_are_cut(void)
 {
     for (int i = 0; i < 4 * PIXELS; i++) {

@@ -1,5 +1,4 @@
-/* Tests the near plane: a close view of an object must be equal at any size of the object. Pictures are compared
-   with the double-precision renderer. */
+/* Tests the near plane: a close view of an object must be equal at any size of the object. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,7 +83,7 @@ static double psnr_of(const uint8_t *a, const uint8_t *b)
     return metrics.psnr;
 }
 
-/* Looks at the object from half a unit before its front, in units of the full size. The near plane is at 0.02 units. */
+/* The camera is half a unit before the object, in units of the full size. The near plane is at 0.02 units. */
 static void check_size(double size, const uint8_t full[PIXELS * 4], uint8_t out[PIXELS * 4])
 {
     static const double up[3] = {0, -1, 0}, place[3] = {0.5, -0.9, -3.6}, target[3] = {0.2, -0.2, 0};
@@ -138,7 +137,6 @@ static void test_sizes_are_framed_alike(void)
     }
 }
 
-/* Every corner of a box is in the framed picture, and a corner is close to the edge. */
 static void test_boxes_are_framed_whole(void)
 {
     static const double boxes[][3] = {{1, 1, 1},       {0.1, 9, 0.1},      {9, 0.1, 9},

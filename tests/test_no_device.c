@@ -32,7 +32,6 @@ static void no_device(void)
 }
 #endif
 
-/* The back end is always listed, with the reason why it is unusable. */
 static void table(void)
 {
 #ifdef FXS_WITH_CUDA

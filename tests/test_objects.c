@@ -1,5 +1,5 @@
-/* Renders frames of several objects. They are compared with the double-precision reference renderer of the merged
-   scene. Where the integers agree, they must equal frames of a single scene. */
+/* Renders frames of several objects. They are compared with the reference renderer of the merged scene. Where the
+   integers agree, they must equal frames of a single scene. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"
@@ -213,7 +213,7 @@ static void free_scenes(void)
         free(scenes[i].data);
 }
 
-/* Renders all targets of a frame in `bytes` of memory. 0: as much as the frame needs. */
+/* bytes 0: as much memory as the frame needs. */
 static int draw(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                 const fxs_options *options, size_t bytes, picture *p, fxs_stats *stats)
 {
@@ -299,7 +299,7 @@ static void test_carried_with_the_camera(void)
     CHECK(drawn > 60);
 }
 
-/* Crop boxes that keep everything change nothing, though they use other code. */
+/* Crop boxes that keep everything use other code, but change nothing. */
 static void test_crop_around_all(void)
 {
     const fxs_crop all[2] = {{{INT64_MIN, INT64_MIN, INT64_MIN}, {INT64_MAX, INT64_MAX, INT64_MAX}, 0},
@@ -394,7 +394,6 @@ static void test_hidden_objects(void)
     }
 }
 
-/* At equal depth, the first object of the list is in front. */
 static void test_ties(void)
 {
     int seen = 0;
@@ -737,7 +736,6 @@ static void test_bad_objects(void)
     CHECK(render_good(2) == 0 && !untouched(&good.picture));
 }
 
-/* 65,536 objects are accepted, 65,537 are refused. */
 static void test_too_many_objects(void)
 {
     fxs_object *objects = malloc((FXS_MAX_OBJECTS + 1) * sizeof *objects);

@@ -1,5 +1,5 @@
-/* Packs scene files that the test writes, and checks the losses, bytes and order of each profile. A chunk is 256
-   Gaussians of a packed scene. */
+/* Packs scene files, and checks the losses, bytes and order of each profile. A chunk is 256 Gaussians of a packed
+   scene. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -149,7 +149,6 @@ static void note(double difference, double step)
     worst_step = fmax(worst_step, fabs(difference) / step);
 }
 
-/* Sorts the axes as packing does, the longest axis first. */
 static void find_order(int order[3], const float scale[3])
 {
     for (int i = 0; i < 3; i++)
@@ -192,7 +191,7 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     }
 }
 
-/* Compares each packed Gaussian with its source, within half a step plus the rounding of floats. */
+/* Values agree within half a step plus the rounding of floats. */
 static void check_packed(size_t count, int sh_degree)
 {
     fxs_scene scene = pack(count, sh_degree);
@@ -296,8 +295,7 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* The inner box holds two objects of 3 % and 1 % of the Gaussians. The box excludes floaters and invisible
-   Gaussians. */
+/* The inner box holds two objects of 3 % and 1 % of the Gaussians, without floaters. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -322,7 +320,7 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Surroundings that thin out to 100 times the object's size leave the inner box within 4 times the object. */
+/* Surroundings thin out to 100 times the object's size. The inner box stays within 4 times the object. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -339,7 +337,6 @@ static void test_inner_bounds_in_surroundings(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Invisible Gaussians, or a single Gaussian, still give an inner box. */
 static void test_inner_bounds_of_little(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, one[3] = {3, 4, 5};
@@ -368,7 +365,6 @@ static void test_all_equal(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The largest accepted values pack to a valid scene. */
 static void test_extremes(void)
 {
     make_gaussians(512);
@@ -388,7 +384,7 @@ static void test_extremes(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* An SH step is the smallest step that lets code 127 reach the largest coefficient, up to the format's limit. */
+/* The SH step is the smallest step that lets code 127 reach the largest coefficient. */
 static void test_sh_steps_up_to_the_limit(void)
 {
     static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
@@ -415,7 +411,7 @@ static void test_sh_steps_up_to_the_limit(void)
         }
 }
 
-/* Residuals of a palette are coded as odd numbers from -7 to 7. Packing must use all eight. */
+/* Residuals of a palette are coded as odd numbers from -7 to 7. */
 static void test_every_residual_code_serves(void)
 {
     uint32_t uses[8] = {0}, all = 0;
@@ -458,7 +454,6 @@ static void test_bytes_skipped(void)
     CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == FXS_ERR_FILE);
 }
 
-/* The reader returns the announced number of Gaussians, though the file holds more. */
 static void test_no_more_than_announced(void)
 {
     fxs_scene_file *file = NULL;
@@ -498,7 +493,7 @@ static void test_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The share of dropped Gaussians weighs each by opacity times the area of its two largest axes. */
+/* The share weighs each Gaussian by opacity times the area of its two largest axes. */
 static void test_share_of_what_is_dropped(void)
 {
     make_gaussians(100);
@@ -535,8 +530,7 @@ static double packed_scale(const fxs_scene *scene, uint32_t axis)
     return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
 }
 
-/* In a chunk of a single Gaussian, a thin axis is clamped to the range of the codes, and a large axis to the
-   format's maximum. */
+/* A thin axis is clamped to the range of the codes, and a large axis to the format's maximum. */
 static void test_axes_are_held(void)
 {
     static const float cases[][2][3] = {
@@ -557,7 +551,6 @@ static void test_axes_are_held(void)
     }
 }
 
-/* Thin Gaussians hardly coarsen the scale steps of the other Gaussians of their chunk. */
 static void test_needles_in_a_chunk(void)
 {
     double rms[2];
@@ -674,7 +667,7 @@ static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degr
         note_loss(5, d->sh[k] - (double)g->sh[k]);
 }
 
-/* Compares the report's losses with losses computed from values decoded by docs/format.md. */
+/* Compares the report's losses with values decoded by docs/format.md. */
 static void check_loss(size_t count, int sh_degree)
 {
     fxs_scene s = pack(count, sh_degree);
@@ -716,7 +709,7 @@ static int is_near(double x, double expected)
     return fabs(x - expected) <= 2e-6 * fmax(1, fabs(expected));
 }
 
-/* Read as a file, a packed scene returns its decoded values. Any changed byte is detected. */
+/* Any changed byte is detected. */
 static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
 {
     static fxs_gaussian read[1000];
@@ -773,7 +766,6 @@ static void test_read_back(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* A single coefficient exceeds the range of a palette. The report must include its loss. */
 static void test_loss_of_huge_sh(void)
 {
     make_gaussians(1500);
@@ -785,7 +777,7 @@ static void test_loss_of_huge_sh(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Files with 8-bit colours, opacities and SH keep their exact codes when packed. */
+/* Files with 8-bit values keep their exact codes. */
 static void test_few_bits_are_kept(void)
 {
     static const char *const names[] = {"luma-seal/luma-seal.splat", "kitchen-marble/kitchen-marble.spz"};
@@ -818,8 +810,7 @@ static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
     return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
 }
 
-/* A chunk gets the opacity code with the finest steps that covers its largest opacity. Gaussians that never reach
-   alpha 1/255 are not drawn. */
+/* A chunk gets the opacity code with the finest steps that covers its largest opacity. */
 static void test_faint_chunks_get_fine_steps(void)
 {
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
@@ -838,8 +829,7 @@ static void test_faint_chunks_get_fine_steps(void)
     }
 }
 
-/* The choice of the opacity code weighs each squared error by 1/opacity. In a half-opaque chunk the faint half
-   decides. */
+/* Each squared error is weighed by 1/opacity, so in a half-opaque chunk the faint half decides. */
 static void test_faint_half_decides_on_the_law(void)
 {
     make_gaussians(256);
@@ -906,7 +896,6 @@ static void check_sh_loss(const char *what, size_t count, int degree, enum fxs_p
     fxs_packed_scene_free(&packed);
 }
 
-/* Each chunk has its own SH, and more clusters exist than palette entries. The chunk means must hold the SH. */
 static void test_means_of_chunks(void)
 {
     enum { CLUSTERS = 32, COUNT = CLUSTERS * FXS_CHUNK };
@@ -924,7 +913,6 @@ static void test_means_of_chunks(void)
     check_sh_loss("means", COUNT, 3, FXS_PROFILE_COMPACT, 0.0021);
 }
 
-/* The scene has few independent SH coefficients, so palettes must fit well. */
 static void test_palettes_are_good(void)
 {
     enum { COUNT = 20000 };
@@ -944,13 +932,12 @@ static void test_palettes_are_good(void)
 
 enum { ALIKE, SIZES, OPACITIES, FLAT, MIXTURES };
 
-/* True if the SH errors of a Gaussian must cancel. */
 static int matters(int mixture, double scale, double opacity)
 {
     return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
 }
 
-/* Returns the squared sum of SH errors that must cancel, over the chunk from slot `first`. */
+/* Squared sum of the SH errors of a chunk from slot `first`. */
 static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
 {
     double sums[9] = {0}, square = 0;
@@ -1092,7 +1079,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* Returns the merged Gaussians, and for each source the index of its merged Gaussian. */
+/* into: for each source the index of its merged Gaussian. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1262,8 +1249,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
     return entries;
 }
 
-/* The order holds each Gaussian once, with dropped Gaussians last. The order is independent of the number of
-   threads. */
+/* Dropped Gaussians come last in the order. */
 static void check_order(uint32_t count, uint32_t threads, int kind)
 {
     static unsigned char seen[MAX_COUNT];
@@ -1296,7 +1282,7 @@ static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), voi
         job(argument, i);
 }
 
-/* Gaussians marked to be kept together (none, a third, all) come after the chunks of all other Gaussians. */
+/* Gaussians marked to be kept together come after the chunks of all other Gaussians. */
 static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
@@ -1320,7 +1306,7 @@ static void test_likes_are_together(void)
     }
 }
 
-/* 200 of 10,184 Gaussians lie up to 2^20 units away. They share 1 of the 40 chunks. */
+/* 200 of 10,184 Gaussians lie up to 2^20 units away and share 1 of the 40 chunks. */
 static void test_strays_are_apart(void)
 {
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
@@ -1346,7 +1332,7 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
-/* An even sample misses 256 distant Gaussians among 40,000. They must still get their own chunk. */
+/* An even sample misses 256 distant Gaussians among 40,000. */
 static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
@@ -1369,7 +1355,7 @@ static void test_no_stray_is_missed(void)
     CHECK(strays == FXS_CHUNK);
 }
 
-/* Clusters of 1 to 5 chunks stand in 5 columns of 4. No two clusters share a chunk. */
+/* Clusters of 1 to 5 chunks stand in 5 columns of 4. */
 static void test_clusters_are_apart(void)
 {
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
@@ -1402,7 +1388,6 @@ static void test_chunks_are_small(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Moves the last 256 Gaussians away: one to the first distance or beyond, 8 to the second or beyond, and so on. */
 static void make_strays(void)
 {
     static const float away[] = {24569, 763, 146, 87, 80};
@@ -1418,7 +1403,7 @@ static void make_strays(void)
     }
 }
 
-/* Reads the packed scene as a file. Returns the number of Gaussians, or an error code. */
+/* Returns the number of Gaussians, or an error code. */
 static long read_back(fxs_gaussian *to)
 {
     fxs_scene_file *file;
@@ -1504,7 +1489,6 @@ static void check_progress(uint32_t threads)
     }
 }
 
-/* Packing with several passes over the file for the SH must give the same bytes and losses. */
 static void check_held(uint32_t chunks)
 {
     fxs_packed_scene all;

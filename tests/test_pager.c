@@ -1,6 +1,5 @@
-/* Tests paged scenes, which keep part of their chunks in a pool and load chunks from a source on demand. Once no
-   chunk is missing, frames must equal the whole scene's. Sources may be slow, fail, corrupt data, end early or never
-   answer. */
+/* Tests paged scenes, which load chunks from a source into a pool on demand. Once no chunk is missing, frames must
+   equal the whole scene's. Sources may be slow, fail, corrupt data, end early or never answer. */
 #ifdef __linux__
 #define _GNU_SOURCE                    /* for RUSAGE_THREAD */
 #endif
@@ -137,7 +136,6 @@ static int is_as_whole(fxs_camera camera, uint32_t budget)
     return !memcmp(pictures[0], pictures[1], PIXELS);
 }
 
-/* After camera jumps, a pool of a third of the scene gives the same bytes. */
 static void test_same_bytes(void)
 {
     const uint32_t places = fxs_scene_chunks(&whole) / 3;
@@ -162,7 +160,7 @@ static void test_same_bytes(void)
     CHECK(s.closed == 1);
 }
 
-/* Without a budget all leaves are drawn, and finally the pool holds all chunks. */
+/* Without a budget the pool finally holds all chunks. */
 static void test_all(void)
 {
     bytes_source s = {.reads = 0};
@@ -176,7 +174,6 @@ static void test_all(void)
     fxs_pager_close(pager);
 }
 
-/* Reads a whole file, a file being written, a truncated file, a missing file, and a folder. */
 static void test_file(void)
 {
     char path[128];
@@ -236,7 +233,7 @@ static void test_damaged_heads(void)
     CHECK(!open_with(&s, 15, &why) && strstr(why.text, "too little"));
 }
 
-/* The header claims a billion Gaussians. Reads must fail before memory is allocated for them. */
+/* Reads must fail before memory is allocated for a billion Gaussians. */
 static void test_large_claim(void)
 {
     fxs_packed_header h;
@@ -286,7 +283,6 @@ static void test_lies(void)
     fxs_pager_close(pager);
 }
 
-/* Temporary failures are retried. Permanent failures are errors, whatever code the source returns. */
 static void test_failures(void)
 {
     fxs_message why;
@@ -340,7 +336,7 @@ static void test_never_answers(void)
     CHECK(s.closed == 1 && s.cancelled && fxs_clock(0) - start < 20 * SECOND);
 }
 
-/* A pool too small for a frame reports an error. Frames continue with as many chunks as fit. */
+/* Frames continue with as many chunks as fit. */
 static void test_no_room(void)
 {
     bytes_source s = {.reads = 0};
@@ -367,7 +363,7 @@ static double seconds_of_thread(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Returns the number of voluntary waits of the current thread, 0 if the system does not count. */
+/* Number of voluntary waits of the current thread, 0 if the system does not count. */
 static long waits_of_thread(void)
 {
 #ifdef RUSAGE_THREAD
@@ -378,8 +374,7 @@ static long waits_of_thread(void)
 #endif
 }
 
-/* Renders 300 frames of a moving camera from a source of 50 MB/s. Frames must not wait for the source. With a still
-   camera the picture converges. */
+/* The source has 50 MB/s. Frames of a moving camera must not wait for the source. */
 static void test_path(void)
 {
     bytes_source s = {.rate = 50000000};

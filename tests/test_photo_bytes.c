@@ -1,5 +1,5 @@
-/* Photographs must load to the same bytes on every machine: JPEG, lens, size and background. The test needs only
-   libjpeg-turbo, so that other processors can build it. */
+/* Photographs must load to the same bytes on every machine. The test needs only libjpeg-turbo, so that other
+   processors can build it. */
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"

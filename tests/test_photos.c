@@ -1,5 +1,5 @@
 /* Tests photographs with their cameras: every folder layout, sizes, backgrounds, lenses, points, bad input, and real
-   sets if present. Results are compared with plain reference code. */
+   sets if present. */
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
 #include "src/fit/blocks.h"
@@ -44,7 +44,7 @@ static void make_points_bin(uint64_t count)
     }
 }
 
-/* Writes photographs of two sizes, named from last to first. Camera 5 has half the size of its photographs. */
+/* Photographs have two sizes. Camera 5 has half the size of its photographs. */
 static void put_colmap(int binary)
 {
     if (binary) {
@@ -140,7 +140,6 @@ static uint32_t hash_of_pixels(void)
     return hash;
 }
 
-/* A model can be named by its folder, by the folder above, or by its files, in binary or text. */
 static void colmap(void)
 {
     static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
@@ -172,7 +171,7 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* Compares random points with the points of the previous set that had none. */
+/* The points must equal those of the previous set without points. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -321,7 +320,7 @@ static void missing_folders(void)
     put_colmap(1);
 }
 
-/* A single camera is enough. If the camera is held out for testing, no photograph remains and the fit is refused. */
+/* If the only camera is held out for testing, the fit is refused. */
 static void one_camera(void)
 {
     static const uint8_t black[24 * 20 * 3];
@@ -392,13 +391,12 @@ static void averages(void)
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* Returns a smooth colour for a direction. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(4 * x + c) + 50 * cos(3 * y - 2 * x + 2 * c);
 }
 
-/* Inverts the lens formula by Newton's method with differences. */
+/* Inverts the lens formula by Newton's method. */
 static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 {
     const double step = 1e-6;
@@ -543,7 +541,7 @@ static void lens_models(void)
         check_lens(i);
 }
 
-/* A pinhole camera leaves pixels untouched. A lens that folds the picture over itself is refused. */
+/* A lens that folds the picture over itself is refused. */
 static void lens_limits(void)
 {
     static uint8_t rgb[3 * WIDE * HIGH];
@@ -569,7 +567,7 @@ static void put_lens(const char *camera)
     put_text("one/cameras.txt");
 }
 
-/* Fisheye pictures of 180 degrees and more are cropped at 60 degrees from the axis on the farthest side. */
+/* Fisheye pictures of 180 degrees and more are cropped at 60 degrees from the axis. */
 static void lens_widest(void)
 {
     static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
@@ -627,7 +625,6 @@ static void say_frames(const char *top, const char *format, int count)
     say("]}");
 }
 
-/* Blender's layout has no size, names without endings, and a separate list of test photographs. */
 static void blender(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 8, .seed = 1};
@@ -725,8 +722,8 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for / give the same set and order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0".
-   Endings may differ in case. A real \ in a name works too. */
+/* Names with \ for / give the same set and order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0". A real
+   \ in a name works too. */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -775,7 +772,7 @@ static void names_of_windows(void)
 #define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
                    "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
 
-/* nerfstudio has the same lens as COLMAP's OPENCV, and its fit starts with the points of a .ply. */
+/* nerfstudio has the same lens as COLMAP's OPENCV. */
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -891,7 +888,7 @@ static void nerfstudio_fisheye(void)
     remove_file("one/transforms.json");
 }
 
-/* Each frame may have its own camera. Missing values come from the top of the file. */
+/* Missing values of a frame come from the top of the file. */
 static void nerfstudio_cameras(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -912,7 +909,6 @@ static void nerfstudio_cameras(void)
     put_ppm("n/a.ppm", 24, 20, NULL);
 }
 
-/* transforms.json may list the photographs to fit and the photographs held out for testing. */
 static void nerfstudio_parts(void)
 {
     static const struct {
@@ -1005,7 +1001,7 @@ static void nerfstudio_part_faults(void)
     }
 }
 
-/* A folder of an Inria model has names without endings and points in input.ply. */
+/* The folder has names without endings and points in input.ply. */
 static void inria(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};

@@ -68,8 +68,7 @@ static void test_coordinate(void)
     CHECK(wrong == 0);
 }
 
-/* Compares level = coordinate^2 + base for every coordinate. The level may be half a unit off and saturates at the
-   top. */
+/* The level is coordinate^2 + base. The level may be half a unit off and saturates at the top. */
 static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int base_q11)
 {
     int64_t wrong = 0;
@@ -123,7 +122,6 @@ static void test_alpha(void)
     CHECK(fxs_alpha_q15(0) == FXS_ALPHA_MAX_Q15 && fxs_alpha_q15(FXS_FAINT_Q11) > 0);
 }
 
-/* A weight is never negative and never exceeds the remaining transmittance. */
 static void test_weight(void)
 {
     int least = 0, most = 0, over = 0;
@@ -137,7 +135,7 @@ static void test_weight(void)
     CHECK(least >= 0 && most >= 0 && over >= 0);   /* no sign bit seen */
 }
 
-/* All products of weight and colour, then all sums with each size of product. */
+/* Tests all products of weight and colour, then all sums with each size of product. */
 static void test_accumulate(void)
 {
     int sign = 0, most = 0, wrong = 0;
@@ -156,7 +154,6 @@ static void test_accumulate(void)
     CHECK(wrong == 0);
 }
 
-/* The weights of a pixel add up to its lost transmittance, for any alphas. */
 static void test_weights_add_up(void)
 {
     for (int start = 0; start < FXS_FAINT_Q11; start += 7) {

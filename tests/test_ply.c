@@ -18,7 +18,7 @@ static double value_of(const char *name, int row, int is_whole)
     return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
 }
 
-/* Converts a value to a half float without rounding. */
+/* Converts without rounding. */
 static uint32_t half_of(double value)
 {
     int exponent = 0;
@@ -188,8 +188,7 @@ static void every_type(void)
         }
 }
 
-/* Tests half floats of each sign and exponent, and special values. The type `ushort` has the same bytes in a binary
-   file. An infinite logit is read as 20. */
+/* The type `ushort` means half floats in a binary file. An infinite logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -253,7 +252,6 @@ static void one_half(void)
         }
 }
 
-/* An infinite logit is opaque or transparent. NaN stays NaN. */
 static void infinite_opacities(void)
 {
     static const char *const types[] = {"float", "double", "half"};
@@ -286,7 +284,7 @@ static void infinite_opacities(void)
 
 /* ---- Properties under other names ---- */
 
-/* Writes a file of a single Gaussian with all properties 1, followed by further properties "type name". */
+/* Writes a single Gaussian with all properties 1, followed by further properties "type name". */
 static void put_with(const char *const *more, const double *values, int count, int encoding)
 {
     size = 0;
@@ -745,7 +743,6 @@ static void wrong_rest_counts(void)
     check_fails("element vertex has no property f_rest_4");
 }
 
-/* A count that the file cannot hold is refused before any allocation. */
 static void absurd_counts(void)
 {
     for (int encoding = ASCII; encoding <= BIG; encoding++) {

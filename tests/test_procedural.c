@@ -1,5 +1,4 @@
-/* Tests the procedural scenes: hashes of their bytes, plausible values, and each scene's special property. Also
-   tests the .ply writer. */
+/* Tests the procedural scenes: hashes of their bytes, plausible values, and each scene's special property. */
 #include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
@@ -134,7 +133,7 @@ static void test_meadow_has_strays_and_discs(void)
     }
 }
 
-/* At every count, nearly all Gaussians of the scene "fence" are 5 to 40 times as long as wide. */
+/* Nearly all Gaussians of the scene "fence" are 5 to 40 times as long as wide. */
 static void test_fence_has_needles(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("fence");
@@ -207,7 +206,7 @@ static float float_at(const unsigned char *bytes)
     return value;
 }
 
-/* Checks every float of a row with SH degree 3. f_rest is stored channel by channel. */
+/* f_rest is stored channel by channel. */
 static void check_row(const unsigned char *row, const fxs_gaussian *g)
 {
     int wrong = 0;
@@ -266,7 +265,6 @@ static void test_ply_degrees(void)
     }
 }
 
-/* Each failure gives a message, leaves no temporary file, and keeps an existing file. */
 static void test_ply_failures(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("cubes");

@@ -1,7 +1,6 @@
 /* Tests image quality. 8-bit frames are compared with a double-precision renderer (reference.c) of the unquantised
-   file. Mean and worst PSNR of four views must reach minimum values, for each packing profile, for the stages blend
-   and resolve alone, and for .spz. FXS_PROCESSORS=all renders more pixels and prints rows of the table in
-   docs/measured.md. */
+   file. Mean and worst PSNR of four views must reach minimum values. FXS_PROCESSORS=all renders more pixels and
+   prints rows of the table in docs/measured.md. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,8 +75,7 @@ typedef struct splat_list {
     uint32_t count;
 } splat_list;
 
-/* Rounds a splat (projected Gaussian) of the reference to the record of the blend stage. Returns 0 if the splat
-   touches no pixel. */
+/* Rounds a splat (projected Gaussian) to the record of the blend stage. Returns 0 if the splat touches no pixel. */
 static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r)
 {
     double offset = -2 * log(r->opacity), cx = r->x - 0.5, cy = r->y - 0.5;
@@ -147,7 +145,7 @@ static double processor_seconds(void)
     return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
 }
 
-/* Loads an .spz of version 4 for comparison. Skipped in builds without zstd. */
+/* Skipped in builds without zstd. */
 static void load_spz(subject *s)
 {
     char path[] = "/tmp/fixsplat-quality-XXXXXX";

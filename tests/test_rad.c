@@ -1,5 +1,5 @@
 /* Reads .rad files that the test makes: every encoding of every property, SH palettes, level-of-detail trees, faulty
-   files. Also reads files of the library's writer. */
+   files. */
 #include "scene_writer.h"
 #include "rad_bytes.h"
 
@@ -37,7 +37,7 @@ static const struct { const char *name; int numbers; } properties[PROPERTIES] = 
     {"child_count", 1}, {"child_start", 1}, {"sh_label", 1}
 };
 
-/* Returns the decoded value of code_of. Encodings with a range use the range -1 to 3. */
+/* Encodings with a range use the range -1 to 3. */
 static double value_of(const char *encoding, int property, int row, int i)
 {
     const int code = code_of(property, row, i);
@@ -126,7 +126,7 @@ static int reads(uint64_t count)
     return CHECK(info.count == count && strcmp(info.format, "rad") == 0 && !info.antialiased);
 }
 
-/* Computes x, y, z, w by Spark's formulas: an octahedral axis and an angle of 0 to pi. */
+/* Spark's formulas: an octahedral axis and an angle of 0 to pi. */
 static void expected_rotation(int row, double q[4])
 {
     int code[3];
@@ -227,7 +227,6 @@ static void steps_of_colours(void)
     CHECK(reads(COUNT) && info.colour.step == 0);
 }
 
-/* The first chunk has a palette of two. Both chunks have labels. */
 static void palettes(void)
 {
     static const int labels[COUNT] = {1, 0, 1, 1, 0};
@@ -374,7 +373,7 @@ static void write_line(int count, float opacity)
     size = file_size;
 }
 
-/* Each level keeps the moments of the whole scene: mean, colours, and variance along the line. */
+/* Each level keeps the mean, the colours, and the variance along the line. */
 static void check_level(int level, uint64_t before)
 {
     static fxs_gaussian all[MANY];
@@ -401,7 +400,6 @@ static void check_level(int level, uint64_t before)
     CHECK(fabs(sqrt(variance / sum) - MANY / 64.0 / sqrt(12)) < 0.1);
 }
 
-/* Writing twice gives equal bytes. The last level is a single Gaussian as wide as the scene. */
 static void written_trees(void)
 {
     static uint8_t again[MAX_FILE];

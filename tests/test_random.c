@@ -1,5 +1,5 @@
-/* Renders random packed scenes with random cameras and options. A constant hash of all frames must hold for every
-   compiler, optimisation level and processor. `test_random N` prints the hash of case N. Needs only src/. */
+/* Renders random packed scenes. A constant hash of all frames must hold for every compiler, optimisation level and
+   processor. `test_random N` prints the hash of case N. Needs only src/. */
 #include <inttypes.h>
 
 #include "one_scene.h"

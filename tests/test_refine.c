@@ -1,5 +1,5 @@
 /* Tests the refinement of levels of detail against photographs. Pictures within a budget must come closer to the
-   full picture. The bytes must not depend on threads or kernels. Damaged options and trees are refused. */
+   full picture. Damaged options and trees are refused. */
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
@@ -30,7 +30,7 @@ static float number(uint32_t *state)
     return (float)((*state = *state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
 }
 
-/* Makes a ball with squares in two colours, and as many hidden Gaussians inside the ball. */
+/* The ball has squares in two colours, and as many hidden Gaussians inside. */
 static void make(void)
 {
     uint32_t state = 3;
@@ -232,7 +232,6 @@ static void check_refused(void)
     fxs_packed_scene_free(&plain);
 }
 
-/* Tests headers and nodes with changed numbers and right checksums. The result is an error or a valid tree. */
 static void check_damaged(void)
 {
     const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};

@@ -1,5 +1,4 @@
-/* Tests the simple interface renderer.h: a scene in memory in two formats gives the same picture. Tests limits,
-   damaged data and wrong arguments. */
+/* Tests the simple interface renderer.h: a scene in memory in two formats, limits, damaged data and wrong arguments. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -269,7 +269,7 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Scales have the first and last codes only. Rotations have the first code, the last code and 0 only. */
+/* Rotations have the first code, the last code and 0 only. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
@@ -282,7 +282,6 @@ static void extreme_codes(unsigned char *rows)
         }
 }
 
-/* Makes a random rotation matrix, sometimes with swapped axes. */
 static void random_rotation(int32_t m_q30[9])
 {
     double q[4], norm = 0;
@@ -313,7 +312,7 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = any(60);
 }
 
-/* Moves the camera into or near the box of the first chunk, with an ordinary field of view. */
+/* Moves the camera into or near the box of the first chunk. */
 static void move_close(fxs_camera *camera)
 {
     const int64_t limit = (int64_t)1 << 60;

@@ -1,4 +1,4 @@
-/* Tests scenes with fewer, merged Gaussians: counts, the moments that a merge keeps, and errors. */
+/* Tests scenes with merged Gaussians: counts, the moments that a merge keeps, and errors. */
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include "scene_bytes.h"
@@ -15,7 +15,7 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* Makes discs that are too faint for any merged opacity to saturate. */
+/* The discs are too faint for any merged opacity to saturate. */
 static void make(void)
 {
     uint32_t state = 7;
@@ -123,7 +123,6 @@ static void moments(void)
     fxs_scene_file_close(file);
 }
 
-/* Two equal Gaussians merge before two different Gaussians. */
 static void alike_first(void)
 {
     make();

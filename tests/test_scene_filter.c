@@ -49,8 +49,7 @@ static int open_filtered(void)
     return result;
 }
 
-/* Reads the file twice, `step` Gaussians a call. Only the last call may return fewer. Returns the number of
-   Gaussians. */
+/* Reads the file twice, `step` Gaussians a call. Returns the number of Gaussians. */
 static long read_left(fxs_gaussian *out, long step)
 {
     long total = 0, n = step;
@@ -67,7 +66,6 @@ static long read_left(fxs_gaussian *out, long step)
     return total;
 }
 
-/* Checks that the file returns the Gaussians with left(i) true, in ascending order, for every step. */
 static void check_left(int (*left)(int i))
 {
     static fxs_gaussian out[COUNT + COUNT];
@@ -140,7 +138,7 @@ static int compare_levels(const void *a, const void *b)
 }
 
 /* True if Gaussian i has neighbours `sigmas` from its centre along its longest axis. Gaussians with odd index are
-   rotated by 90 degrees about z. */
+   rotated by 90 degrees. */
 static int has_neighbours(int i, double width, int sigmas)
 {
     const float *s = made[i].scale;
@@ -208,8 +206,7 @@ static void floaters(void)
     }
 }
 
-/* Floaters are found after the other filters. In a heap of 8 each Gaussian has 7 neighbours, in a heap of 9 each has
-   8. NaN is no floater. */
+/* In a heap of 8 Gaussians each has 7 neighbours, in a heap of 9 each has 8. NaN is no floater. */
 static void floaters_of_what_is_left(void)
 {
     for (int count = 8; count <= 9; count++) {
@@ -238,7 +235,6 @@ static int is_first_or_last(int i)
     return i < 2 || i >= COUNT - 5;
 }
 
-/* Tests boxes as shapes, combined with the filter's own box, and a shape of an unknown kind. */
 static void shapes(void)
 {
     fxs_filter_shape of[] = {{FXS_FILTER_BOX, {0, 0, -1, 1, 1, 0}},
@@ -325,7 +321,6 @@ static void undrawable(void)
     fxs_scene_file_close(file);
 }
 
-/* One of Gaussians 1 to 99 is outside the box. Opacity NaN counts as not finite, and minus infinity as faint. */
 static void undrawable_in_a_box(void)
 {
     make_undrawable();

@@ -183,7 +183,6 @@ static void links_stay_in_the_folder(void)
     }
 }
 
-/* A scene that is a link is read, with the files beside the link. */
 static void linked_scene(void)
 {
     static fxs_gaussian out[MOST];
@@ -200,7 +199,6 @@ static void linked_scene(void)
     }
 }
 
-/* A pipe, device or folder is refused at once, as the scene or as a file beside the scene. */
 static void only_regular_files(void)
 {
     static fxs_gaussian out[MOST];
@@ -287,7 +285,6 @@ static void make_large_spz(void)
     size = spz_gzip(plain, sizeof plain, bytes, MAX_FILE);
 }
 
-/* The count is known before memory for the Gaussians is allocated. */
 static void count_comes_first(void)
 {
     static fxs_gaussian one;
@@ -422,7 +419,7 @@ static void allocator_helpers(void)
     }
 }
 
-/* Writes each format to its own folder and prints the files to open, for other readers. */
+/* Writes each format to its own folder and prints the files to open. */
 static int write_all(const char *parent)
 {
     for (int i = 0; i < FORMATS; i++) {

@@ -22,7 +22,7 @@ static double random_between(double low, double high)
     return low + (high - low) * (state >> 8) / 16777216.0;
 }
 
-/* The Gaussians are so far apart that they can be identified after quantisation in any format. */
+/* Gaussians are far apart, so that they can be identified after quantisation. */
 static void make(int sh_degree)
 {
     state = 1;
@@ -187,7 +187,7 @@ static float float_at(size_t offset)
     return value;
 }
 
-/* Rows have 236 bytes after the JSON. Axes are y up. Rotations are x, y, z, w. Opacity and scale are unchanged. */
+/* Rows have 236 bytes after the JSON. Axes are y up. Rotations are x, y, z, w. */
 static void bytes_of_glb(void)
 {
     make(3);
@@ -211,7 +211,7 @@ static void bytes_of_glb(void)
     CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
 }
 
-/* Two chunks of 72 bytes hold neighbours, so each box is smaller than the scene. */
+/* Chunks of 72 bytes hold neighbours, so each box is smaller than the scene. */
 static void bytes_of_compressed_ply(void)
 {
     make(0);
@@ -412,7 +412,7 @@ static void books(void)
     CHECK(fxs_book_learn(book, values, 1, 0) == 0 && book[fxs_book_find(book, 3)] == 3);
 }
 
-/* Every `of`-th scale belongs to a flat Gaussian. The other scales belong to a captured scene. */
+/* Every `of`-th scale belongs to a flat Gaussian. */
 static void book_of_flat(float flat, int of, double spread)
 {
     float values[6000], book[FXS_BOOK];
@@ -427,7 +427,6 @@ static void book_of_flat(float flat, int of, double spread)
             printf("  %g is %g, one of %d flat\n", (double)values[i], (double)book[fxs_book_find(book, values[i])], of);
 }
 
-/* Thickening a thin axis is visible, however small the axis is. */
 static void books_of_flat(void)
 {
     static const int of[] = {6000, 100, 3, 2};
@@ -439,7 +438,6 @@ static void books_of_flat(void)
         }
 }
 
-/* 2D Gaussians stay flat in a .sog, whether all are flat or a few. */
 static void flat_in_sog(void)
 {
     for (int of = 1; of <= 100; of += 99) {
@@ -461,7 +459,6 @@ static int stop_at_once(void *argument, double done)
     return done > 0;
 }
 
-/* The palette must find 64 cluster centres, up to a little noise. */
 static void palettes(void)
 {
     enum { VECTORS = 4096, CENTRES = 64, ENTRIES = 1024 };

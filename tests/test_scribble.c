@@ -1,6 +1,5 @@
-/* Tests a scene that changes while it is rendered. The result must be any picture or FXS_ERR_SCENE. Only the memory
-   and the pixels may be written. The pages of the scene are protected, so that the scene can change at a chosen
-   access to a page. */
+/* Tests a scene that changes while it is rendered. Only the memory and the pixels may be written. The pages of the
+   scene are protected, so that the scene can change at a chosen access to a page. */
 #define _DEFAULT_SOURCE
 #include <signal.h>
 #include <sys/mman.h>
@@ -27,7 +26,6 @@ typedef struct bytes {
     size_t size;
 } bytes;
 
-/* The scene, and the state of its changes. */
 static struct {
     unsigned char *data;
     size_t size, page;
@@ -133,7 +131,6 @@ static size_t to_multiple_of_64(size_t size)
     return (size + 63) / 64 * 64;
 }
 
-/* Returns memory for the faint scene only. The bright scene does not fit. */
 static size_t memory_for(const fxs_context *context, enum call call)
 {
     fxs_frame_memory memory;
@@ -193,7 +190,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* Runs in a child process, which a write outside the memory ends. */
+/* The child process ends at a write outside the memory. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;

@@ -19,7 +19,7 @@ static fxs_fit_sky sky;
 
 static const double middle[3] = {3, -2, 7};
 
-/* Makes camera i look along the horizon with a field of view of 90 degrees, from `aside` units right of the middle. */
+/* Camera i looks along the horizon with a field of view of 90 degrees, from `aside` units right of the middle. */
 static void aim(int i, double angle, double aside)
 {
     const double c = cos(angle), s = sin(angle), rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
@@ -42,7 +42,7 @@ static void paint(void)
     }
 }
 
-/* Puts points 1 to 9 units away, 6 to 60 degrees below the horizon. The last 1/50 of the points are 500 units away. */
+/* Points are 1 to 9 units away, 6 to 60 degrees below the horizon. The last 1/50 of the points are 500 units away. */
 static void lay_ground(void)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -79,7 +79,6 @@ static int is_seen(const double d[3], int count, double margin)
     return 0;
 }
 
-/* The sky must have all directions above the horizon and no ground. */
 static void above_the_ground(void)
 {
     const double radius = 1000 * (1 + 8 * 0.95);
@@ -104,7 +103,6 @@ static void above_the_ground(void)
     CHECK(fabs((double)sky.far.middle[1] - middle[1]) < 1e-6 && sky.far.inverse == 0.5f);
 }
 
-/* Neighbours must overlap, and no gap may be twice the mean. */
 static void is_even(void)
 {
     double worst = 0, best = INFINITY;
@@ -180,8 +178,7 @@ static void masked(void)
     CHECK(!sky.count);
 }
 
-/* The colour is the mean over photographs that see the sky unobstructed, rounded half up. A point hides the sky from
-   the third photograph. */
+/* A point hides the sky from the third photograph. */
 static void mean_colour(void)
 {
     static uint8_t shades[3][sizeof pixels];
@@ -296,7 +293,7 @@ static void sizes(void)
     fates();
 }
 
-/* Sky Gaussians follow the Gaussians of the points in memory. A limit of the count keeps the same share of both. */
+/* Sky Gaussians follow the Gaussians of the points in memory. */
 static void begins_a_fit(void)
 {
     fxs_fit_options options;

@@ -1,5 +1,5 @@
 /* Reads .sog files that the test makes: both versions, every SH degree, zips and folders, streamed scenes, faulty
-   files. Also reads a real .sog. */
+   files. */
 #include <fixsplat/scene.h>
 
 #include <math.h>
@@ -10,8 +10,7 @@
 static fxs_message message;
 static fxs_scene_file_info info;
 
-/* Reads at most `capacity` Gaussians twice, a few in each call. Returns the number of Gaussians, or -1 with a
-   message. */
+/* Reads twice, a few Gaussians in each call. Returns the number of Gaussians, or -1 with a message. */
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
 {
     fxs_scene_file *file;
@@ -90,7 +89,7 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* Returns a byte of a made image. Gaussian 0 is opaque with scale code 0. Gaussian 1 has opacity 0. */
+/* Gaussian 0 is opaque with scale code 0. Gaussian 1 has opacity 0. */
 static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
 {
     unsigned h = m->seed * 977u + (unsigned)image * 131u + (unsigned)pixel * 7919u;
@@ -300,7 +299,6 @@ static void expect(const made_scene *m, int i, fxs_gaussian *g)
         }
 }
 
-/* True if all values agree to a few units of the last place. */
 static int same(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     const float *x = (const float *)a, *y = (const float *)b;
@@ -436,7 +434,6 @@ static void tags(void)
     }
 }
 
-/* Reads a zipped folder, with the extra folder that the macOS Finder adds. */
 static void zip_of_a_folder(void)
 {
     static const char *const folders[] = {"scene/", "a b/scene/", "scene\\"};
@@ -558,7 +555,6 @@ static void faulty_images(void)
     check_fails("scene", "centroids.webp: not as wide as a palette");
 }
 
-/* Images of one colour have a few bytes, however many pixels. */
 static void absurd_sizes(void)
 {
     enum { SIDE = 1500 };
@@ -586,7 +582,7 @@ static void absurd_sizes(void)
 
 static uint8_t zip_bytes[1 << 18];
 
-/* Each byte is changed in turn. The file must be refused or give the same scene. */
+/* A file with a changed byte must be refused or give the same scene. */
 static void damaged_zip(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -683,7 +679,7 @@ static void streamed(void)
         CHECK(g[i].scale[2] <= -20);
 }
 
-/* The levels of a leaf, and the Gaussians that are read at each level. */
+/* The levels of a leaf, and the number of Gaussians read at each level. */
 static void nearest_level(void)
 {
     static const struct { const char *lods; int counts[5]; } cases[] = {
@@ -720,7 +716,6 @@ static void nearest_level(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* The index names the environment in a zip or in a folder, or the file is only present. */
 static void environment(void)
 {
     static const struct { const char *file, *member; } cases[] = {
@@ -785,7 +780,6 @@ static int is_turned(const made_scene *m, const fxs_gaussian *g)
     return 1;
 }
 
-/* The tree of an .lcc2 has any number of children, as arrays or by name. Each level has an environment. */
 static void lcc2(void)
 {
     static const char *const names[] = {"l/0.sog", "l/1.sog", "l/2.sog", "l/sky.sog"};
@@ -867,7 +861,7 @@ static void faulty_index(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* Returns the smallest memory for the streamed scene, which keeps no loaded file. */
+/* Returns the smallest memory for the streamed scene. */
 static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
 {
     fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = 1 << 12};
@@ -880,7 +874,6 @@ static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
     return options.max_memory - (1 << 10);
 }
 
-/* A file is truncated while open, then loaded a second time. */
 static void changed_while_open(void)
 {
     fxs_gaussian gaussians[4 * COUNT];

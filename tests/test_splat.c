@@ -1,4 +1,4 @@
-/* Reads .splat files that the test makes, other files, and a real scene. Writes files and reads them back. */
+/* Reads .splat files that the test makes and a real scene. Writes files and reads them back. */
 #include "scene_writer.h"
 #include "scene_bytes.h"
 
@@ -57,7 +57,6 @@ static void ends_of_ranges(void)
         CHECK(g[0].scale[i] == -20 && g[1].scale[i] > 18 && g[1].scale[i] < 20 && g[2].scale[i] == -20);
 }
 
-/* Discs have no three scales above 0. */
 static void flat_scene(void)
 {
     fxs_gaussian g[3];

@@ -307,7 +307,6 @@ static void damaged_gzip(void)
     }
 }
 
-/* In builds without the library, the message names the container. */
 static void libraries(void)
 {
     fill(4, 0);
@@ -418,7 +417,7 @@ static int nothing_clamped(void)
     return clamped.position == 0 && clamped.scale == 0 && clamped.dc == 0 && clamped.sh == 0;
 }
 
-/* Values agree within half a step of the format. SH of degree 1 have 5 bits, higher degrees have 4. */
+/* SH of degree 1 have 5 bits, higher degrees have 4. */
 static void written_and_read(void)
 {
     const double place = is_fine ? 0x1p-22 : 0x1p-14, first = is_fine ? 1 : 8, higher = is_fine ? 1 : 16;
@@ -459,7 +458,6 @@ static void usual_precision(void)
     is_fine = 1;
 }
 
-/* A file that is read and written again is equal, up to the ends of the ranges. */
 static void read_and_written(void)
 {
     for (int version = 3; version <= 4; version++) {
@@ -549,7 +547,6 @@ static void written_discs(void)
         CHECK(out[i].scale[2] <= -10);
 }
 
-/* Axes in the options override the axes of the file. */
 static void asked_axes(void)
 {
     uint8_t record[16];
@@ -608,7 +605,6 @@ static int note_progress(void *argument, double done)
     return !forward || done >= h->limit;
 }
 
-/* 6.5 MB are read in several pieces. */
 static void progress(void)
 {
     enum { MANY = 100000 };

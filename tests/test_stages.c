@@ -1,6 +1,6 @@
-/* Tests the renderer's stages on random packed scenes. Single stages are compared with the double-precision
-   reference. Whole frames must equal a brute-force renderer with the same per-pixel formula and without tiles. A
-   splat is a projected Gaussian. A chunk is 256 Gaussians of a packed scene. */
+/* Tests the renderer's stages on random packed scenes against a double-precision reference. Whole frames must equal
+   a brute-force renderer with the same per-pixel formula. A splat is a projected Gaussian. A chunk is 256 Gaussians
+   of a packed scene. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -142,7 +142,6 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
     return s;
 }
 
-/* Makes a random rotation matrix, row by row. */
 static void random_rotation(double m[9])
 {
     double q[4];
@@ -178,7 +177,6 @@ static struct {
     fxs_key keys[MAX_COUNT];       /* sorted by depth */
 } all;
 
-/* Sorts stably by insertion. */
 static void sort_keys(void)
 {
     for (uint32_t i = 0; i < all.count; i++) {
@@ -246,8 +244,8 @@ static double elongation(const struct reference_splat *r)
     return (mid + spread) / sqrt(r->a * r->c - r->b * r->b);
 }
 
-/* Returns the largest entry of W Sigma W^T - I. The entry is 0 if the whitening rows W match the covariance Sigma.
-   The short axis has the absolute error of the long axis. */
+/* Largest entry of W Sigma W^T - I, which is 0 if the whitening rows W match the covariance Sigma. The short axis
+   has the absolute error of the long axis. */
 static double shape_error(const fxs_splat *s, const struct reference_splat *r)
 {
     double ux = ldexp(s->ux_q24, -24), uy = ldexp(s->uy_q24, -24), vy = ldexp(s->vy_q24, -24);
@@ -290,7 +288,7 @@ static double alpha_of(double opacity, double level)
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* Returns the alpha error of a splat that covers the whole picture. Returns 0 within 2 % of the splat's edge. */
+/* Returns 0 within 2 % of the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -312,7 +310,7 @@ static int is_narrow(const struct reference_splat *r, const fxs_view *view)
     return (r->a * r->c - r->b * r->b) / (mid + spread) < least;
 }
 
-/* Splats that cover the whole picture must have the reference's alpha at the corners and the middle. */
+/* The alpha must equal the reference's at the corners and the middle. */
 static void test_veils(void)
 {
     static const recipe discs = {20, -4, 7, 0, 20, 255}, off_axis = {300, 2, 9, 0, 20, 255};
@@ -383,8 +381,7 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* The chunk is 40 units wide. A coordinate step is 0.005 pixels at the near plane for f = 4000, and more off the
-   axis. */
+/* The chunk is 40 units wide. A coordinate step is 0.005 pixels at the near plane for f = 4000. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -479,7 +476,7 @@ static void test_padding_and_opacity_0_are_never_drawn(void)
     free(s.data);
 }
 
-/* Depth keys are comparable between chunks of any size and place, exact to the last bit of a coordinate. */
+/* Depth keys are comparable between chunks of any size and place. */
 static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
@@ -545,7 +542,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Checks that the sort is stable by depth. mask: bits of the depth in use. */
+/* mask: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
     enum { MOST = 70000 };
@@ -659,7 +656,6 @@ static void test_lists_of_small_pictures(void)
     }
 }
 
-/* Long splats in pictures with few tiles on one side and many on the other. */
 static void test_lists_of_narrow_pictures(void)
 {
     for (int i = 0; i < 4 * RECIPES; i++) {
@@ -806,8 +802,7 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* Tests three back ends. The first must give the same bytes. The second needs no lists and gets the depth order. The
-   third returns its error. */
+/* The first back end must give the same bytes. The second gets the depth order. The third returns its error. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -835,7 +830,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     free(pixels);
 }
 
-/* Renders in exactly the memory that the frame requests, and compares all bytes with padding. */
+/* Renders in exactly the requested memory, and compares all bytes with padding. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
                              ptrdiff_t stride)
@@ -931,7 +926,7 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* The lists exceed their memory. The frame is rendered in several runs of tiles. */
+/* The lists exceed their memory, so the frame is rendered in several runs of tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
@@ -953,7 +948,7 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
-/* The clock advances by one a call. Stages with equally many calls often report equal times. */
+/* The clock advances by one a call, so stages with equally many calls report equal times. */
 static void test_times_are_shared_out(void)
 {
     uint64_t ticks = 0;
@@ -989,15 +984,14 @@ static double focal_of(const fxs_camera *camera, int axis)
     return ldexp(axis ? camera->fy_q12 : camera->fx_q12, -12);
 }
 
-/* Sets an off-axis picture with pixel 0 at the given x/z or y/z. */
 static void aim(fxs_camera *camera, int axis, double focal, double slope)
 {
     *(axis ? &camera->fy_q12 : &camera->fx_q12) = (int32_t)ldexp(focal, 12);
     *(axis ? &camera->cy_q12 : &camera->cx_q12) = (int32_t)ldexp(-slope * focal, 12);
 }
 
-/* Returns the radius at Mahalanobis distance 3 in pixels, for a sphere of sigma 2^log2_sigma. The slope in the
-   Jacobian is clamped to the field of view plus 30 %. */
+/* Radius at Mahalanobis distance 3 in pixels, for a sphere of sigma 2^log2_sigma. The slope in the Jacobian is
+   clamped to the field of view plus 30 %. */
 static double reach_of(const fxs_view *view, const fxs_camera *camera, const beside *b, int axis)
 {
     double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
@@ -1071,7 +1065,7 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
     free(s.data);
 }
 
-/* Renders tiny pictures at all angles. Gaussians range from a point to far larger than the picture. */
+/* Gaussians range from a point to far larger than the picture. */
 static void test_chunks_beside_the_picture(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1094,8 +1088,8 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The bound on the radius of a sphere is tightest with x/z at the Jacobian's limit, a length equal to the bounding
-   power of two, and a large sphere on the far side. */
+/* The bound on the radius of a sphere is tightest with x/z at the Jacobian's limit and a length equal to the
+   bounding power of two. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1185,7 +1179,6 @@ static void check_slope(int32_t q23, double slope, double most)
     CHECK(fabs(ldexp(q23, -23) - fmax(-most, fmin(slope, most))) < ldexp(1, -22));
 }
 
-/* Tests the slopes of a view, up to their clamp. */
 static void test_view_slopes(void)
 {
     const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1285,7 +1278,7 @@ static void test_render_refuses_cameras(void)
     free(good.memory);
 }
 
-/* near 0 means 0.2. The ends of the range are accepted. At the far end the picture is empty. */
+/* near 0 means 0.2. At the far end of the range the picture is empty. */
 static void test_near_range(void)
 {
     static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};

@@ -57,7 +57,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memo
     return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Renders two mono frames. Returns the number of their list entries. */
+/* Returns the number of list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = bytes_of(p, context, 0);
@@ -70,8 +70,7 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
     return stats[0].entries + stats[1].entries;
 }
 
-/* Relations of the two eyes, case by case: unrelated directions, at one place, side by side (twice), apart in any
-   direction. */
+/* Relations of the two eyes: unrelated directions, at one place, side by side (twice), apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
 static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, int which)
@@ -100,7 +99,7 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* Renders in memory for all splats and in minimum memory. With one byte less nothing may be written. */
+/* With one byte less than the minimum memory nothing may be written. */
 static void check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries)
 {
     unsigned char *pixels = malloc(p->bytes);
@@ -154,7 +153,6 @@ static void test_random_pairs(void)
     CHECK(sum == EXPECTED);
 }
 
-/* One eye looks straight ahead. The other eye is rotated about x or y, to either side. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
@@ -269,7 +267,6 @@ static void test_arguments(void)
     free(packed.data);
 }
 
-/* A clock that advances faster with each call. */
 typedef struct looked {
     uint64_t calls, first, last;
 } looked;
@@ -283,7 +280,6 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* The frame's time spans from the first clock call to the last. */
 static void test_time(void)
 {
     fxs_scene scene;
@@ -309,7 +305,7 @@ static void test_time(void)
     free(packed.data);
 }
 
-/* The two eyes have more splats than a band may have, so the frame is drawn in bands. */
+/* The two eyes have more splats than a band may have. */
 static void test_too_many_slots(void)
 {
     static fxs_object objects[FXS_MAX_OBJECTS];

@@ -1,6 +1,5 @@
 /* Stops frames at every call of the stop callback. A stopped frame must return FXS_ERR_STOPPED without other damage.
-   A callback that never stops must leave the bytes unchanged. --threads runs only the test of several threads, for
-   ThreadSanitizer. */
+   --threads runs only the test of several threads, for ThreadSanitizer. */
 #include <fixsplat/board.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/declarations.h>
@@ -10,7 +9,7 @@
 
 enum { SIDE = 100, THREADS = 4 };
 
-/* A stop callback that stops once, at call number `at`. */
+/* A stop callback that stops at call number `at`. */
 typedef struct asked {
     int times, at;
 } asked;
@@ -111,8 +110,8 @@ static void bench_free(bench *b)
     free(b->packed.data);
 }
 
-/* Renders without a callback, with a callback that never stops, and with stops at each call (or at 50 calls).
-   Returns the number of calls. */
+/* Renders without a callback, with a callback that never stops, and with stops at each call. Returns the number of
+   calls. */
 static int stop_everywhere(bench *b, draw_fn *draw)
 {
     asked a = {0, 0};

@@ -20,7 +20,6 @@ static const char *in_folder(const char *name)
     return full;
 }
 
-/* Makes a grid of 40 x 40 x 25 Gaussians. */
 static void make(void)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -109,8 +108,8 @@ static void has_the_middle(const sums *s, double off)
     }
 }
 
-/* Each level has half the Gaussians of the finer level, with equal mean position and colours. Means are weighted by
-   optical depth and by opacity. At the coarsest level opacity saturates, so only optical depth is compared. */
+/* Means are weighted by optical depth and by opacity. At the coarsest level opacity saturates, so only optical depth
+   is compared. */
 static void coarser_levels(void)
 {
     long before = COUNT;
@@ -139,7 +138,7 @@ static double number(const cJSON *object, const char *name, int i)
     return (i < 0 ? item : cJSON_GetArrayItem(item, i))->valuedouble;
 }
 
-/* Checks bounds and errors of a node and its children. Returns the number of leaves. */
+/* Checks a node and its children. Returns the number of leaves. */
 static int check_node(const cJSON *node, const double low[3], const double high[3])
 {
     const cJSON *bound = cJSON_GetObjectItemCaseSensitive(node, "bound"), *child;

@@ -102,8 +102,6 @@ static void enlarge(packed_scene *scene, fxs_camera *camera)
     camera->cy_q12 = camera->height * 2048;
 }
 
-/* Tests random scenes in every format, in strips of at least 16 rows, with one buffer and two buffers, with less and
-   less memory. */
 static void test_strips_are_the_picture(void)
 {
     int banded = 0, sliced = 0;
@@ -179,7 +177,7 @@ static void test_wrong_strips(void)
     bench_free(&b);
 }
 
-/* Step 0 is the scene without rotation. After a quarter turn x is where z was. A whole turn equals step 0. */
+/* After a quarter turn x is where z was. A whole turn equals step 0. */
 static void test_turntable_turns(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_SMALL, 500);

@@ -25,7 +25,7 @@ static void aim(int i, const double eye[3], const double target[3])
     photos[i].pixels = pixels;
 }
 
-/* Puts cameras around `middle` that see distance * 24 / 60 units up and down, and points near the middle and beyond. */
+/* The cameras around `middle` see distance * 24 / 60 units up and down. */
 static void set_up(const double middle[3], const double distances[PHOTOS])
 {
     for (int i = 0; i < PHOTOS; i++) {
@@ -167,7 +167,6 @@ static void no_subject(void)
     refuses("no Gaussian lies where the cameras look");
 }
 
-/* Half of the photographs show the subject's radius whole. */
 static void radius_of_the_median(void)
 {
     static const double middle[3] = {0, 0, 0};

@@ -1,5 +1,5 @@
 /* Tests the targets depths, ids, coverage, occluders and backgrounds. They must equal a loop over every pixel and
-   splat (projected Gaussian) in order of depth, and be close to the double-precision reference. */
+   splat (projected Gaussian) in order of depth. */
 #include "src/core/frame.h"
 #include "one_scene.h"
 #include "random_scene.h"
@@ -256,7 +256,7 @@ static int draw(const scenario *s, const fxs_targets *targets)
     return draw_in(&plain, s, bytes_of(&plain, s), targets, 0);
 }
 
-/* Makes random depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
+/* Random depths equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
 static uint32_t *random_occluder(const scenario *s, int bits)
 {
     const int pixels = s->camera.width * s->camera.height;
@@ -480,7 +480,7 @@ static void test_captured_against_reference(void)
         SKIP("the scenes are not here");
 }
 
-/* Makes a slanted wall through a point, as depths along the pixels' rays. Every 37th pixel is FXS_NOTHING. */
+/* A slanted wall as depths along the pixels' rays. Every 37th pixel is FXS_NOTHING. */
 static void make_wall(const fxs_camera *camera, double through, uint32_t *depths, double *in_doubles)
 {
     const fxs_file_view view = view_of(camera);
@@ -554,8 +554,7 @@ static void fill(uint32_t *depths, int count, uint32_t depth)
         depths[i] = depth;
 }
 
-/* An occluder of FXS_NOTHING gives the frame without occluder. An occluder directly before the camera gives the
-   background. */
+/* An occluder directly before the camera gives the background. */
 static void test_empty_and_full_occluders(void)
 {
     state = 33;
@@ -591,8 +590,7 @@ static fxs_image *image_of(fxs_targets *t, int i)
     return images[i];
 }
 
-/* More splats lie at the occluder's depth than a part of a tile's list holds. All are visible. A depth nearer, none
-   is visible. */
+/* More splats lie at the occluder's depth than a part of a tile's list holds. */
 static void test_many_at_the_limit(void)
 {
     enum { SIZE = 16, BITS = 26 };
@@ -631,7 +629,6 @@ static void test_many_at_the_limit(void)
     free(flat.data);
 }
 
-/* Any subset of targets gives the bytes of all together. */
 static void test_every_subset(void)
 {
     state = 34;
@@ -974,7 +971,7 @@ static void check_image(const fxs_targets *fit, int i, int bytes, int alignment)
     }
 }
 
-/* Every pair of images is refused if they share a byte. Only the background image may be the colour target. */
+/* Images that share a byte are refused. Only the background image may be the colour target. */
 static void check_overlaps(const fxs_targets *fit)
 {
     const int last = good.camera.height - 1;

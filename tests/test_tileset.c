@@ -28,7 +28,6 @@ static uint8_t *put_floats(uint8_t *to, int count, const float *values)
     return to;
 }
 
-/* Computes the 14 values of Gaussian i in file `number`. */
 static void values_of(int number, int i, float row[14])
 {
     const float made[14] = {(float)number, 0.25f * (float)i, -1, 0, 0, 0.6f, 0.8f, 0.5f, 0.125f, 0.25f, 0.5f,
@@ -36,7 +35,7 @@ static void values_of(int number, int i, float row[14])
     memcpy(row, made, sizeof made);
 }
 
-/* Makes a .glb of `count` Gaussians of 14 floats. count 0: a scene without Gaussians. */
+/* A .glb of `count` Gaussians of 14 floats. count 0: a scene without Gaussians. */
 static void make_glb(int number, int count)
 {
     static const struct { const char *name, *type; int offset; } attributes[] = {
@@ -157,7 +156,6 @@ static void refinement(void)
           == 1);
     CHECK(numbers_read("{" BOX CONTENT("0.glb") ",\"children\":[{" BOX "\"children\":[{" BOX CONTENT("1.glb") "}]}]}")
           == 2);
-    /* Refinement is inherited, then changed by a child. */
     CHECK(numbers_read("{" BOX "\"refine\":\"REPLACE\"," CONTENT("0.glb") ",\"children\":[{" BOX "\"refine\":\"add\","
                        CONTENT("1.glb") ",\"children\":[{" BOX CONTENT("2.glb") ",\"children\":[{" BOX CONTENT("3.glb")
                        "}]}]},{" BOX CONTENT("4.glb") "}]}") == 30);
@@ -245,7 +243,7 @@ static void globe(void)
     check_fails("tileset.json: the transform of a tile has no inverse");
 }
 
-/* A nested tileset has names relative to its folder, its own up axis, and a transform in addition to its parent's. */
+/* A nested tileset has its own up axis, and names relative to its folder. */
 static void nested(void)
 {
     mkdir(in_folder("sub"), 0700);
@@ -337,7 +335,7 @@ static void faulty_tilesets(void)
 
 #define MOVED(x) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," x ",0,0,1],"
 
-/* Several tiles may use one file, under one name or several. Each tile gets its copy. */
+/* Each tile gets its copy of a shared file. */
 static void repeated_contents(void)
 {
     static const char *const names[] = {"1.glb", ".//1.glb", "link.glb", "hard.glb", "sub\\\\1.glb",
@@ -405,7 +403,6 @@ static void put_many(void)
     put_tiles("tileset.json", tiles);
 }
 
-/* More contents than files may stay open, with little memory. */
 static void many_contents(void)
 {
     const long count = TILES / 5 * 15;
@@ -424,7 +421,6 @@ static void many_contents(void)
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
-/* The bytes of a content count once, however often the file is opened. */
 static void bytes_count_once(void)
 {
     char words[64];
@@ -450,7 +446,6 @@ static void changed_while_open(void)
     fxs_scene_file_close(file);
 }
 
-/* A small file names very many other files. */
 static void too_many_contents(void)
 {
     static char tiles[1 << 19];

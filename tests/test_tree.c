@@ -1,5 +1,4 @@
-/* Tests the tree of levels of detail: its shape, how well its chunks keep the means of the leaves, and its file. The
-   bytes must be equal for any number of threads. */
+/* Tests the tree of levels of detail: its shape, how well its chunks keep the means of the leaves, and its file. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -25,7 +24,6 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* Makes Gaussians on three walls, and some far away. */
 static void make(void)
 {
     uint32_t state = 5;
@@ -132,7 +130,7 @@ static sums sums_of(const fxs_scene *scene, uint32_t number)
     return s;
 }
 
-/* A parent keeps its children's mean colour and position, and nearly their weight, within quantisation. */
+/* A parent keeps its children's mean colour and position, and nearly their weight. */
 static void check_means(const fxs_scene *scene, double loss)
 {
     double worst = 0;
@@ -190,7 +188,6 @@ static void check_threads(enum fxs_profile profile)
     fxs_packed_scene_free(&plain);
 }
 
-/* One chunk has no tree. Two chunks have one node. */
 static void few(void)
 {
     for (uint64_t count = FXS_CHUNK - 1; count <= FXS_CHUNK + 1; count++) {
@@ -206,7 +203,6 @@ static void few(void)
     }
 }
 
-/* Chunks stay in range for sizes of any magnitude. */
 static void extremes(void)
 {
     static const float sizes[] = {1e-30f, 1e-10f, 1e-3f, 1, 60, 1e4f, 1e8f, 1e30f};
@@ -299,7 +295,7 @@ static void stopped(void)
     }
 }
 
-/* Every changed byte is detected. Leaves read as without the tree. */
+/* Leaves read as without the tree. */
 static void in_a_file(void)
 {
     static fxs_gaussian got[COUNT], expected[COUNT];

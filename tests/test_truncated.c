@@ -1,6 +1,5 @@
 /* Truncates a file of every format at every length. The reader must refuse the file with a message, or read a file
-   that looks complete. Each row of the table is a kind of file: the files of one scene, its reader, and the result
-   for each length. */
+   that looks complete. */
 #include <limits.h>
 #include <sys/stat.h>
 
@@ -115,8 +114,7 @@ static void put_zeros(int encoding, int count, int width)
             put("0 ");
 }
 
-/* Makes a .ply with list properties. The header gives only a lower bound of the size. encoding: 0 ASCII, 1
-   little-endian, 2 big-endian. */
+/* The header gives only a lower bound of the size. encoding: 0 ASCII, 1 little-endian, 2 big-endian. */
 static void make_lists_ply(int encoding)
 {
     static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -150,7 +148,7 @@ static long of_splat(const struct made_file *f, size_t length)
     return length && length % 32 == 0 ? (long)length / 32 : fault("not a scene file of a known format");
 }
 
-/* Makes a .ksplat with SH degree 1 and three sections of one Gaussian. A compressed section has one bucket. */
+/* SH degree 1 and three sections of one Gaussian. A compressed section has one bucket. */
 static void make_compressed_ksplat(int level)
 {
     const size_t gaussian = level == 0 ? 44 + 36 : level == 1 ? 24 + 18 : 24 + 9;
@@ -224,7 +222,7 @@ static long of_zip(const struct made_file *f, size_t length)
 #endif
 #endif
 
-/* Allocates exactly the length, so that a sanitizer detects reads beyond the end. */
+/* The exact length lets a sanitizer detect reads beyond the end. */
 static void *file_of(const char *name, size_t *length)
 {
     struct stat about;
@@ -287,7 +285,6 @@ static void put_doubles(int count, double first, double more)
     }
 }
 
-/* Makes a COLMAP model with one camera and one view with two points. */
 static void make_colmap(void)
 {
     put_u64(1);

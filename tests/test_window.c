@@ -128,7 +128,6 @@ static void test_parallel_rays(void)
     CHECK(!memcmp(view.position, before.position, sizeof view.position));
 }
 
-/* The vertical field of view does not depend on the size of the window. */
 static void test_height_stays(void)
 {
     fxs_file_view view = a_view();
@@ -245,7 +244,7 @@ static void test_ids_have_colours(void)
     CHECK(pixels_of(&picture, 0x000000ff) == 1);
 }
 
-/* Text in both themes must be in place, as wide as reported, and have enough contrast. */
+/* Text in both themes must have enough contrast. */
 static void test_words(void)
 {
     fxs_words *words;
@@ -326,7 +325,7 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-/* The environment variable that names the folder of the list of recent scenes. */
+/* The variable that names the folder of the list of recent scenes. */
 #ifdef _WIN32
 #define KEPT_BELOW "APPDATA"
 #else
@@ -405,7 +404,6 @@ static int start(viewer *v, const frame_options *options)
     return status;
 }
 
-/* A viewer step handles all pending events. */
 static void push_key(int symbol)
 {
     SDL_Event event = {0};
@@ -484,7 +482,6 @@ static void drop(viewer *v, const char *path)
     settle(v);
 }
 
-/* True if the picture equals the renderer's picture of a view. */
 static int shows(const viewer *v, fxs_file_view view, int width, int height)
 {
     renderer r;
@@ -798,7 +795,6 @@ static void test_films(void)
     viewer_close(&v);
 }
 
-/* True if the help panel leaves the edges of a small window free. */
 static int help_fits(viewer *v)
 {
     static const int places[5][2] = {{160, 120}, {0, 120}, {319, 120}, {160, 0}, {160, 239}};
@@ -836,7 +832,7 @@ static void test_empty_window(void)
     viewer_close(&v);
 }
 
-/* Keys work while a scene loads. The last file dropped meanwhile opens next. */
+/* The last file dropped while a scene loads opens next. */
 static void test_events_while_loading(void)
 {
     viewer v;
@@ -866,7 +862,6 @@ static void test_events_while_loading(void)
     remove(other);
 }
 
-/* True if the picture shows depths or ids. */
 static int shows_painted(const viewer *v, int draws)
 {
     renderer r;
@@ -907,7 +902,6 @@ static int is_picture_of(const viewer *v, const picture *p)
            !memcmp(v->picture.pixels, p->pixels, (size_t)p->width * (size_t)p->height * 4);
 }
 
-/* Keys change the budget and the level colours. A scene without levels shows a note. */
 static void test_levels(void)
 {
     static char path[sizeof knot];
@@ -980,7 +974,6 @@ static void test_rate(void)
     viewer_close(&v);
 }
 
-/* Frames follow until no chunk is missing. The last frame equals the picture of the mapped file. */
 static void test_pool(void)
 {
     static char path[sizeof knot];
@@ -1024,7 +1017,6 @@ static void test_depths_and_ids(void)
     viewer_close(&v);
 }
 
-/* Finds the first pixel from index `from` on that shows a Gaussian. */
 static int find_seen(viewer *v, int from, int *x, int *y)
 {
     fxs_pick_result pick;
@@ -1173,7 +1165,6 @@ static void test_crop(void)
     viewer_close(&v);
 }
 
-/* A dragged handle stays below the pointer with every camera, also orthographic. */
 static void test_crop_handles(void)
 {
     viewer v;
@@ -1200,7 +1191,6 @@ static void test_crop_handles(void)
     }
 }
 
-/* Crop boxes in world coordinates are written as boxes of the objects. */
 static void test_crop_of_objects(void)
 {
     static const char text[] =
@@ -1237,7 +1227,6 @@ static void test_crop_of_objects(void)
     remove(other);
 }
 
-/* A cropped packed scene is written as .ply. Escape cancels the writing. */
 static void test_crop_not_written(void)
 {
     viewer v;
@@ -1337,8 +1326,7 @@ static void test_recent_by_click(void)
     viewer_close(&v);
 }
 
-/* Sets the folder of the list of recent scenes by HOME. XDG_STATE_HOME is not absolute in this test. home: null
-   unsets the folder. */
+/* Sets the folder of the list of recent scenes by HOME. home: null unsets the folder. */
 static void keep_below(const char *home)
 {
 #ifdef _WIN32
@@ -1352,7 +1340,6 @@ static void keep_below(const char *home)
 #endif
 }
 
-/* The list keeps ten scenes without duplicates. Without a folder the list is not kept. */
 static void test_recent_list(void)
 {
     fxs_message message;
@@ -1391,7 +1378,6 @@ static void test_recent_list(void)
     setenv(KEPT_BELOW, state, 1);
 }
 
-/* The screen has two pixels per point. Pointer positions are doubled to find a pixel. */
 static void test_fine_pixels(void)
 {
 #if SDL_VERSION_ATLEAST(2, 26, 0)
@@ -1425,7 +1411,6 @@ static void test_fine_pixels(void)
 #endif
 }
 
-/* The closer the nearest geometry, the slower the camera moves. */
 static void test_speed(void)
 {
     viewer v;
@@ -1442,7 +1427,6 @@ static void test_speed(void)
     viewer_close(&v);
 }
 
-/* Each half of the window and of a screenshot shows one eye. */
 static void test_two_eyes(void)
 {
     viewer v;
@@ -1492,7 +1476,6 @@ static void test_foveated(void)
     viewer_close(&v);
 }
 
-/* If the scene fails to load, the window closes with the status. */
 static int fails_to_open(const frame_options *options, const char *path)
 {
     viewer v;

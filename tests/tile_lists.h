@@ -11,7 +11,6 @@ typedef struct tile_lists {
     uint32_t *counts, *ends, *entries;
 } tile_lists;
 
-/* Lists the first `count` splats for the tiles that they touch, sorted by `depths`. */
 static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                                  const fxs_box *boxes, const uint32_t *depths, uint32_t count)
 {
