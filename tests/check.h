@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static int check_passed, check_failed, check_skipped;   /* numbers of tests */
+static int check_passed, check_failed, check_skipped;
 static int check_faults, check_skips;                   /* failed checks and skips in the running test */
 
 #define CHECK(condition) \

@@ -69,7 +69,6 @@ static inline void put_floats(int count)
         put_float((float)i / 8);
 }
 
-/* Writes the header of a .ply without its last line. A Gaussian has 14 floats, after an optional other property. */
 static inline void put_ply_header(const char *encoding, const char *before)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -141,8 +140,7 @@ static inline void fill_spz(spz_bytes *s, int version)
 
 static inline void make_plain_spz(void)
 {
-    static const uint8_t extension[] = {3, 0, 0xbe, 0xad, 4, 0, 0, 0, 6, 0, 0, 0};   /* direction vectors: right,
-                                                                                        down, front */
+    static const uint8_t extension[] = {3, 0, 0xbe, 0xad, 4, 0, 0, 0, 6, 0, 0, 0};
     spz_bytes s;
     fill_spz(&s, 3);
     s.flags = 2;
@@ -278,7 +276,6 @@ static inline void make_rad(void)
 }
 
 #ifdef FXS_WITH_ZLIB
-/* Writes a tree of two levels: all other nodes are children of the root. */
 static inline void make_rad_tree(void)
 {
     rad_begin(1);

@@ -44,7 +44,6 @@ static inline void say(const char *format, ...)
     va_end(arguments);
 }
 
-/* Runs `tests` with a temporary folder, then removes the folder. */
 static inline int in_a_folder(void (*tests)(void))
 {
     char command[64];

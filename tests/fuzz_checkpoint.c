@@ -14,7 +14,7 @@ enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 56, PRINT_BYTES = 8, END = 12 };
 static uint8_t pixels[3 * SIDE * SIDE];
 static fxs_fit_photo photo;
 static fxs_fit_options options;
-static uint8_t whole[1 << 14];          /* a valid checkpoint */
+static uint8_t whole[1 << 14];
 static size_t whole_size;
 static char path[] = "/tmp/fixsplat-fuzz-XXXXXX";
 

@@ -17,7 +17,7 @@ enum {
     FUZZ_GUARD = 1 << 20,          /* bytes before and after a zone */
     FUZZ_ROOM = 4 << 20,
     FUZZ_CONTROL = 20,
-    FUZZ_EDIT = 6,                 /* bytes that describe an edit of a generated scene */
+    FUZZ_EDIT = 6,
     FUZZ_OBJECTS = 3,
     FUZZ_IMAGES = 5,
     FUZZ_OCCLUDER = 3,
@@ -40,7 +40,7 @@ typedef struct fuzz_frame {
     fxs_context levels[FUZZ_LEVELS];
     int level_count;
     uint32_t scribble;
-    size_t picture;                /* bytes of all targets of one eye */
+    size_t picture;
 } fuzz_frame;
 
 /* One zone for each use: memory, left picture, right picture, occluder. */
@@ -80,7 +80,6 @@ static void fuzz_edit(fuzz_frame *f, size_t headers, const uint8_t *edits, size_
     }
 }
 
-/* Takes the scene from the input, or generates and edits a scene. Returns 0 if the scene does not open. */
 static int fuzz_scene(fuzz_frame *f, const uint8_t *control, const uint8_t *rest, size_t size)
 {
     fxs_message message;

@@ -89,10 +89,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             render_stereo(&f, &f.levels[level], all, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
-        if (first.error != FXS_ERR_TARGET) {       /* counting has no targets */
+        if (first.error != FXS_ERR_TARGET) {       /* counts need no targets */
             count(&f, all, &first, pairs);
-            count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);   /* counting cannot work
-                                                                                               in slices */
+            count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);
         }
         if (memcmp(pairs, pairs_in_bands, sizeof pairs) != 0)
             abort();

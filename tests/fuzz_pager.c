@@ -61,7 +61,6 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     return error;
 }
 
-/* Without limits the whole scene has no cut, so frames cannot be compared. */
 static int has_cut(const fxs_scene *scene, const fxs_options *options)
 {
     return options->detail_q8 || (options->budget && options->budget < scene->count);

@@ -63,7 +63,7 @@ static void check_photo(const fxs_fit_photo *photo)
         sum += photo->pixels[i];
     for (int i = 0; i < v->width * v->height && photo->mask; i++)
         sum += photo->mask[i];
-    if (sum == UINT32_MAX)         /* uses every byte */
+    if (sum == UINT32_MAX)
         abort();
 }
 

@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
-    size_t bytes, headers;         /* headers: bytes of the file and chunk headers */
+    size_t bytes, headers;
     const unsigned char *original, *other;
     uint32_t how;
 } target;
@@ -30,7 +30,7 @@ static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
     const size_t first = target.how & 1 ? 192 : 0, end = target.how & 2 ? target.headers : target.bytes;
-    if (end == first)                  /* the scene has no chunks */
+    if (end == first)
         return;
     const size_t at = first + scribble_random(seed) % (end - first);
     size_t count = (size_t)1 << (what >> 4) % 20;
@@ -41,7 +41,6 @@ static void scribble(uint32_t *seed)
         memset(target.data + at, (int)(what >> 24), count < 64 ? count : 64);
 }
 
-/* Serves as the renderer's clock and sometimes overwrites the scene. */
 static uint64_t scribbling_clock(void *seed)
 {
     if (scribble_random(seed) % 4 == 0)

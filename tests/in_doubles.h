@@ -34,7 +34,6 @@ static inline struct reference_object object_in_doubles(const fxs_object *object
     return o;
 }
 
-/* Decodes a Gaussian of a scene in the profile "default". */
 static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
     const unsigned char *rows = fxs_rows(scene, index / FXS_CHUNK);

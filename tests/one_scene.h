@@ -101,7 +101,6 @@ static inline int one_render_stereo(const fxs_context *context, const fxs_scene 
     return render_eyes(context, &object, 1, cameras, options, targets, memory, memory_bytes, stats);
 }
 
-/* Computes the view that the renderer's stages receive. */
 static inline int one_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera,
                                 const fxs_options *options)
 {

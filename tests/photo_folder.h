@@ -48,7 +48,6 @@ static inline void put_ppm(const char *name, int width, int height, const uint8_
     put_file(name, bytes, size);
 }
 
-/* Frees the photographs of the previous call first. */
 static inline int read_photos(const char *name, const fxs_photos_options *options)
 {
     fxs_photos_free(&photos);
@@ -59,7 +58,6 @@ static inline int read_photos(const char *name, const fxs_photos_options *option
     return error;
 }
 
-/* Expects an error with `words` in its message. */
 static inline void check_refused(const char *name, const fxs_photos_options *options, int error, const char *words)
 {
     const int got = read_photos(name, options);

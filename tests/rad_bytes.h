@@ -27,7 +27,7 @@ static inline void rad_begin(int compressed)
     rad_compressed = compressed;
 }
 
-/* Makes a column of the bytes that were written since `size` was 0. */
+/* Makes a column of the bytes written since the last column. */
 static inline void rad_add_column(const char *property, const char *encoding, const char *more)
 {
     struct rad_column *c = &rad_columns[rad_column_count++];

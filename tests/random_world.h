@@ -65,7 +65,6 @@ static inline int part_load(part *p, const char *name)
     return CHECK(!error && !fxs_scene_open(&p->scene, p->packed.data, p->packed.bytes));
 }
 
-/* Replaces the reference's Gaussians by the decoded packed Gaussians. */
 static inline void part_unpack(part *p)
 {
     free(p->gaussians);
@@ -105,7 +104,6 @@ static inline void object_place(fxs_object *object, const double axis[3], double
     object->scale_q32 = (int64_t)ldexp(scale, 32);
 }
 
-/* All targets of a picture in one block of memory, without padding. */
 typedef struct picture {
     int width, height;
     size_t bytes;

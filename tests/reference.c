@@ -192,7 +192,6 @@ static void pixel_box(const struct reference_splat *s, int width, int height, en
     *rows = pixel_span(s->y, s->c, s->radius, height, limit, cutoff);
 }
 
-/* Computes the centre and the Jacobian. Returns 0 unless the centre is beyond the near plane. */
 static int project_centre(const double offset[3], const fxs_file_view *view, double jw[2][3],
                           struct reference_splat *out)
 {
@@ -304,7 +303,7 @@ static void blend_pixel(const struct canvas *canvas, const struct reference_spla
 static void blend_splat(const struct canvas *canvas, const struct reference_splat *s)
 {
     double det = determinant(s), limit = distance_limit(s, canvas->options->cutoff);
-    double xx = s->c / det, xy = -2 * s->b / det, yy = s->a / det;   /* d2 = xx dx^2 + xy dx dy + yy dy^2 */
+    double xx = s->c / det, xy = -2 * s->b / det, yy = s->a / det;
     struct span columns, rows;
     pixel_box(s, canvas->width, canvas->height, canvas->options->cutoff, &columns, &rows);
     for (int row = rows.first; row < rows.end; row++) {

@@ -74,7 +74,6 @@ struct reference_trace {
 int reference_trace_init(struct reference_trace *trace, int width, int height);
 void reference_trace_free(struct reference_trace *trace);
 
-/* Renders like reference_render_splats and fills in *trace. */
 int reference_trace_splats(const struct reference_splat *splats, size_t count, int width, int height,
                            const struct reference_options *options, struct reference_trace *trace, double *rgb);
 

@@ -14,7 +14,7 @@
 
 enum { MAX_FILE = 1 << 21 };
 
-static const char path[] = "made/scene";   /* used in messages only */
+static const char path[] = "made/scene";   /* a file name for messages; no such file exists */
 static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;

@@ -22,7 +22,7 @@ static struct {
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, sliced;            /* frames in several bands; frames with slices */
+static uint64_t banded, sliced;            /* numbers of frames in several bands and of frames in slices */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -265,7 +265,6 @@ static void test_rows_are_of_one_tile_row(void)
     CHECK(rows[0] == rows[1]);
 }
 
-/* All depths from 2^32 units on share the largest depth key. */
 static void test_slices_beyond_every_depth(void)
 {
     fxs_context context;

@@ -1,6 +1,6 @@
 /* Small scene files that demand much time or memory (decompression bombs) must be refused quickly, with a message.
    `test_bombs --write FOLDER` keeps the files. */
-#define _DEFAULT_SOURCE   /* for wait4 */
+#define _DEFAULT_SOURCE
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -152,7 +152,6 @@ static void make_large_sog(const char *name)
     free(image);
 }
 
-/* meta.json inflates to millions of values. */
 static void make_json_sog(const char *name)
 {
     enum { LENGTH = 16 << 20 };
@@ -232,7 +231,6 @@ static void make_linked_sog_bomb(const char *name)
     write_streamed_sog(name, go_through_links);
 }
 
-/* Separate scenes share five images. One image has a million bytes. */
 static void make_shared_images(const char *name)
 {
     enum { SCENES = 63, EACH = 1000000 };
@@ -358,7 +356,6 @@ static void make_inflating_rad(const char *name)
     write_rad(name, 4000000, columns, "");
 }
 
-/* The SH degree is 3, with the largest number of Gaussians that is always allowed. */
 static void make_wide_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f32", 12}, {"alpha", "f32", 4}, {"rgb", "f32", 12},
@@ -445,7 +442,6 @@ static const struct bomb {
 
 enum { BOMBS = sizeof bombs / sizeof *bombs };
 
-/* A separate process keeps the maker's memory out of the reader's. */
 static void make_bomb(const struct bomb *b)
 {
     int status;
@@ -458,7 +454,8 @@ static void make_bomb(const struct bomb *b)
     CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
 }
 
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* processor time; wall time */
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* seconds of processor time; seconds of wall
+                                                                           time */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };
@@ -606,7 +603,7 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     return count;
 }
 
-/* With memory for both .spz files, each is read once. The minimum memory holds only one .spz. */
+/* The minimum memory holds only one of two .spz files. */
 static void spz_is_inflated_once(void)
 {
     enum { NODES = 20, EACH = 100, PAYLOAD = 20 * EACH };

@@ -56,7 +56,6 @@ static void write_csv(int lens)
     put_text("e/cameras.csv");
 }
 
-/* The principal point is at the centre. Both points lie in front of a camera. */
 static void write_bundler(int lens)
 {
     say("# Bundle file v0.3\n%d 2\n", CAMERAS + 1);
@@ -398,15 +397,14 @@ static void points(void)
     remove(in_folder("e/points.ply"));
     CHECK(!remove(in_folder("e/cameras.txt")) && !remove(in_folder("e/images.txt")));
     remove(in_folder("e/cameras.xml"));
-    CHECK(!read_photos("e", &options) && photos.points_are_random);                 /* the folder's .csv has no
-                                                                                       points */
+    CHECK(!read_photos("e", &options) && photos.points_are_random);
     remove(in_folder("e/images/3.ppm"));
     check_refused("e", &options, FXS_ERR_FILE, "3.ppm: No such file or directory (a photograph of ");
     CHECK(strstr(message.text, "cameras.csv; skip_bad, --skip-bad, leaves such out)") != NULL);
     check_refused("e/bundle.out", &options, FXS_ERR_FILE, "bundle.out; skip_bad, --skip-bad, leaves such out)");
     put_ppm("e/images/3.ppm", WIDE, HIGH, NULL);
     remove(in_folder("e/cameras.csv"));
-    CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* points from bundle.out */
+    CHECK(!read_photos("e", &options) && photos.point_count == 2);
 }
 
 static void blocks(void)

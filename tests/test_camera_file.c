@@ -211,7 +211,6 @@ static void colmap_txt(void)
     check_fault("", "image 0: not nine numbers and a name");
 }
 
-/* Checks whether the first view is marked as having a curved lens. */
 static void check_bends(const char *name, int bends)
 {
     fxs_file_view *views;
@@ -367,7 +366,7 @@ static void put_inria(void)
 }
 
 /* own: further JSON members of the frame. */
-static double stretch[3] = {1, 1, 1};    /* factors of the matrix columns */
+static double stretch[3] = {1, 1, 1};
 
 static void put_transforms(const char *top, const char *own)
 {
@@ -517,7 +516,7 @@ static void transforms(void)
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
     for (int i = 0; i < 3; i++)
-        stretch[i] = 0.037;            /* a common scale for all columns is accepted */
+        stretch[i] = 0.037;            /* a common scale of all columns is accepted */
     put_transforms(top, "");
     check_camera("transforms.json", "b.jpg", 320, 240);
     stretch[1] = 0.04;
@@ -941,7 +940,7 @@ static void start_is_placed(void)
     fxs_placement_init(&p, 0, 0);
     fxs_placement_start(&p, &start);
     CHECK(!memcmp(&start, &plain, sizeof start));
-    fxs_placement_turn(&p, 0, 90);     /* rotates y to z and z to -y */
+    fxs_placement_turn(&p, 0, 90);     /* rotates the y axis to z, and z to -y */
     for (int i = 0; i < 4; i++)
         p.rotation[i] *= 3;
     p.scale = 2;

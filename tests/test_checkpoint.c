@@ -187,7 +187,7 @@ static void begins_with_known_exposures(void)
         }
         fxs_fit_free(fit);
     }
-    for (int kind = 0; kind < 3; kind++) {         /* invalid numbers */
+    for (int kind = 0; kind < 3; kind++) {
         static const double odd[3] = {1e300, -1, 1e-300};
         photos[1].exposure = kind == 1 ? NAN : odd[kind];
         options.exposure = FXS_FIT_EXPOSURE_GAIN;
@@ -195,7 +195,7 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_free(fit);
     }
-    for (int i = 0; i < PHOTOS; i++)               /* affine: factors divided by their mean */
+    for (int i = 0; i < PHOTOS; i++)               /* for affine exposures, the factors are divided by their mean */
         photos[i].exposure = 0.01 * (1 + i);
     options.exposure = FXS_FIT_EXPOSURE_AFFINE;
     fxs_fit *fit = begin();
@@ -216,7 +216,7 @@ static void begins_with_known_exposures(void)
     save(fit, "extreme-exposures");
     fxs_fit_free(fit);
     for (int i = 0; i < PHOTOS; i++)
-        photos[i].exposure = 0;                    /* the checkpoint takes precedence */
+        photos[i].exposure = 0;
     if (CHECK(resume(&fit, "extreme-exposures") == 0)) {
         CHECK(fit->gains.of[0].at[0] > 5 && fit->gains.of[1].at[0] < -10);
         fxs_fit_free(fit);
@@ -224,7 +224,6 @@ static void begins_with_known_exposures(void)
     options = mine;
 }
 
-/* A mask that ignores nothing equals no mask. */
 static void goes_on_with_masks(void)
 {
     static uint8_t masks[PHOTOS][WIDTH * HEIGHT], all[WIDTH * HEIGHT];
@@ -460,7 +459,7 @@ static void goes_on_in_the_last_tenth(void)
         CHECK(same_files("end", "resumed"));
         fxs_fit_free(again);
     }
-    options.steps = 2 * STEPS;                   /* before the last tenth of the longer fit */
+    options.steps = 2 * STEPS;                   /* resumes before the last tenth of a longer fit */
     if (CHECK(resume(&again, "late") == 0)) {
         go_on(again, LATE + 2);
         fxs_fit_free(again);
@@ -569,7 +568,6 @@ static void seal(uint8_t *bytes, size_t size)
     put_u32(bytes + size - 4, (uint32_t)(sum >> 32));
 }
 
-/* Offsets of fields in 32-bit words. */
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
@@ -644,11 +642,11 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 14);          /* a version with exposures, in a file without exposures */
+    change("half", 1, 14);          /* claims the version with exposures, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* a version that hashes cameras differently */
+    change("half", 1, 19);          /* claims a version that hashes cameras differently */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
@@ -677,7 +675,7 @@ static void faulty_poses_are_refused(void)
     enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
     static const struct {
         int word;
-        uint32_t beyond, most;     /* smallest refused word, largest accepted word */
+        uint32_t beyond, most;     /* the smallest refused word, and the largest accepted word */
     } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
                    {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
                    {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0},
@@ -696,11 +694,10 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 16);          /* a version with poses, in a file without poses */
+    change("half", 1, 16);          /* claims the version with poses, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
-/* The centre and the inverse radius follow from the extent of the scene. */
 static void faulty_skies_are_refused(void)
 {
     enum { SKY = PRINT, FAR = EXTENT + 2 };
@@ -722,7 +719,7 @@ static void faulty_skies_are_refused(void)
         go_on(fit, 24);
         fxs_fit_free(fit);
     }
-    change("half", 1, 25);          /* a version with a sky, in a file without a sky */
+    change("half", 1, 25);          /* claims the version with a sky, but the file has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -731,7 +728,7 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x51;              /* makes no version number another valid number */
+        bytes[i] ^= 0x51;              /* never turns a version number into another valid version number */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))

@@ -79,7 +79,6 @@ static int render_there(const fxs_request *request, fxs_stats *stats)
     return error;
 }
 
-/* Renders on the device, with a copy of the scene for each object. */
 static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stats)
 {
     fxs_compute_scene copies[OBJECTS] = {{.key = 0}};
@@ -287,7 +286,6 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
     return words;
 }
 
-/* Compares the splats (projected Gaussians) of the n-th visible chunk. Returns the number of visible splats. */
 static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
                               const fxs_splat *splats, const uint32_t *depths)
 {
@@ -399,7 +397,7 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     request.options.budget = budget;
     if (!look_at(request.cameras, width, height, distance))
         return;
-    for (int traced = 0; traced < 2; traced++) {       /* 1: trace_tiles, 0: blend_tiles */
+    for (int traced = 0; traced < 2; traced++) {       /* 1: tests trace_tiles, 0: tests blend_tiles */
         picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
         if (!traced) {
             const fxs_image none = {0, 0};
@@ -424,7 +422,6 @@ static void sizes(void)
     part_free(&p);
 }
 
-/* Every Gaussian touches every tile, so that the initial capacity of the lists overflows. */
 static void veils(void)
 {
     state = 20264;
@@ -677,7 +674,7 @@ static void frames_lose(void)
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
         }
         for (long n = 0; n < of_frame && !check_faults; n++) {
-            for (int again = 0; again < 2; again++) {      /* with the buffers allocated, then without */
+            for (int again = 0; again < 2; again++) {      /* first with the buffers allocated, then without */
                 picture_clear(&b);
                 lose_after(n, losses[k]);
                 const int error = fxs_compute_render(c, &request, copies, memory, 0, &why);
@@ -723,7 +720,7 @@ static void refusals(void)
     fxs_request_init(&request, &object, 1);
     look_at(request.cameras, 100, 80, 12.8);
     request.targets[0] = a.targets;
-    c->rooms.most = 30000;                  /* too little for the first buffers of a frame */
+    c->rooms.most = 30000;                  /* too little memory for the first buffers of a frame */
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
     c->rooms.most = most;
@@ -734,7 +731,7 @@ static void refusals(void)
     fxs_compute_limit(c, 1000);
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
     fxs_compute_limit(c, 0);
-    part_bytes = 1000;                     /* less than a chunk */
+    part_bytes = 1000;                     /* less than the bytes of a chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
     request.options.stop = yes;
@@ -749,7 +746,7 @@ static void refusals(void)
     fxs_targets_init(request.targets);
     CHECK(render_by(c, &request, 0) == FXS_ERR_TARGET);
     request.targets[0] = a.targets;
-    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* field step_shift of the first chunk */
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* the field step_shift of the first chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_SCENE);
     close_compute(c);
     picture_free(&a);

@@ -20,7 +20,6 @@ enum { WIDTH = TREE_WIDTH, HEIGHT = TREE_HEIGHT, PIXELS = WIDTH * HEIGHT * 4, CO
 static fxs_packed_scene packed[3];
 static fxs_scene scenes[3];
 
-/* Sums the shares of the drawn chunks from each leaf to the root. */
 static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, uint32_t whole, uint8_t *to)
 {
     whole += drawn[chunk] > 0 ? (uint32_t)drawn[chunk] : 0;
@@ -179,7 +178,8 @@ static void test_detail(void)
     for (uint32_t detail_q8 = 8; detail_q8 < 256 << 8; detail_q8 *= 2) {
         const uint32_t drawn = cut_of(scene, camera, 0, detail_q8, shares[0]);
         const uint32_t both = cut_of(scene, camera, 20 * FXS_CHUNK, detail_q8, shares[1]);
-        CHECK(drawn <= before + before / 4 && both <= 20);       /* fading chunks are drawn twice */
+        CHECK(drawn <= before + before / 4 && both <= 20);       /* chunks that fade between two levels are drawn
+                                                                    twice */
         before = drawn;
     }
     CHECK(before < scene->chunk_count / 8);
@@ -328,7 +328,6 @@ static void test_eyes(void)
     }
 }
 
-/* A scene with the rows of some chunks in a pool. */
 typedef struct partial {
     fxs_scene scene;
     const fxs_scene *whole;
@@ -375,8 +374,8 @@ static void test_in_part(void)
     fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
     fxs_init(&context, 0);
     const fxs_stats all = draw(&context, &request, 0);
-    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* room for ancestors of the drawn chunks
-                                                                              too */
+    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* leaves room in the pool for ancestors
+                                                                              of the drawn chunks */
     const fxs_object object = one_object(&p.scene);
     double first = 0, last = 0;
     int frames = 0;
@@ -393,7 +392,7 @@ static void test_in_part(void)
         for (uint32_t i = 0; i < p.wanted && i < 8; i++)
             fetch(&p, p.asked[i]);
         if (!frames)
-            fetch(&p, p.scene.chunk_count);                              /* the root of the tree */
+            fetch(&p, p.scene.chunk_count);
     } while (stats.missing && ++frames < 1000);
     printf("  %d frames, error %.1f after the root, %.1f at the end\n", frames, first, last);
     CHECK(frames > 10 && frames < 1000 && last == 0 && first > 100);
@@ -421,8 +420,8 @@ static void test_damage(void)
         for (int i = 0; i < 1 + round % 40; i++) {
             random = random * 1664525 + 1013904223;
             size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
-            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* change the fields gain and size
-                                                                                  only */
+            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* changes only the fields gain and
+                                                                                  size of a node */
             random = random * 1664525 + 1013904223;
             data[at] = round % 3 && round % 4 ? (unsigned char)(random >> 24)
                                               : data[at] ^ (unsigned char)(1u << (random >> 29) >> (round % 4 ? 0 : 2));

@@ -12,7 +12,7 @@ static fxs_exif exif;
 enum { SHORT = 3, LONG = 4, RATIONAL = 5, SEGMENT = 400 };
 
 typedef struct maker {
-    uint8_t bytes[SEGMENT];        /* "Exif\0\0" and a TIFF file */
+    uint8_t bytes[SEGMENT];        /* "Exif\0\0", followed by a TIFF file */
     size_t size;
     int is_big;
 } maker;
@@ -40,7 +40,6 @@ typedef struct facts {
 
 static const facts ordinary = {0, 6, SHORT, {1, 60}, {28, 10}, 400, {425, 100}};
 
-/* Makes two TIFF entries, then four EXIF entries, then their three rationals. */
 static void make_exif(maker *m, const facts *f)
 {
     const uint32_t *const rationals[] = {f->seconds, f->aperture, f->focal};
@@ -64,7 +63,6 @@ static void make_exif(maker *m, const facts *f)
         add(m, rationals[i / 2][i % 2], 4);
 }
 
-/* The EXIF segment follows the first marker. */
 static void put_jpg(const char *name, const uint8_t *jpg, size_t size, const uint8_t *segment, size_t bytes)
 {
     static uint8_t whole[1 << 17];
@@ -212,7 +210,7 @@ static void turns(void)
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(2 * JPEG_HEIGHT, 2 * JPEG_WIDTH) && photos.fit[0].view.width == JPEG_HEIGHT);
     CHECK(read_with(JPEG_WIDTH, JPEG_WIDTH) == FXS_ERR_FILE);
-    f.type = LONG;                 /* not the standard's type, but unambiguous */
+    f.type = LONG;                 /* not the type of the EXIF standard, but unambiguous */
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(JPEG_HEIGHT, JPEG_WIDTH));
 }
@@ -255,7 +253,6 @@ static int heif_is_here(void)
     return read_file("a.heic") != FXS_ERR_UNSUPPORTED;
 }
 
-/* Changes bytes at an offset from each box `name`. */
 static void put_changed_heif(const char *name, size_t offset, const void *bytes, size_t size)
 {
     static uint8_t changed[sizeof turned_heif];
@@ -266,7 +263,6 @@ static void put_changed_heif(const char *name, size_t offset, const void *bytes,
     put_file("a.heic", changed, sizeof changed);
 }
 
-/* The pixel shown at x, y is stored at y, 19 - x. */
 static void heif(void)
 {
     if (!CHECK(!read_file("a.heic") && width == HEIF_WIDTH && height == HEIF_HEIGHT))
@@ -292,7 +288,7 @@ static void heif(void)
 static void heif_colours(void)
 {
     static const struct {
-        uint8_t stated[7];         /* codes of primaries, transfer, matrix, range */
+        uint8_t stated[7];         /* codes of primaries, transfer function, matrix and range */
         double red, blue;
     } kinds[] = {{{0, 1, 0, 13, 0, 1, 0x80}, 0.2126, 0.0722}, {{0, 1, 0, 13, 0, 9, 0x80}, 0.2627, 0.0593},
                  {{0, 1, 0, 13, 0, 1, 0}, 0.2126, 0.0722},    {{0, 1, 0, 13, 0, 5, 0}, 0.299, 0.114}};

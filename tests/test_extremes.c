@@ -8,7 +8,7 @@
 #define MOST 256
 #define ONE ((int64_t)1 << 32)
 
-static fxs_context plain;          /* plain C on a single thread */
+static fxs_context plain;          /* a context with plain C kernels and a single thread */
 static fxs_options options = {.size = sizeof(fxs_options)};
 static uint32_t pixels[2][MOST * MOST];
 
@@ -92,7 +92,6 @@ static void test_faint_objects_are_listed_whole(void)
     }
 }
 
-/* The list of Gaussians before the wall covers other pixels of the tile. */
 static void test_end_of_a_long_list(void)
 {
     enum { SIZE = 16, CORNER = 5 };
@@ -158,7 +157,6 @@ static void test_occluder_behind_a_long_list(void)
     }
 }
 
-/* A single pixel with a distant principal point equals that pixel of the whole picture. */
 static void test_pixel_of_an_orthographic_picture(void)
 {
     fxs_camera camera = camera_at(MOST, -8 * ONE);
@@ -361,7 +359,7 @@ typedef struct wild_frame {
     fxs_options options;
     unsigned which;
     uint32_t occluder[WILD_SIZE * WILD_SIZE];
-    unsigned char bytes[3][WILD_SIZE * WILD_SIZE * 40];    /* two eyes and a mono frame */
+    unsigned char bytes[3][WILD_SIZE * WILD_SIZE * 40];
 } wild_frame;
 
 static void make_wild_frame(wild_frame *w)
@@ -382,7 +380,6 @@ static void make_wild_frame(wild_frame *w)
         w->occluder[i] = between(0, 9) ? (uint32_t)next() >> between(0, 31) : (uint32_t)between(-1, 0);
 }
 
-/* less: 1 tries the minimum memory first. */
 static int draw_wild(const fxs_context *context, wild_frame *w, int number, int upward, int less)
 {
     fxs_targets targets;

@@ -217,7 +217,6 @@ static void lay_box(const double low[3], const double high[3], int count)
     lay_panel(right, z, y, count / 5);
 }
 
-/* The Gaussians grow with the distance. */
 static void lay_ground(double reach, int count)
 {
     static const double normal[3] = {0, 1, 0};
@@ -258,7 +257,6 @@ static void lay_room(void)
     lay_ball((double[3]){1.8, -0.9, 1}, (double[3]){0.25, 0.9, 0.25}, 2000);
 }
 
-/* Adds clutter behind the walls that no camera sees. */
 static void lay_mess(void)
 {
     lay_room();
@@ -315,7 +313,6 @@ static void lay_wall(void)
         lay_ball((double[3]){2 * i, 0.2, 4.5}, (double[3]){0.5, 0.5, 0.5}, 2000);
 }
 
-/* A typical scene: the camera's place in or outside a box, and the target of the camera. */
 static const struct kind {
     const char *name;
     void (*lay)(void);

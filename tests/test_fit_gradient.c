@@ -26,7 +26,7 @@ typedef struct scene {
     double gain[FXS_FIT_GAIN];     /* log exposure, red and blue; or the change of an affine map */
     double pose[FXS_FIT_POSE];
     int has_pose;
-    double rotation[9], eye[3];    /* of the camera after its pose correction */
+    double rotation[9], eye[3];    /* pose of the camera after the correction */
     uint8_t photograph[PIXELS][3];
     const uint8_t *mask;
     cuts cuts;
@@ -352,7 +352,6 @@ static double gradient_of(const fxs_fit_model *m, int i, int k)
     return (double)m->means[(size_t)k * m->stride + (size_t)i] / (double)0.1f;
 }
 
-/* Returns the largest gradient in the group of parameter k. */
 static double size_of(const double *d, int k)
 {
     static const int ends[] = {FXS_FIT_SCALE, FXS_FIT_ROTATION, FXS_FIT_OPACITY, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS};
@@ -672,7 +671,6 @@ static void test_alpha_of_99(void)
     }
 }
 
-/* red: SH coefficient of degree 0. */
 static fxs_fit_splat project_red(const fxs_fit_stages *stages, double logit, float depth, float red)
 {
     static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
@@ -746,15 +744,16 @@ static void test_bounds_of_scales(void)
     const fxs_fit_stages *versions[FIT_VERSIONS];
     const int count = fit_versions(versions);
     const double pixel = sqrt(0.2) / (double)of[0].focal[1];
-    for (int k = 0; k < 3; k++)     /* the second camera is nearer by 1 unit */
+    for (int k = 0; k < 3; k++)
         of[1].eye[k] += of[1].rotation[6 + k];
     for (int n = 0; n < 2 * count; n++) {
         const int divisor = n % 2 ? 4 : 1;
         float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
         for (int i = 0; i < FXS_FIT_GROUP; i++)
             for (int k = 0; k < 3; k++) {
-                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* picture widths from the
-                                                                                             left edge */
+                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* position of a Gaussian
+                                                                                             in picture widths from
+                                                                                             the left edge */
                 const float along = i == BEHIND ? -4 : 4, aside = along * (40 * at - of[0].middle[0]) / of[0].focal[0];
                 parameters[k][i] = of[0].eye[k] + along * of[0].rotation[6 + k] + aside * of[0].rotation[k];
                 parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 2;

@@ -110,7 +110,6 @@ static double at_of(const fxs_fit_plane *plane, const pictures *p, int i)
     return (double)plane->first[i / p->width * plane->stride + i % p->width];
 }
 
-/* Returns SSIM from weighted means, variances and covariance, by definition. */
 static double similarity_at(const pictures *p, int pixel)
 {
     double window[FIT_WINDOW], mean[2] = {0}, variance[2] = {0}, covariance = 0;
@@ -271,7 +270,6 @@ static void test_ignored_pixels(void)
     }
 }
 
-/* With exposures, the loss ignores how far a picture exceeds saturated white. */
 static void test_brighter_than_white(void)
 {
     enum { WIDE = 61, HIGH = 29 };

@@ -413,12 +413,11 @@ static void order(void)
         behind += i && plain_code(&m, i, middle, spread) < plain_code(&m, i - 1, middle, spread);
     }
     CHECK(!wrong);
-    CHECK(behind < 5);             /* single precision may round into the next cell */
+    CHECK(behind < 5);             /* single precision may round a position into the next cell */
     fxs_fit_model_free(&m);
     fxs_fit_model_free(&old);
 }
 
-/* Places beyond the count have zero opacity and size. */
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
@@ -543,7 +542,6 @@ static void relocated(void)
     fxs_fit_model_free(&old);
 }
 
-/* The formula of Kheradmand et al. 2024 counts up to 51 Gaussians at one place. */
 static void relocated_to_one(void)
 {
     for (size_t count = 2; count < 90; count += 7) {
@@ -562,7 +560,6 @@ static void relocated_to_one(void)
     }
 }
 
-/* A Gaussian with an opacity at the threshold is relocated. */
 static void relocated_at_the_threshold(void)
 {
     fxs_fit_model m = random_model(2);
@@ -593,8 +590,8 @@ static void grown(void)
         drawn++;
     }
     sum = opaque / drawn;
-    CHECK(fabs(sum - 0.75) < 0.1); /* standard deviation 0.03 */
-    CHECK(fabs(mean - COUNT / 2) < 400);   /* standard deviation 82 */
+    CHECK(fabs(sum - 0.75) < 0.1); /* the standard deviation of the sum is 0.03 */
+    CHECK(fabs(mean - COUNT / 2) < 400);   /* the standard deviation of the mean is 82 */
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT + 300, 3, 700}));
     CHECK(m.count == COUNT + 300);
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT, 3, 800}));
@@ -730,7 +727,6 @@ static void extents(void)
     CHECK(is_near((double)fxs_fit_extent(photos, 1, points, 2), 1.1, 1e-6));
 }
 
-/* Adam in doubles, from the sums of red's gradient. */
 static void adam(void)
 {
     const fxs_fit_stages *stages = fxs_fit_stages_choose(~0u);
@@ -782,7 +778,7 @@ static void gradients_beyond(void)
             memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
             *at(&m, FXS_FIT_SCALE, 5) = 100;
             *at(&m, FXS_FIT_OPACITY, 3) = 0;
-            for (int k = 0; k < 3; k++)    /* keeps the colours above 0 */
+            for (int k = 0; k < 3; k++)
                 *at(&m, FXS_FIT_COLOUR + k, 3) = 9;
             old = copy_of(&m);
             for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
@@ -825,7 +821,7 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* The noise must have the covariance Sigma^2 (sigmoid(...) amount)^2, measured over many equal Gaussians. */
+/* Covariance of the noise: Sigma^2 (sigmoid(...) amount)^2, measured over many equal Gaussians. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -836,7 +832,7 @@ static void noise(void)
     double got[3][3] = {{0}}, mean[3] = {0};
     for (size_t i = 0; i < COUNT; i++) {
         for (int k = 0; k < 4; k++)
-            *at(&m, FXS_FIT_ROTATION + k, i) = k < 2 ? 0.5f : 0;    /* a quarter turn about x */
+            *at(&m, FXS_FIT_ROTATION + k, i) = k < 2 ? 0.5f : 0;
         for (int k = 0; k < 3; k++) {
             *at(&m, k, i) = 0;
             *at(&m, FXS_FIT_SCALE + k, i) = (float)log(s[k]);
@@ -1030,7 +1026,8 @@ static void same_bytes(void)
     for (int i = 0; i < 5; i++) {
         turn = 9;
         set_scene();
-        options.steps = i == 2 ? 700 : 900;    /* mcmc and fast differ only in their default number of steps */
+        options.steps = i == 2 ? 700 : 900;    /* the recipes mcmc and fast differ only in their default number of
+                                                  steps */
         options.recipe = (enum fxs_fit_recipe)(i % 3);
         options.cutoff = i == 3 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
         options.seed = i == 4;

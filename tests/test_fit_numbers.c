@@ -65,7 +65,6 @@ static void test_doubles(void)
 
 enum { WIDTH = 32, HEIGHT = 24, COUNT = 20, STEPS = 300, PHOTOGRAPHS = 3 };
 
-/* Adam on the mean loss over pixels and channels, from the gradient of the sum. */
 typedef struct adam {
     double mean, square, parameter, way;
 } adam;
@@ -143,7 +142,6 @@ static void test_steps_are_adams(void)
     fxs_fit_stepper_free(stepper);
 }
 
-/* Colour gradients down to subnormals give steps as long as Adam's. */
 static void test_tiny_gradients(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -209,7 +207,7 @@ static void test_gain_steps(void)
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
         float sums[FXS_FIT_GAIN];
-        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* off-diagonal sums do not affect a gain */
+        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* the off-diagonal sums of gradients do not affect a gain */
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
         const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];
         const double gradients[3] = {red + green + blue, red - green, blue - green};
@@ -239,7 +237,6 @@ static void test_gain_steps(void)
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
 }
 
-/* An affine step is applied after the current map. */
 static void test_affine_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e20f};

@@ -138,7 +138,6 @@ static void ignore_nothing(void)
         photos[i].mask = mask;
 }
 
-/* Gains of 0.6 to 1.6, with a different colour balance each. */
 static void change_exposures(void)
 {
     static const int percent[PHOTOS][3] = {{60, 64, 66}, {160, 150, 140}, {85, 85, 85}, {130, 125, 136}, {72, 70, 64},
@@ -315,7 +314,7 @@ static const recorded fits[FITS] = {
     {"a sky", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 350, 2,
      FXS_FIT_EXPOSURE_NONE, 0.5, 0xb8d36b9cb21bb093}};
 
-static int devices;                /* 0: CPU, 1: the first GPU */
+static int devices;                /* 0: the fit runs on the CPU, 1: on the first GPU */
 
 static void set_options(const recorded *wanted, fxs_fit_options *o)
 {
@@ -445,7 +444,6 @@ static void test_fast_from_half_the_size(void)
     check_instruction_sets(&fits[HALF_THE_SIZE]);
 }
 
-/* Batches of four from six photographs cross the end of a round. */
 static void test_batches(void)
 {
     check_everywhere(&fits[BATCH]);
@@ -532,7 +530,6 @@ static double finest_sigma(const float place[3])
     return finest < INFINITY ? sqrt(0.2) * finest : 0;
 }
 
-/* Without antialiasing many Gaussians end finer than the photographs. */
 static void test_antialiased(void)
 {
     check_everywhere(&fits[ANTIALIASED]);
@@ -544,7 +541,7 @@ static void test_antialiased(void)
         size_t bound = 0, finer = 0;
         set_options(&fits[ANTIALIASED], &options);
         options.antialiased = !i;
-        options.steps = 9;         /* too few for a last tenth, so scales are not rounded */
+        options.steps = 9;         /* so few steps have no last tenth, so scales are not rounded */
         if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message) == 0))
             return;
         while (fxs_fit_steps(f) < options.steps)

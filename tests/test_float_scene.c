@@ -31,7 +31,6 @@ static double psnr(const uint8_t *a, const uint8_t *b)
     return CHECK(!fxs_metrics_compare(a, b, WIDTH, HEIGHT, &m)) ? m.psnr : 0;
 }
 
-/* The last view is orthographic. */
 static int find_view(int number, const fxs_pack_report *report, fxs_file_view *view)
 {
     static const double up[3] = {0, -1, 0};
@@ -136,7 +135,6 @@ static void a_landscape(void)
     check_scene("landscape", 0, 0);
 }
 
-/* Floats at this distance from the origin are 2^-14 apart. */
 static void far_from_the_origin(void)
 {
     check_scene("knot", 0, 1000);

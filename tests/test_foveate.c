@@ -107,7 +107,6 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
     return camera;
 }
 
-/* Slopes are clamped by the whole picture, since wide pictures round differently. */
 static void test_windows_of_wide_pictures(void)
 {
     static const char *const names[] = {"knot", "landscape"};
@@ -484,7 +483,6 @@ static fxs_request request_of(const eyes *e)
     return request_for(&e->object, 1, &e->options, 2, e->cameras, e->targets);
 }
 
-/* Returns 0 if the back end is unavailable. */
 static int foveate(const char *name, const fxs_foveation *f, eyes *e, fxs_foveated *out)
 {
     const fxs_backend *backend = fxs_backend_find(name);
@@ -537,7 +535,7 @@ static void test_back_ends(void)
     memcpy(expected, e.pixels, e.bytes);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         CHECK(!foveate(names[i], &f, &e, &out) || !memcmp(e.pixels, expected, e.bytes));
-    f = (fxs_foveation){{{0, 0}, {0, 0}}, {110, 111}, 0};       /* the full rate covers the picture */
+    f = (fxs_foveation){{{0, 0}, {0, 0}}, {110, 111}, 0};       /* the ring of the full rate covers the whole picture */
     CHECK(foveate("cpu", &f, &e, &out) && out.count == 1 && !memcmp(e.pixels, whole, e.bytes));
     free(expected);
     free(whole);
@@ -545,7 +543,6 @@ static void test_back_ends(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Renders on the CPU without hidden parts. */
 static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_message *why)
 {
     fxs_request all = *q;
@@ -625,7 +622,7 @@ static void test_errors(void)
         r = (recorder){.fail_at = k};
         CHECK(attempt(&r, &q, &f) == FXS_ERR_DEVICE && r.calls == k);
     }
-    r = (recorder){.fail_at = 0};                /* the back end must not be called */
+    r = (recorder){.fail_at = 0};                /* the back end must not be called a second time */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const fxs_foveation wrong = {{{0, 0}, {0, 0}}, {bad[i][0], bad[i][1]}, bad[i][2]};
         CHECK(attempt(&r, &q, &wrong) == FXS_ERR_ARGUMENT && !fxs_foveation_bytes(&wrong, q.cameras, 2));

@@ -169,7 +169,7 @@ static void test_tree(void)
                                          0xdb4bcc7a3a7f819au};
     static const uint64_t small[3] = {0x291e5f90dfd04546u, 0xcdc9b5f48d74e1ebu,
                                       0x38598508e0976ea7u};
-    if (FLT_EVAL_METHOD != 0) {                /* refused, since floats with excess precision would differ */
+    if (FLT_EVAL_METHOD != 0) {                /* excess precision of floats would change the bytes */
         CHECK(write_ply(3000, 3) && !pack(FXS_PROFILE_DEFAULT, 1) && strstr(message.text, "single precision"));
         return;
     }

@@ -94,7 +94,8 @@ static void test_round_trip(void)
     draw(packed.data, packed.bytes, from_memory);
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
-    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* the picture has several colours */
+    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* checks that the picture has several
+                                                                            colours */
     CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* overwrites the file with its own mapping */
     CHECK(!fxs_map_check(&file, fxs_path, &m));
     fxs_unmap(&file);
@@ -118,7 +119,7 @@ static void test_changed(void)
             return;
         const volatile unsigned char *data = file.data;
         CHECK(!fxs_map_check(&file, path, &m) && data[PAGES * PAGE - 1] == 7);
-        nanosleep(&(struct timespec){0, 20000000}, 0);   /* file times tick every 4 or 10 ms */
+        nanosleep(&(struct timespec){0, 20000000}, 0);   /* longer than a tick of file times, which is 4 or 10 ms */
         out = fopen(path, "r+b");
         CHECK(out && fputc(8, out) == 8 && !fclose(out) && (!cut || !truncate(path, PAGE)));
         CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
@@ -129,7 +130,6 @@ static void test_changed(void)
     unlink(path);
 }
 
-/* The file is truncated, extended and set to its old time. */
 static void test_cut_and_grown(void)
 {
     enum { PAGE = 4096, PAGES = 4 };
@@ -151,7 +151,6 @@ static void test_cut_and_grown(void)
     unlink(path);
 }
 
-/* A SIGBUS outside a mapping must still end the process. */
 static void test_other_faults(void)
 {
     enum { PAGE = 4096 };
@@ -166,13 +165,14 @@ static void test_other_faults(void)
         return;
     for (int above = 0; above < 2; above++) {
         int status = 0, descriptor = open(path, O_RDONLY);
-        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* the system may choose another address */
+        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* the system may choose another address
+                                                                               than the wish */
         const volatile char *other = mmap(wish, 2 * PAGE, PROT_READ, MAP_PRIVATE, descriptor, 0);
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* guards against an endless loop */
-            _exit(other[PAGE]);        /* past the file's last page */
+            alarm(10);                 /* guards against an endless loop of signals */
+            _exit(other[PAGE]);        /* reads past the last page of the file */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);
         munmap((void *)other, 2 * PAGE);

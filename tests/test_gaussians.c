@@ -14,11 +14,11 @@ enum { COUNT = 9000 };                  /* more than two batches of the packer *
 static fxs_gaussian made[COUNT];
 
 static struct {
-    uint64_t calls, next, passes;       /* next: expected first index of the next call within a pass */
-    uint64_t at, from_pass;             /* first Gaussian and first pass with a fault */
-    long step;                          /* most Gaussians of a call; 0: the requested number */
-    long result;                        /* result of the faulty call; 0: no fault */
-    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian; may be null */
+    uint64_t calls, next, passes;       /* next: the expected first index of the next call */
+    uint64_t at, from_pass;             /* the first Gaussian and the first pass that are faulty */
+    long step;                          /* largest number of Gaussians in a call; 0: the requested number */
+    long result;                        /* result of the faulty call; 0: the call succeeds */
+    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian of a pass; may be null */
 } source;
 
 static fxs_message message;
@@ -126,7 +126,6 @@ static void same_bytes_as_ply(void)
     }
 }
 
-/* An origin changes only the chunk headers and bounds. */
 static void same_codes_far_out(void)
 {
     static const double origin[3] = {500000, -4500000, 0.5};

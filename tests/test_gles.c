@@ -88,7 +88,7 @@ static void fake(int i, const char *name, fxs_gl_function function)
 }
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
-static GLint limit, read_type;             /* 0: the limit of the device */
+static GLint limit, read_type;             /* 0: the limit of the device applies */
 static int no_blocks;                      /* 1: no storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
@@ -166,7 +166,6 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
 
 static fxs_compute *compute;               /* not null: draws into targets by compute shaders */
 
-/* All objects share one scene. */
 static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
 {
     fxs_compute_scene copy = {.key = 0};
@@ -186,7 +185,6 @@ static int render_target(const fxs_context *c, fxs_gles *gles, const fxs_request
                    : fxs_gles_render(gles, c, request, target, memory, bytes, stats);
 }
 
-/* Renders into pixels, or into the target if the target is not null. */
 static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
 {
@@ -306,7 +304,6 @@ static void runs(void)
     close_gles(gles);
 }
 
-/* Small textures force crops of the picture and split lists. */
 static void small_textures(void)
 {
     static const GLint limits[] = {16, 63, 64, 200, 2048};
@@ -374,8 +371,8 @@ static void long_list(void)
     uint8_t *pixels = new_picture(&s);
     draws = 0;
     CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
-    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* mask passes, then pixel
-                                                                                           passes */
+    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* one pass for masks, then
+                                                                                           one pass for pixels */
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -580,7 +577,6 @@ static void free_mesh(mesh m)
     free(m.colours);
 }
 
-/* draw: null renders on the CPU. */
 static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const mesh *m, int bottom_up,
                        size_t memory_bytes, uint8_t *pixels)
 {
@@ -640,7 +636,7 @@ static void meshes(void)
 
 enum { UNITS = 10 };                       /* texture units that the back end binds */
 
-/* Unsupported state stays 0. */
+/* OpenGL state. Unsupported state stays 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -705,7 +701,7 @@ static GLuint make_program(void)
     return program;
 }
 
-enum { WIDE = 240, HIGH = 160 };           /* size of the caller's texture */
+enum { WIDE = 240, HIGH = 160 };
 
 typedef struct caller {
     GLuint texture, framebuffers[2], program, vertex_array, buffers[4], samplers[UNITS], textures[UNITS], renderbuffer;
@@ -835,7 +831,7 @@ static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_
     CHECK(in_target(s, t, expected));
 }
 
-/* small: 1 forces crops of the picture in the back end's own framebuffer. */
+/* small: 1 forces crops of the picture. */
 static void target_by(int small)
 {
     subject s;
@@ -944,7 +940,6 @@ static void target_of_short_lists(void)
     close_gles(gles);
 }
 
-/* Makes a texture of 4 bytes a pixel in the framebuffer's row order. */
 static GLuint make_texture(const subject *s, const void *pixels, int top_down, GLint format, GLenum layout, GLenum type)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -1063,7 +1058,6 @@ static outputs make_outputs(void)
     return o;
 }
 
-/* Renders the subject twice with two ids. */
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
 {
     fxs_context c;
@@ -1343,7 +1337,6 @@ static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const
     real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
 }
 
-/* Each draw must report the shader's line and keep the OpenGL state. */
 static void compute_without_shader(void)
 {
     subject s;
@@ -1361,7 +1354,8 @@ static void compute_without_shader(void)
     for (int i = 0; i < 2; i++) {
         CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: "));
-        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* line numbers by Mesa and by NVIDIA */
+        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* Mesa and NVIDIA write line numbers
+                                                                              differently */
         CHECK(!strchr(why_not.text, '\n'));
     }
     dump(&after);
@@ -1401,7 +1395,7 @@ static void compute_refuses(void)
         return;
     upset(&c);
     dump(&before);
-    CHECK(!render(&s, 0, 0, &t, 0, 0, 0));     /* as large as the texture */
+    CHECK(!render(&s, 0, 0, &t, 0, 0, 0));
     close_compute();
     dump(&after);
     CHECK(!memcmp(&before, &after, sizeof before));
@@ -1505,7 +1499,7 @@ static void unfit_contexts(void)
     refuses("16x16");
 }
 
-static int good_calls;                     /* calls before the device is lost */
+static int good_calls;                     /* number of OpenGL calls before the device is lost */
 static PFNGLMAPBUFFERRANGEPROC real_MapBufferRange;
 static PFNGLUNMAPBUFFERPROC real_UnmapBuffer;
 

@@ -58,7 +58,7 @@ static void add(const char *name, int components, int type, int normalized, int 
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     const char *comma = accessor_count ? "," : "";
     size_t start = bin_size, element = 0;
-    bin_size += 8;   /* byteOffset 4 in the bufferView and in the accessor */
+    bin_size += 8;   /* byteOffset is 4 in the bufferView and in the accessor */
     for (int i = 0; i < COUNT; i++) {
         size_t at = bin_size;
         for (int c = 0; c < components; c++)
@@ -326,7 +326,6 @@ static void every_type(void)
             }
 }
 
-/* A negative scale counts as its magnitude. */
 static void extreme_values(void)
 {
     clear();
@@ -373,7 +372,7 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* one negative value of five means linear sizes, two mean
+    for (int below = 1; below <= 2; below++) {   /* one negative scale of five means linear scales, two mean
                                                     logarithms */
         add_all(0);
         clear();
@@ -464,7 +463,7 @@ static double srgb(double c)
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
 }
 
-static fxs_gaussian plain[COUNT];       /* the Gaussians as in the file */
+static fxs_gaussian plain[COUNT];
 
 /* Small coefficients scale with the slope of the sRGB curve. */
 static void check_srgb(int degree)
@@ -483,7 +482,6 @@ static void check_srgb(int degree)
         }
 }
 
-/* A colour space that is not stated means sRGB. */
 static void colour_spaces(void)
 {
     static const struct { const char *text; int fails, is_linear; } cases[] = {
@@ -575,7 +573,6 @@ static void check_moved(int i, const double by[3])
     }
 }
 
-/* An origin keeps the precision of distant nodes. */
 static void far_nodes(void)
 {
     static const double far[3] = {-500000.25, 4500000, 3}, also[3] = {-500000.25, 4500002, 3}, still[3] = {0};
@@ -759,7 +756,6 @@ static void opacities_beside_spz(void)
     CHECK(info.clamped_opacity && out[0].opacity == 20);
 }
 
-/* Opacities are clamped to 0 to 1. NaN stays NaN. */
 static void opacities_out_of_range(void)
 {
     add_all(0);
@@ -840,7 +836,6 @@ static void faulty_sparse(void)
     }
 }
 
-/* An accessor without a bufferView is all 0. */
 static void zeros(void)
 {
     add_all(1);
@@ -997,8 +992,8 @@ static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
     static fxs_gaussian g[2][1000];
-    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* from the .ply's frame to the frame of the glTF
-                                                                   reader */
+    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* rotation from the axes of the .ply to the axes of
+                                                                   the glTF reader */
     fxs_scene_file *files[2];
     fxs_scene_file_info infos[2];
     char name[1024];

@@ -17,17 +17,17 @@ static const fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3,
 
 #define UNTOUCHED 0xbeef
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-enum { COMMAND, DATA, WAIT };              /* kinds of stream events; a kind and a byte follow each other */
+enum { COMMAND, DATA, WAIT };              /* kinds of events on the bus */
 enum { MIRROR_Y = 0x80, MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 
 typedef struct model {
     uint16_t memory[LONG_SIDE][SHORT_SIDE];
-    const char *fault;                     /* the first fault, or null */
-    uint32_t now, reset_at, awake_at;      /* milliseconds */
+    const char *fault;                     /* the first fault that the model found, or null */
+    uint32_t now, reset_at, awake_at;      /* times in milliseconds */
     int is_reset, is_awake, is_on;
     uint8_t command, data[4], access, format;
     uint32_t count;                        /* data bytes received since the last command */
-    int32_t window[2][2], at[2];           /* columns and pages: first and last of the window, next pixel */
+    int32_t window[2][2], at[2];           /* first and last column and page of the window, and the next pixel */
     uint64_t pixels;
 } model;
 
@@ -370,7 +370,6 @@ static void test_model_refuses(void)
 
 /* ---- Byte stream of a board -------------------------------------------------------------------------------------- */
 
-/* Returns 0 if the stream shows the FRAMES steps of a turntable. */
 static int check_stream(char **arguments)
 {
     static model m;

@@ -169,7 +169,7 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the buffer is reused */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the same memory is used for the next frame */
     fxs_encoded_free(&frame);
 
     static const struct {
@@ -272,7 +272,6 @@ static void unwritable_folder(void)
     remove(in_folder("a.png"));
 }
 
-/* A limit of the file size simulates a full disk. */
 static void full_disk(void)
 {
     static const char *const names[] = {"a.png", "a.ppm", "a.raw"};
@@ -445,11 +444,10 @@ static void cmyk(void)
     remove(in_folder("cmyk.jpg"));
 }
 
-/* Changes bytes at `offset` after the first `marker`. */
 static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
 {
     uint8_t changed[sizeof baseline_jpeg];
-    size_t at = 2;                 /* offset of the first segment */
+    size_t at = 2;                 /* offset of the first JPEG segment */
     memcpy(changed, baseline_jpeg, sizeof changed);
     while (changed[at + 1] != marker)
         at += 2 + (size_t)(changed[at + 2] << 8 | changed[at + 3]);
@@ -460,11 +458,11 @@ static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_
 static void bad_jpeg(void)
 {
     uint8_t most[16];
-    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* 8192 x 8192 pixels */
+    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* states 8192 x 8192 pixels */
     check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
-    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampling factors 3 x 2 and 2 x 1 */
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* states the sampling factors 3 x 2 and 2 x 1 */
     check_unreadable("a.jpg", "Fractional sampling not implemented");
     put_changed_jpeg(0xc0, 9, "\4", 1);
     check_unreadable("a.jpg", "Bogus marker length");
@@ -574,7 +572,6 @@ static void put_zeros(const char *name, int side, int depth, int interlaced, siz
     free(zeros);
 }
 
-/* Of 16 bits the upper 8 are kept. */
 static void png_kinds(void)
 {
     static const uint8_t palette[12] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 0, 255};
@@ -592,7 +589,7 @@ static void png_kinds(void)
         {16, 6, {0, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7, 9, 8, 9}, {1, 2, 3, 4, 5, 6, 7, 8}, 17},
         {8, 3, {0, 0, 1}, {10, 20, 30, 100, 40, 50, 60, 0}, 3},
         {2, 3, {0, 0x80}, {70, 80, 90, 255, 10, 20, 30, 100}, 2},
-        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* an index beyond the palette */
+        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* an index beyond the end of the palette */
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const uint8_t header[13] = {0, 0, 0, 2, 0, 0, 0, 1, kinds[i].depth, kinds[i].kind, 0, 0, 0};
@@ -648,7 +645,6 @@ static void inflated_size(void)
     remove(in_folder("a.png"));
 }
 
-/* A black picture of one bit a pixel deflates to a thousandth of its size. */
 static void little_for_much(void)
 {
     enum { MOST = 8192 };
@@ -720,7 +716,7 @@ static void metrics_equal(void)
     make_image(0);
     memcpy(other, image, sizeof image);
     for (int i = 3; i < 4 * PIXELS; i += 4)
-        other[i] = random_byte();   /* alpha is ignored */
+        other[i] = random_byte();   /* alpha is ignored by the metrics */
     CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
     CHECK(metrics.mse == 0 && isinf(metrics.psnr) && metrics.psnr > 0 && metrics.largest == 0);
     CHECK(near(metrics.ssim, 1));

@@ -9,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"                      /* 0 on systems without a clock */
+#define TICK "ns"                      /* "0" on systems without a clock */
 #endif
 
 #include <fixsplat/internal/kernels.h>
@@ -36,7 +36,7 @@ static const struct {
 
 #define VERSIONS (sizeof versions / sizeof *versions)
 
-static fxs_kernels fast;               /* kernels under test */
+static fxs_kernels fast;               /* the kernels under test */
 static uint64_t first_seed = 1, last_seed = CASES;
 
 static uint64_t state;
@@ -69,7 +69,6 @@ static double uniform(double low, double high)
     return low + (high - low) * (double)(next() >> 11) * 0x1p-53;
 }
 
-/* Returns a number of either sign up to `limit`, log-uniform. */
 static int64_t any_size(int64_t limit)
 {
     int64_t x = (int64_t)(next() >> 1 >> below(63)) % (limit + 1);
@@ -249,7 +248,7 @@ static void random_rotation(fxs_camera *camera)
         q[i] = uniform(-1, 1);
         norm += q[i] * q[i];
     }
-    if (norm < 1e-3 || one_in(8)) {              /* identity */
+    if (norm < 1e-3 || one_in(8)) {              /* identity rotation */
         memset(q, 0, sizeof q);
         q[0] = norm = 1;
     }
@@ -366,9 +365,8 @@ static void make_view(void)
 
 /* ---- The stages project and shade ------------------------------------------------------------------------------ */
 
-/* Counters that prove that the random cases reach the interesting code. */
 static uint64_t visible_total;
-static uint64_t zooms;                 /* bit i: a Gaussian was visible with plane_zeros i - 22 */
+static uint64_t zooms;                 /* bit i: some Gaussian was visible with plane_zeros i - 22 */
 
 static void count_visible(uint32_t count, int veils)
 {
@@ -387,7 +385,6 @@ static int has_veil(const fxs_bounds *bounds, uint32_t count)
     return 0;
 }
 
-/* Halves every sigma. Returns 0 at the minimum. */
 static int shrink(fxs_chunk *c)
 {
     if (c->scale_q16 < -(31 << 16))
@@ -520,7 +517,6 @@ static void list_case(void)
     CHECK(!memcmp(at(entries, 0, 4), at(entries, 1, 4), listed * sizeof(uint32_t)));
 }
 
-/* Every third picture has few tiles, which clip large splats to a box. */
 static void bin_case(void)
 {
     fxs_splat splats[FXS_CHUNK];
@@ -610,7 +606,6 @@ static void blend_case(void)
     CHECK(same(tile));
 }
 
-/* Makes a partly blended tile with transmittances from 0 to 1. */
 static void begin_tile(fxs_tile *tile, fxs_trace *trace)
 {
     const int begun = !one_in(3);
@@ -681,7 +676,7 @@ static void resolve_case(void)
     for (int size = 0; size < FXS_TILE_PIXELS * 4; size++) {
         const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
         const enum fxs_format format = (enum fxs_format)(size / FXS_TILE_PIXELS);
-        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;   /* bytes of a channel */
+        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;
         const ptrdiff_t pitch = (ptrdiff_t)((4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE)) * wide);
         const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
         const size_t skew = below(32) * wide, first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;

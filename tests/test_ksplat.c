@@ -88,7 +88,7 @@ static void put_section_header(int level, int degree, int s)
     put_u32_at(at + 8, sections[s].bucket_size);
     put_u32_at(at + 12, sections[s].full + sections[s].partial);
     put_float_at(at + 16, 6);
-    put_u32_at(at + 20, 16);   /* a bucket centre and 4 bytes of padding */
+    put_u32_at(at + 20, 16);   /* the bytes of a bucket centre and 4 bytes of padding */
     put_u32_at(at + 24, BLOCK_RANGE);
     put_u32_at(at + 32, sections[s].full);
     put_u32_at(at + 36, sections[s].partial);
@@ -196,7 +196,7 @@ static void halves(void)
     const size_t rows = HEADER + SECTIONS * SECTION + 4 + 3 * 16;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         make_file(1, 0);
-        for (size_t at = 6; at <= 12; at += 6) {   /* first scale, first rotation component */
+        for (size_t at = 6; at <= 12; at += 6) {   /* offsets of the first scale and of the first rotation component */
             bytes[rows + at] = (uint8_t)cases[i].bits;
             bytes[rows + at + 1] = (uint8_t)(cases[i].bits >> 8);
         }

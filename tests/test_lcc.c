@@ -27,7 +27,7 @@ typedef struct bounds {
 static blob index_bytes, data, sh, sky_bytes;
 static fxs_gaussian made[COUNT], made_sky[SKY], out[MOST + 1];
 static int level_counts[LEVELS];
-static bounds scale_bounds[2], sh_bounds[2];   /* [0]: cells, [1]: environment */
+static bounds scale_bounds[2], sh_bounds[2];   /* [0]: bounds of the cells, [1]: bounds of the environment */
 
 static void put(blob *to, uint64_t value, int size)
 {
@@ -91,7 +91,7 @@ static void put_row(blob *to, const fxs_gaussian *g, const bounds *scale)
     for (int i = 0; i < 3; i++)
         put(to, code_of(exp((double)g->scale[i]), scale->low[i], scale->high[i], 65535), 2);
     put(to, rotation_code(g->rotation), 4);
-    put(to, 0x112233445566, 6);   /* the unused normal */
+    put(to, 0x112233445566, 6);   /* the normal, which the reader ignores */
 }
 
 static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
@@ -103,7 +103,7 @@ static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
             word |= (uint32_t)code_of((double)g->sh[3 * k + i], b->low[i], b->high[i], most[i]) << shift[i];
         put(to, word, 4);
     }
-    put(to, 0xffffffff, 4);       /* pads to 64 bytes */
+    put(to, 0xffffffff, 4);       /* pads the header to 64 bytes */
 }
 
 /* Scene axes are x right, y down, z front. The axes of .lcc are x right, y front, z up. */
@@ -151,7 +151,7 @@ static void make_cells(const fxs_gaussian *g, size_t count, int has_sh)
     index_bytes.size = data.size = sh.size = 0;
     memset(level_counts, 0, sizeof level_counts);
     for (int cell = 0; cell < CELLS; cell++) {
-        uint8_t *unit = index_bytes.bytes + UNIT * (CELLS - 1 - cell);   /* the index is not in the order of the data */
+        uint8_t *unit = index_bytes.bytes + UNIT * (CELLS - 1 - cell);   /* the index is in reverse order */
         index_bytes.size = (size_t)(unit - index_bytes.bytes);
         put(&index_bytes, (uint64_t)cell, 4);
         for (int level = 0; level < LEVELS; level++) {
@@ -192,7 +192,6 @@ static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
     find_bounds(out, count, &scale_bounds[which], &sh_bounds[which]);
 }
 
-/* Writes environment.bin only if `sky` is not empty. */
 static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian *sky, size_t sky_count, int has_sh)
 {
     find_turned_bounds(g, count, 0);
@@ -336,19 +335,19 @@ static void axes(void)
 {
     const fxs_gaussian g = {.position = {1, -3, 2}, .scale = {-1, -2, -3}, .rotation = {1, 0, 0, 0}};
     write_scene(&g, 1, NULL, 0, 1);
-    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* floats 1, 2, 3 */
+    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* the floats 1, 2, 3 */
     CHECK(read_scene(NULL) == 1);
     CHECK(angle_between(out[0].rotation, g.rotation) < 0.0025);
     for (int i = 0; i < 3; i++)
         CHECK(fabsf(out[0].position[i] - g.position[i]) < 1e-6f && fabsf(out[0].scale[i] - g.scale[i]) < 1e-4f);
     memset(sh.bytes, 0, sh.size);
-    memcpy(sh.bytes, "\377\7", 2);   /* first coefficient of red at its maximum, all others at their minimum */
+    memcpy(sh.bytes, "\377\7", 2);   /* the first coefficient of red is the maximum, all others are the minimum */
     sh_bounds[0] = (bounds){{0, 0, 0}, {0.5, 0, 0}};
     put_file("shcoef.bin", sh.bytes, sh.size);
     make_meta("", 1);
     put_file("scene.lcc", text, length);
     CHECK(read_scene(NULL) == 1);
-    for (int i = 0; i < 9; i++)   /* the file's -y is -z' of the scene */
+    for (int i = 0; i < 9; i++)   /* -y of the file is -z' of the scene */
         CHECK(fabsf(out[0].sh[i] - (i == 3 ? -0.5f : 0)) < 1e-6f);
 }
 
@@ -364,7 +363,6 @@ static void names_of_the_white_paper(void)
         remove(in_folder(names[i][1]));
 }
 
-/* A file without "fileType" has SH if the file has SH bounds. */
 static void without_a_type(void)
 {
     static const char *const types[] = {"", "\"fileType\":\"other\",", "\"fileType\":7,"};
@@ -439,19 +437,12 @@ static void faulty_index(void)
         put(&index_bytes, cases[i].value, cases[i].size);
         put_file("index.bin", index_bytes.bytes, CELLS * UNIT);
         check_fails(cases[i].words);
-        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);   /* a 
-                                                                                                                   le
-                                                                                                                   ve
-                                                                                                                   l 
-                                                                                                                   wi
-                                                                                                                   th
-                                                                                                                   ou
-                                                                                                                   t 
-                                                                                                                   th
-                                                                                                                   e 
+        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);   /* no
                                                                                                                    fa
                                                                                                                    ul
-                                                                                                                   t */
+                                                                                                                   t 
+                                                                                                                   he
+                                                                                                                   re */
     }
 }
 

@@ -24,7 +24,7 @@ static const struct {
     {{.kind = FXS_LENS_FOV, .k = {.9}}, 140, 140, 80, 60},
     {{.kind = FXS_LENS_DIVISION, .k = {-.2}}, 140, 150, 80, 60},
     {{.kind = FXS_LENS_EUCM, .k = {.6, 1.1}}, 140, 150, 80, 60},
-    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},        /* a circle of 180 degrees within the picture */
+    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},        /* a circle of 180 degrees fits into the picture */
 };
 enum { LENSES = sizeof lenses / sizeof *lenses };
 
@@ -145,7 +145,6 @@ static void round_trip(void)
     }
 }
 
-/* Noise gives the same bytes on every machine and for any split in rows. */
 static void same_bytes(void)
 {
     static const uint8_t outside[4] = {1, 2, 3, 4};

@@ -3,7 +3,6 @@
 
 enum { WIDTH = 24, HEIGHT = 20, PIXELS = WIDTH * HEIGHT, VIEWS = 3 };
 
-/* The path stays valid for the whole test. */
 static const char *kept_name(const char *name)
 {
     static char path[1024];
@@ -79,7 +78,7 @@ static void names(void)
     make_folder("other");
     make_folder("other/sub");
     put_grey("other/a.jpg.png", WIDTH, HEIGHT, disc[1]);
-    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* a.jpg.png takes precedence */
+    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* the mask a.jpg.png takes precedence */
     put_grey("other/b.png", WIDTH, HEIGHT, disc[0]);
     put_grey("other/sub/c.png", WIDTH, HEIGHT, white);
     options = (fxs_photos_options){.size = sizeof(fxs_photos_options), .masks = kept_name("other"), .hold_out = 2};
@@ -89,7 +88,6 @@ static void names(void)
     CHECK(!read_photos("m", &options) && are_masks(of_all) && photos.with_mask == 3 && !photos.without_mask);
 }
 
-/* A photograph outside the common folder has the mask of its own file name. */
 static void from_elsewhere(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -115,7 +113,6 @@ static void from_elsewhere(void)
     CHECK(!read_photos("q", &options) && are_masks(wanted));
 }
 
-/* The mean of red, green and blue decides whether a pixel counts. */
 static void greys(void)
 {
     static const uint8_t colours[6][3] = {{128, 128, 128}, {127, 127, 127}, {255, 129, 0}, {255, 128, 0}, {0, 255, 255},
@@ -171,7 +168,7 @@ static void lenses(void)
                 const int is_white = photo->pixels[3 * i] == 255;
                 CHECK(is_white || !photo->mask[i]);
                 counts += photo->mask[i];
-                doubtful += is_white && !photo->mask[i];   /* rounded to white */
+                doubtful += is_white && !photo->mask[i];   /* black parts that were rounded to white */
             }
             if (!CHECK(counts > 0 && doubtful <= 5))
                 printf("  %s, %d: %d count, %d doubtful\n", cameras[k], resolution, counts, doubtful);
@@ -199,7 +196,7 @@ static void bad_masks(void)
     options.skip_bad = 0;
     put_file("m/masks/a.jpg.png", "P6\n24 20\n255\nxx", 15);
     check_refused("m", &options, FXS_ERR_FILE, "masks/a.jpg.png");
-    memset(dark, 1, sizeof dark);                          /* labels 0 and 1 */
+    memset(dark, 1, sizeof dark);                          /* labels 0 and 1 instead of 0 and 255 */
     dark[7] = 0;
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, dark);
     check_refused("m", &options, FXS_ERR_FILE, "nothing is brighter than 1 of 255");

@@ -9,7 +9,7 @@
 enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
 
 static uint8_t drawn[4 * PIXELS], photograph[4 * PIXELS];
-static const uint8_t *mask;        /* null: all pixels count */
+static const uint8_t *mask;        /* the mask of the photograph; null: all pixels count */
 
 static double left(void)
 {
@@ -21,7 +21,6 @@ static uint8_t random_level(uint64_t number, double low, double high)
     return (uint8_t)(low + (high - low) * (double)fxs_fit_uniform(fxs_fit_random(3, 1, number)));
 }
 
-/* Whole factors need no rounding. */
 static void map_colours(const double map[3][4])
 {
     for (int i = 0; i < 4 * PIXELS; i++) {
@@ -47,7 +46,7 @@ static void maps_are_found(void)
     CHECK(isinf(left()));
     map_colours(turned);
     CHECK(isinf(left()));
-    map_colours(rounded);          /* rounding has variance 1/12 */
+    map_colours(rounded);          /* rounding adds an error of variance 1/12 */
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * 12)) < 0.1);
 }
 
@@ -73,7 +72,6 @@ static void pictures_without_colours(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * PIXELS / squares)) < 1e-6);
 }
 
-/* If green and blue depend on red, the best map is a line in red. */
 static void colours_that_follow_from_each_other(void)
 {
     double sums[5] = {0};          /* means of x, y, xx, xy, yy */
@@ -94,7 +92,7 @@ static void colours_that_follow_from_each_other(void)
 static void maps_are_cut(void)
 {
     for (int i = 0; i < 4 * PIXELS; i++) {
-        const int pixel = i / 4 % 4;    /* picture: 0, 100, 200, 200; photograph: 0, 255, 255, 255 */
+        const int pixel = i / 4 % 4;    /* the picture has 0, 100, 200, 200; the photograph has 0, 255, 255, 255 */
         drawn[i] = (uint8_t)(pixel == 0 ? 0 : pixel == 1 ? 100 : 200);
         photograph[i] = (uint8_t)(pixel ? 255 : 0);
     }

@@ -15,7 +15,7 @@
 
 enum { COUNT = 20000, WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
 
-#define FLOOR 54.0                   /* dB, packed scene against doubles */
+#define FLOOR 54.0                   /* minimum PSNR in dB of the packed scene against doubles */
 
 static fxs_gaussian gaussians[COUNT];
 static fxs_packed_scene packed;

@@ -72,7 +72,6 @@ static const fxs_allocator *allocator;
 static size_t bytes_said;
 static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: chosen by fxs_pack */
 
-/* threads: 0 uses no thread pool. */
 static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
 {
     fxs_scene_file *file;
@@ -142,7 +141,7 @@ static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t 
     return source_at(p, count);
 }
 
-static double worst_rotation, worst_step;   /* in degrees, and in quantisation steps of the other attributes */
+static double worst_rotation, worst_step;   /* degrees; quantisation steps */
 
 static void note(double difference, double step)
 {
@@ -199,8 +198,7 @@ static void check_packed(size_t count, int sh_degree)
     worst_rotation = worst_step = 0;
     for (uint32_t i = 0; i < scene.count; i++)
         compare_gaussian(&scene, i, source_of(&scene, i, count));
-    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* the rotation about the longest axis has 8
-                                                                         bits */
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* the angle about the longest axis has 8 bits */
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
@@ -235,11 +233,9 @@ static void test_largest_errors(void)
             most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
             most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
         }
-        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* for codes 1022 and
-                                                                                               1020 */
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* two code steps */
     }
-    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the rotation about the longest axis, plus the
-                                                        error of this axis */
+    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step, plus the error of the longest axis */
         const uint32_t step = chunk_of(&scene, i)->scale_step_q24;
         most.rotation = fmax(most.rotation,
                              0.1 + ldexp(90, 2 * axis_bits_of_word(0, word_at(&scene, i, FXS_ROW_SCALE), step) - 32));
@@ -384,7 +380,6 @@ static void test_extremes(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The SH step is the smallest step that lets code 127 reach the largest coefficient. */
 static void test_sh_steps_up_to_the_limit(void)
 {
     static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
@@ -433,7 +428,6 @@ static void test_every_residual_code_serves(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Skips within the read buffer, one byte beyond the buffer, and to the end of the file. */
 static void test_bytes_skipped(void)
 {
     static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
@@ -503,15 +497,14 @@ static void test_share_of_what_is_dropped(void)
         gaussians[i].scale[2] = -INFINITY;
     }
     gaussians[10].position[0] = NAN;
-    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* weight 121 of 99 + 121 */
-    gaussians[20].opacity = -INFINITY;                                  /* weight 0 */
-    gaussians[30].dc[2] = NAN;                                          /* weight 1 */
+    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* this Gaussian has weight 121 of 99 + 121 */
+    gaussians[20].opacity = -INFINITY;                                  /* this Gaussian has weight 0 */
+    gaussians[30].dc[2] = NAN;                                          /* this Gaussian has weight 1 */
     pack(100, 0);
     CHECK(report.packed == 97 && report.dropped.not_finite == 2 && report.dropped.transparent == 1);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
     fxs_packed_scene_free(&packed);
-    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: weight 11 from the other
-                                                                           values */
+    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: weight 11 */
     pack(100, 0);
     CHECK(report.packed == 97 && fabs(fxs_dropped_share(&report.dropped) - 12 / 109.0) < 1e-5);
     fxs_packed_scene_free(&packed);
@@ -684,7 +677,7 @@ static void check_loss(size_t count, int sh_degree)
     }
     for (int i = 0; i < 6; i++) {
         double of_all = sqrt(squares[i] / numbers[i] / (double)count);
-        const double own = i == 5 && profile != FXS_PROFILE_DEFAULT ? 0.002 : 1e-7;   /* half a step of fxs_sh_item */
+        const double own = i == 5 && profile != FXS_PROFILE_DEFAULT ? 0.002 : 1e-7;   /* half a step of the SH code */
         if (!CHECK(fabs(largest[i] - said_most[i]) < 1e-3 * largest[i] + own) ||
             !CHECK(fabs(of_all - said_rms[i]) < 1e-2 * of_all + own / 10))
             printf("  profile %d, degree %d, %d: %g %g, said %g %g\n", profile, sh_degree, i, largest[i], of_all,
@@ -777,7 +770,6 @@ static void test_loss_of_huge_sh(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Files with 8-bit values keep their exact codes. */
 static void test_few_bits_are_kept(void)
 {
     static const char *const names[] = {"luma-seal/luma-seal.splat", "kitchen-marble/kitchen-marble.spz"};
@@ -1282,7 +1274,6 @@ static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), voi
         job(argument, i);
 }
 
-/* Gaussians marked to be kept together come after the chunks of all other Gaussians. */
 static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
@@ -1332,7 +1323,6 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
-/* An even sample misses 256 distant Gaussians among 40,000. */
 static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
@@ -1355,7 +1345,6 @@ static void test_no_stray_is_missed(void)
     CHECK(strays == FXS_CHUNK);
 }
 
-/* Clusters of 1 to 5 chunks stand in 5 columns of 4. */
 static void test_clusters_are_apart(void)
 {
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
@@ -1403,7 +1392,6 @@ static void make_strays(void)
     }
 }
 
-/* Returns the number of Gaussians, or an error code. */
 static long read_back(fxs_gaussian *to)
 {
     fxs_scene_file *file;
@@ -1521,7 +1509,6 @@ static void test_readings_for_codes(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Samples take every step-th Gaussian. The sampled chunks are consecutive. */
 static void test_sample(void)
 {
     static const uint32_t counts[] = {1, 300, 16384 * 256, 16384 * 256 + 1, 16384 * 300 + 7, 10000019, 1u << 30};
@@ -1586,14 +1573,13 @@ static int read_changing(void *argument, uint64_t offset, void *out, size_t leng
     if (changing.reads++ < changing.changes_at)
         return 0;
     for (size_t i = 0; i + 4 <= length; i += 4)
-        if (offset + i > 2000) {       /* The file changes after some reads; the new bytes include NaN and infinity. */
+        if (offset + i > 2000) {       /* changes the file after some reads; new bytes include NaN and infinity */
             const uint32_t word = fxs_little_32(wrong[(offset + i) / 4 % 53 % 6]);
             memcpy((unsigned char *)out + i, &word, 4);
         }
     return 0;
 }
 
-/* A file that changes is packed or refused, but never packed to an invalid scene. */
 static void test_a_file_that_changes(void)
 {
     int refused = 0;

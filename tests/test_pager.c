@@ -1,7 +1,7 @@
 /* Tests paged scenes, which load chunks from a source into a pool on demand. Once no chunk is missing, frames must
    equal the whole scene's. Sources may be slow, fail, corrupt data, end early or never answer. */
 #ifdef __linux__
-#define _GNU_SOURCE                    /* for RUSAGE_THREAD */
+#define _GNU_SOURCE
 #endif
 #include <math.h>
 #include <string.h>
@@ -33,9 +33,9 @@ static size_t memory_bytes;
 typedef struct bytes_source {
     const unsigned char *bytes;
     uint64_t rate;                     /* bytes per second; 0: unlimited */
-    long reads, fail_from, fail_count; /* fail_count reads fail, from read number fail_from on */
-    int failure;                       /* error code of failing reads */
-    int is_silent;                     /* 1: errors have no message */
+    long reads, fail_from, fail_count; /* reads number fail_from to fail_from + fail_count - 1 fail */
+    int failure;                       /* the error code of failing reads */
+    int is_silent;                     /* 1: errors come without a message */
     int is_back;                       /* 1: reads succeed again; set atomically */
     uint64_t lie_from, lie_to;         /* range of the corrupted bytes */
     int hangs;                         /* 1: reads return only when cancelled; set atomically */
@@ -160,7 +160,6 @@ static void test_same_bytes(void)
     CHECK(s.closed == 1);
 }
 
-/* Without a budget the pool finally holds all chunks. */
 static void test_all(void)
 {
     bytes_source s = {.reads = 0};
@@ -200,7 +199,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* the replaced file stays open and unchanged */
+        else                                                   /* the reader keeps the replaced file open */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }
@@ -233,7 +232,6 @@ static void test_damaged_heads(void)
     CHECK(!open_with(&s, 15, &why) && strstr(why.text, "too little"));
 }
 
-/* Reads must fail before memory is allocated for a billion Gaussians. */
 static void test_large_claim(void)
 {
     fxs_packed_header h;
@@ -301,7 +299,7 @@ static void test_failures(void)
         const int error = fxs_pager_turn(pager, &state, &why);
         CHECK(error == (way == 0 ? 0 : way == 1 ? FXS_ERR_DEVICE : FXS_ERR_FILE));
         CHECK(!way || !strcmp(why.text, way == 1 ? "the line is cut" : "made.fxs: cannot be read"));
-        if (way == 1) {                                        /* the source recovers */
+        if (way == 1) {                                        /* from here on the source works again */
             __atomic_store_n(&s.is_back, 1, __ATOMIC_RELEASE);
             for (int i = 0; i < 50 && fxs_pager_turn(pager, &state, &why); i++)
                 nanosleep(&(struct timespec){0, 100000000}, 0);
@@ -336,7 +334,6 @@ static void test_never_answers(void)
     CHECK(s.closed == 1 && s.cancelled && fxs_clock(0) - start < 20 * SECOND);
 }
 
-/* Frames continue with as many chunks as fit. */
 static void test_no_room(void)
 {
     bytes_source s = {.reads = 0};

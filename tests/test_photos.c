@@ -8,7 +8,6 @@
 
 enum { VIEWS = 9 };
 
-/* FNV-1a of the pixels that a fit of the real sets uses. */
 #define SNOWMIKU_HASH 0xa49170f0u
 #define LEGO_HASH 0xf7f298f0u
 
@@ -44,7 +43,6 @@ static void make_points_bin(uint64_t count)
     }
 }
 
-/* Photographs have two sizes. Camera 5 has half the size of its photographs. */
 static void put_colmap(int binary)
 {
     if (binary) {
@@ -193,7 +191,7 @@ static void bad_points(void)
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
     make_points_bin(3);
-    memset(text + 8 + 8 + 6, 255, 2);   /* x of the first point becomes NaN */
+    memset(text + 8 + 8 + 6, 255, 2);   /* makes x of the first point NaN */
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: point 0 is not finite");
     for (int i = 0; i < 2; i++) {
@@ -290,7 +288,7 @@ static void bad_photos(void)
 static void proportions(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* one pixel off, as by rounding */
+    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* one pixel more than the camera's size, as by rounding */
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/4.ppm: 24 x 30 pixels, its camera has 24 x 20");
@@ -418,7 +416,7 @@ static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 
 static const struct {
     const char *model;
-    fxs_lens lens;                 /* parameters in the order of the COLMAP model */
+    fxs_lens lens;                 /* lens parameters in the order of the COLMAP model */
     double fx, fy, cx, cy;
     int widens;                    /* 1: the undistorted picture sees more than the photograph's size at its focal
                                       length; 0: less */
@@ -541,7 +539,6 @@ static void lens_models(void)
         check_lens(i);
 }
 
-/* A lens that folds the picture over itself is refused. */
 static void lens_limits(void)
 {
     static uint8_t rgb[3 * WIDE * HIGH];
@@ -660,7 +657,7 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
-    fxs_fit_block block;           /* used when no size is given */
+    fxs_fit_block block;           /* the size of the camera is used when no size is given */
     if (CHECK(!fxs_fit_block_read(in_folder("b"), &options, NULL, 1, 1, &block, &message) && block.photos.fit_count))
         fxs_fit_block_free(&block);
     char said[256] = "";
@@ -754,7 +751,7 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
-    put_ppm("w/z.ppm", 24, 20, NULL);  /* the file name of a path from another machine */
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* the path is of another machine, so only the file name counts */
     say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
     put_text("w/transforms.json");
     said[0] = 0;
@@ -772,11 +769,10 @@ static void names_of_windows(void)
 #define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
                    "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
 
-/* nerfstudio has the same lens as COLMAP's OPENCV. */
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    check_lens(4);                 /* frees the photograph and its camera */
+    check_lens(4);
     const fxs_file_view view = photos.fit[0].view;
     const uint32_t hash = hash_of_pixels();
     say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
@@ -795,7 +791,8 @@ static void nerfstudio(void)
           photos.points[0].position[1] == 2 && photos.points[1].colour[2] == 255 && photos.points[0].colour[0] == 4);
     say("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\nproperty short n\nproperty double y\n"
         "property float z\nend_header\n");
-    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* floats 2, 258, 3, -4 */
+    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* the big-endian floats 2,
+                                                                                             258, 3, -4 */
     length += 22;
     const size_t whole = length;
     for (size_t i = whole - 25; i < whole; i++) {
@@ -854,7 +851,6 @@ static void colours_of_points(void)
 #define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
                     "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
-/* The fisheyes of nerfstudio and instant-ngp have the same distortion as COLMAP's. */
 static void nerfstudio_fisheye(void)
 {
     static const struct {
@@ -888,7 +884,6 @@ static void nerfstudio_fisheye(void)
     remove_file("one/transforms.json");
 }
 
-/* Missing values of a frame come from the top of the file. */
 static void nerfstudio_cameras(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -913,8 +908,8 @@ static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* numbers of photographs, with hold_out = 8 */
-        char first, held;          /* first letter of each name */
+        size_t fit, held_out;      /* numbers of photographs with hold_out = 8 */
+        char first, held;          /* first letters of the first photograph of each set */
     } files[] = {
         {"", 4, 1, '1', '0'},
         {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
@@ -953,7 +948,6 @@ static void nerfstudio_parts(void)
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
 }
 
-/* Equal names in many frames are matched in linear time. */
 static void one_name(void)
 {
     enum { NAMES = 400000, FRAMES = 20000 };

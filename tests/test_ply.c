@@ -18,7 +18,6 @@ static double value_of(const char *name, int row, int is_whole)
     return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
 }
 
-/* Converts without rounding. */
 static uint32_t half_of(double value)
 {
     int exponent = 0;
@@ -178,7 +177,7 @@ static void every_type(void)
         for (int encoding = ASCII; encoding <= BIG; encoding++) {
             int count = fill_properties(9);
             if (encoding != ASCII && (!strcmp(types[type], "ushort") || !strcmp(types[type], "uint16")))
-                continue;                /* half floats */
+                continue;                /* half floats are tested separately */
             for (int i = 0; i < CORE; i++) {
                 snprintf(text[i], sizeof text[i], "%s %s", types[type], strchr(core[i], ' ') + 1);
                 properties[i] = text[i];
@@ -200,7 +199,7 @@ static void halves(void)
     enum { CASES = sizeof cases / sizeof *cases };
     fxs_gaussian gaussians[CASES + 1];
     for (int type = 0; type < 4; type++)
-        for (int wide = 0; wide < 2; wide++)   /* positions as float */
+        for (int wide = 0; wide < 2; wide++)   /* 1: positions are floats */
             for (int encoding = LITTLE; encoding <= BIG; encoding++) {
                 size = 0;
                 put("ply\nformat %s 1.0\nelement vertex %d\n", encodings[encoding], CASES);
@@ -248,7 +247,8 @@ static void one_half(void)
             float sum = 0;
             for (int i = 0; i < 14; i++)
                 sum += ((float *)&g)[i];
-            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: a normal, ignored */
+            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* property 3 is a normal,
+                                                                                             which is ignored */
         }
 }
 
@@ -306,7 +306,6 @@ static void put_with(const char *const *more, const double *values, int count, i
     put_file(size);
 }
 
-/* Colours instead of f_dc: 0 to full brightness. */
 static void colours(void)
 {
     static const struct { const char *names[3]; double values[3]; double full; } cases[] = {
@@ -383,7 +382,7 @@ static void flat_gaussians(void)
     fxs_gaussian gaussians[ROWS + 1], expected;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         fill_properties(45);
-        properties[10] = "float other";   /* scale_2 */
+        properties[10] = "float other";   /* replaces the property scale_2 */
         make_file(encoding, CORE + 45, 0);
         put_file(size);
         if (!CHECK(read_file(gaussians, ROWS + 1) == 0 && info.count == ROWS && info.sh_degree == 3))
@@ -562,7 +561,6 @@ static void ascii_numbers(void)
     CHECK(read_ascii_x("1\n", &x) == FXS_ERR_FILE && strstr(message.text, "too few values"));
 }
 
-/* Random floats printed with 9 digits read back bit for bit. */
 static void ascii_round_trip(void)
 {
     enum { COUNT = 1000 };
@@ -599,7 +597,6 @@ static void not_finite_values_pass(void)
     CHECK(gaussians[ROWS - 1].rotation[3] == -INFINITY);
 }
 
-/* A UTF-8 byte order mark shifts the rows by three bytes. */
 static void utf8_mark(void)
 {
     static fxs_gaussian plain[ROWS], marked[ROWS];

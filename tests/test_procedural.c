@@ -149,7 +149,6 @@ static void test_fence_has_needles(void)
     }
 }
 
-/* The layers have equal depths. Renderers must keep the order of the file. */
 static void test_layers_have_ties(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("layers");

@@ -49,7 +49,7 @@ static const struct {
 };
 
 enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
-static int width = 480, height = 320;       /* 960x640 for the table */
+static int width = 480, height = 320;       /* 960x640 pixels for the table in docs/measured.md */
 
 typedef struct subject {
     fxs_scene_file_info info;
@@ -60,7 +60,7 @@ typedef struct subject {
     size_t count;
     fxs_file_view views[VIEWS];
     struct reference_options reference;
-    double *linear[VIEWS];                 /* the reference picture of each view */
+    double *linear[VIEWS];
     int rendered[VIEWS];
 } subject;
 
@@ -145,7 +145,6 @@ static double processor_seconds(void)
     return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
 }
 
-/* Skipped in builds without zstd. */
 static void load_spz(subject *s)
 {
     char path[] = "/tmp/fixsplat-quality-XXXXXX";
@@ -214,14 +213,12 @@ static int views_of_file(subject *s, const char *path)
     return count > 0 ? 0 : -1;
 }
 
-/* In the close view the scene is far larger than the picture. */
 static const char *const view_names[VIEWS] = {"close", "middle", "far", "side"};
 
 typedef struct aspect {
     double up[3];
-    double front;                          /* front side of the scene in degrees about up */
-    double close;                          /* distance of the close view, like distance[]; nearer views would be
-                                              inside */
+    double front;                          /* direction of the front side in degrees about the up axis */
+    double close;                          /* distance of the close view, in the units of distance[] */
     double tilt;                           /* rotation of scene and cameras in degrees about tilt_axis */
     int kind;                              /* index of the minimum PSNR */
 } aspect;
@@ -277,7 +274,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    context.config.kernels = kernels_for(fxs_cpu_detect());   /* equal bytes, less time */
+    context.config.kernels = kernels_for(fxs_cpu_detect());   /* the fastest kernels give the same bytes */
 #endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
@@ -419,7 +416,7 @@ static void quality_of_shared_scene(void)
 }
 
 static const struct {
-    uint64_t count;                     /* 0: the scene's default */
+    uint64_t count;                     /* 0: the default number of the scene */
     double tilt;
     const char *size;
 } variants[] = {{0, 0, ""}, {8192, 0, " 8192"}, {8192, 37.3, " 8192"}, {50000, 71.9, " 50000"},

@@ -253,7 +253,7 @@ static void palettes(void)
                     CHECK(is_near(out[row].sh[i], value, 2e-6));
                 }
     }
-    bytes[size - 8]++;                 /* the last column is a deflated u32 label */
+    bytes[size - 8]++;                 /* damages the last column, the deflated label */
     put_file(size);
     CHECK(read_file(out, 64) == FXS_ERR_FILE);
 }
@@ -373,7 +373,6 @@ static void write_line(int count, float opacity)
     size = file_size;
 }
 
-/* Each level keeps the mean, the colours, and the variance along the line. */
 static void check_level(int level, uint64_t before)
 {
     static fxs_gaussian all[MANY];
@@ -420,7 +419,7 @@ static void written_trees(void)
         count = info.count;
     }
     CHECK(count == 1);
-    open_options.level = levels - 1;       /* opaque leaves merge to a Gaussian that is more than opaque */
+    open_options.level = levels - 1;       /* merged opaque leaves are more than opaque */
     write_line(MANY, 6);
     put_file(size);
     CHECK(read_file(out, 64) == 0 && out[0].opacity == 20);

@@ -77,7 +77,6 @@ static void test_near_planes(void)
 
 enum { OBJECTS = 8, MOST_PIXELS = 100 * 80 };
 
-/* Adds values to the hash independently of byte order. */
 static void fold(uint64_t *hash, const void *pixels, size_t count, size_t size)
 {
     for (size_t i = 0; i < count; i++) {

@@ -7,7 +7,7 @@
 #include "reference.h"
 
 #define PI 3.14159265358979323846
-#define SIZE 48   /* pixels, width and height of pictures rendered from splats */
+#define SIZE 48   /* size in pixels of the pictures that the tests render from splats */
 
 static int near(double value, double expected, double tolerance)
 {
@@ -129,7 +129,7 @@ static void test_alpha_limits(void)
     struct reference_splat s = round_splat(20.5, 4, 0.01, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(22, 20), 0.01 * exp(-0.5), 1e-15) && near(red_at(23, 20), 0, 0));
-    s.opacity = 0.00391;   /* 0.997 / 255 */
+    s.opacity = 0.00391;   /* 0.997 / 255, so alpha is below 1/255 */
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0, 0));
     s.opacity = 0;
@@ -171,7 +171,7 @@ static void test_square_radius(void)
     for (int i = 0; i < 3; i++)
         g.scale[i] = (float)(0.5 * log(0.156));
     CHECK(reference_project(&g, &view, &black_square, &s) == 1 && s.radius == 13);
-    g.scale[0] = 0;   /* the long axis decides */
+    g.scale[0] = 0;   /* the longer axis decides the radius */
     CHECK(reference_project(&g, &view, &black_square, &s) == 1 && s.radius == 31);
 }
 
@@ -185,7 +185,7 @@ static void test_layers_and_background(void)
     CHECK(near(image[3 * (20 * SIZE + 20) + 2], 0.125, 1e-15));
     CHECK(near(red_at(0, 0), 0.25, 0));
 
-    s[0].depth = 1;   /* a tie: the first splat is in front */
+    s[0].depth = 1;   /* at equal depth, the first splat is in front */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.5 * 0.1 + 0.5 * 0.75 * 0.8 + 0.125 * 0.25, 1e-15));
 
@@ -347,7 +347,7 @@ static void test_culling(void)
 
     fxs_gaussian g = gaussian_at(0, 0, 5);
     CHECK(is_visible(g));
-    g.opacity = -6;   /* 1 / (1 + e^6) < 1/255 */
+    g.opacity = -6;   /* opacity 1 / (1 + e^6) < 1/255 */
     CHECK(!is_visible(g));
 }
 
@@ -358,7 +358,7 @@ static void test_bad_values_are_dropped(void)
     for (int i = 0; i < 3; i++) {
         fxs_gaussian g = good;
         float *const fields[] = { g.position, g.rotation + 2, &g.opacity, g.dc + 2, g.sh + 44, g.scale + 1 };
-        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {   /* sigma may be 0 */
+        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {   /* sigma = 0 is valid */
             *fields[field] = bad[i];
             CHECK(!is_visible(g));
             g = good;
@@ -368,7 +368,7 @@ static void test_bad_values_are_dropped(void)
     g.rotation[0] = 0;
     CHECK(!is_visible(g));
     g = good;
-    g.scale[0] = 3e38f;   /* its exponential overflows */
+    g.scale[0] = 3e38f;   /* the exponential overflows */
     CHECK(!is_visible(g));
     g = good;
     g.position[0] = -3e38f;

@@ -29,7 +29,6 @@ static void *allocate(size_t bytes)
 
 enum { COUNT = 300, CHUNKS = 2, DEGREE = 1 };
 
-/* A scene of two chunks. All bytes are zero except in the header. */
 static struct {
     unsigned char *bytes;
     size_t size;
@@ -119,7 +118,7 @@ static void test_open_damaged_header(void)
     GIVES(0, h->count, 512);
     GIVES(FXS_ERR_SCENE, h->count, 513);
     GIVES(FXS_ERR_SCENE, h->count, FXS_MAX_COUNT);
-    GIVES(FXS_ERR_SCENE, h->count, UINT32_MAX);      /* rounds up to chunk 0 */
+    GIVES(FXS_ERR_SCENE, h->count, UINT32_MAX);      /* the number of chunks overflows to 0 */
     CHECK(open_scene() == 0);
     free(s.bytes);
 }
@@ -150,7 +149,7 @@ static void check_chunk_ranges(fxs_chunk *c)
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, -(32 << 16) - 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, INT32_MIN);
-    GIVES(0, c->scale_step_q24, 513);                       /* 2^21 2^8 / 1023^2 = 513.001 */
+    GIVES(0, c->scale_step_q24, 513);                       /* largest step: 2^21 2^8 / 1023^2 = 513.001 */
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, 514);
     c->scale_q16 = 32 << 16;
     GIVES(0, c->scale_step_q24, 1026);
@@ -172,7 +171,7 @@ static void check_chunk_ranges(fxs_chunk *c)
         GIVES(0, c->colour_q16[i], 64 << 16);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], (64 << 16) + 1);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], INT32_MIN);
-        GIVES(0, c->colour_step_q20[i], 131328);            /* 64 / 511 */
+        GIVES(0, c->colour_step_q20[i], 131328);            /* largest step: 64 / 511 */
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], 131329);
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], UINT32_MAX);
         GIVES(0, c->sh_step_q19[i], 32767);
@@ -312,7 +311,6 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = any(60);
 }
 
-/* Moves the camera into or near the box of the first chunk. */
 static void move_close(fxs_camera *camera)
 {
     const int64_t limit = (int64_t)1 << 60;

@@ -156,7 +156,6 @@ static int has_neighbours(int i, double width, int sigmas)
     return near > FXS_FLOATER_NEIGHBOURS;
 }
 
-/* Computes the floater rule of scene_filter.h pair by pair. */
 static int stays(int i)
 {
     static int levels[COUNT], known = 0;
@@ -173,7 +172,6 @@ static int stays(int i)
            (filter.floaters < 5 || (has_neighbours(i, width, 1) && has_neighbours(i, width, -1)));
 }
 
-/* Sizes and places span several octaves, on both sides of 0. */
 static void floaters(void)
 {
     uint32_t state = 3;
@@ -255,7 +253,6 @@ static int is_half(int i)
     return i % 20 >= 10;
 }
 
-/* A logit of 0 is an opacity of 1/2. */
 static void opacity(void)
 {
     make();
@@ -306,7 +303,7 @@ static void make_undrawable(void)
     made[6].position[0] = -INFINITY;
     made[7].opacity = INFINITY;
     CHECK(write_made(3));
-    made[7].opacity = 20;                /* read as opaque */
+    made[7].opacity = 20;                /* the reader makes this Gaussian opaque */
 }
 
 static void undrawable(void)
@@ -316,7 +313,7 @@ static void undrawable(void)
     filter.drawable = 1;
     check_left(is_drawable);
     CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 2 && report.dropped.transparent == 1);
-    filter.sh_degree = 0;   /* drops the infinite SH */
+    filter.sh_degree = 0;   /* drops the SH coefficients, one of which is infinite */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }

@@ -154,7 +154,6 @@ static void move_back(const char *from, const char *to)
     CHECK(unlink(from) == 0 && rename(to, from) == 0);
 }
 
-/* A file beside the scene may be a link within the folder, but not out of the folder or through a linked folder. */
 static void links_stay_in_the_folder(void)
 {
     static fxs_gaussian out[MOST];
@@ -167,7 +166,7 @@ static void links_stay_in_the_folder(void)
         write_made(folder);
         snprintf(linked, sizeof linked, "%s/%.31s", folder, files[file_count - 1].name);
         CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
-        while (strlen(linked) > strlen(folder)) {   /* the file, then its folder */
+        while (strlen(linked) > strlen(folder)) {   /* first the file is a link, then its folder */
             move_and_link(linked, outside);
             if (!CHECK(read_made_scene(BY_PATH, NULL, out) == FXS_ERR_FILE &&
                        strstr(message.text, ": leaves the folder of ")))
@@ -295,7 +294,7 @@ static void count_comes_first(void)
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0))
         return;
     CHECK(info.count == MANY && info.sh_degree == 0 && memory.largest < 100000);
-    memory.fails_at = memory.calls + 1;   /* after the buffer of the gzip stream */
+    memory.fails_at = memory.calls + 1;   /* fails the allocation after the buffer of the gzip stream */
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_MEMORY && strstr(message.text, "out of memory"));
     memory.fails_at = -1;
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == 1 && memory.largest >= MANY_BYTES);
@@ -419,7 +418,6 @@ static void allocator_helpers(void)
     }
 }
 
-/* Writes each format to its own folder and prints the files to open. */
 static int write_all(const char *parent)
 {
     for (int i = 0; i < FORMATS; i++) {

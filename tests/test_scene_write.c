@@ -41,7 +41,7 @@ static void make(int sh_degree)
         for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
             g->sh[k] = (float)random_between(-0.5, 0.5);
     }
-    wanted[5].opacity = -9;                  /* opacity code 0 keeps its colour */
+    wanted[5].opacity = -9;                  /* the colour must survive the opacity code 0 */
 }
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
@@ -387,7 +387,7 @@ static void books(void)
         values[i] = (float)((i % 200) * (i % 200));
     CHECK(fxs_book_learn(book, values, 5000, 0) == 0);
     for (int i = 0; i < 200; i++)
-        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* 200 values fit exactly */
+        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* a codebook holds 200 values exactly */
     double squares = 0;
     for (int i = 0; i < 5000; i++)
         values[i] = (float)(random_between(-1, 1) * random_between(0, 1) * random_between(0, 1));
@@ -402,8 +402,8 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* better than 256 even steps */
-    for (int i = 0; i < 5000; i++)     /* ten large scales */
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* more exact than 256 even steps */
+    for (int i = 0; i < 5000; i++)     /* ten scales are large */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);
     for (int i = 0; i < 5000; i++)

@@ -14,8 +14,8 @@
 #endif
 
 enum {
-    OPEN = 4,                      /* number of accessible pages; an access may need two */
-    SCENES = 3,                    /* one scene for each profile */
+    OPEN = 4,                      /* accessible pages of the scene; an access may need two */
+    SCENES = 3,                    /* a scene for each packing profile */
     SEEN = 4,                      /* visible Gaussians of each chunk in the faint scene */
     CHANGES = 12,                  /* page accesses that change the scene in each run */
     ZONE = 1 << 20                 /* protected bytes before and after memory and pixels */
@@ -67,7 +67,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* outside the renderer's memory: repeating the access ends the process */
+        signal(number, SIG_DFL);           /* not a page of the scene: the repeated access ends the process */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -99,7 +99,6 @@ static uint64_t end_watch(void)
     return watch.touches;
 }
 
-/* Allocates a multiple of 64 bytes between two protected zones. */
 static bytes make_room(size_t size)
 {
     const size_t whole = (size + drawn.page - 1) / drawn.page * drawn.page;
@@ -278,7 +277,7 @@ static void check_versions(enum call call)
         fxs_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
-        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs plain C */
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* counting pairs always runs in plain C */
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
                 context.config.kernels = kernels_for(flag);

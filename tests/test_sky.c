@@ -157,7 +157,7 @@ static void most_photographs_decide(void)
     CHECK(ahead(3, before, 2) == 0);
     before[1].position[1] = -7;
     CHECK(ahead(3, before, 2) > 2);
-    CHECK(ahead(2, before, 2) == 0);    /* 1 of 2 is no majority */
+    CHECK(ahead(2, before, 2) == 0);    /* one of two photographs is no majority */
 }
 
 static void masked(void)
@@ -227,7 +227,7 @@ static int is_near(float a, float b)
     return fabs((double)a - (double)b) <= 1e-5 * fabs((double)b);
 }
 
-/* The first moment of the mean scale's gradient is scaled by the size unit. */
+/* The first moment of the gradient is scaled by the size unit. */
 static void mean_scale(const fxs_fit_stages *stages)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -277,7 +277,8 @@ static void fates(void)
         for (size_t i = 0; i < 4; i++)
             m.by_centre[i] = m.views[i] = 1;
         CHECK(!fxs_fit_model_densify(&m, &d) && m.count == 8);
-        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* a clone keeps its scale */
+        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* a cloned Gaussian keeps its
+                                                                                         scale */
         fxs_fit_model_free(&m);
     }
 }
@@ -293,7 +294,6 @@ static void sizes(void)
     fates();
 }
 
-/* Sky Gaussians follow the Gaussians of the points in memory. */
 static void begins_a_fit(void)
 {
     fxs_fit_options options;

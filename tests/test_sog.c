@@ -66,7 +66,7 @@ typedef struct made_scene {
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json last */
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json is the last file */
 static int file_count;
 
 static void forget_files(void)
@@ -225,7 +225,6 @@ static void put_folder(const char *name)
     }
 }
 
-/* folder_of_zip ends with its separator. */
 static void put_zip_in(const char *name, const char *folder_of_zip, int method)
 {
     int error;
@@ -265,7 +264,8 @@ static double value_of(const made_scene *m, int values, int channel, int code)
 
 static void expect_rotation(const made_scene *m, int i, float *rotation)
 {
-    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indices into w, x, y, z */
+    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indices of w, x, y, z without
+                                                                                       the largest component */
     int omitted = byte_of(m, QUATS, i, 3) - 252;
     double sum = 0;
     memset(rotation, 0, 4 * sizeof *rotation);
@@ -425,7 +425,7 @@ static void tags(void)
     make(&plain);
     edit("{", "{\"model\":\"2dgs\",");
     put_folder("scene");
-    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever the third scale is */
+    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever the code of the third scale is */
     for (int i = 0; i < COUNT; i++) {
         fxs_gaussian expected;
         expect(&plain, i, &expected);
@@ -582,7 +582,6 @@ static void absurd_sizes(void)
 
 static uint8_t zip_bytes[1 << 18];
 
-/* A file with a changed byte must be refused or give the same scene. */
 static void damaged_zip(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -611,7 +610,7 @@ static void faulty_zip(void)
     put_zip("a.sog", ZIP_CM_STORE);
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes), at = size - 22;
     at = zip_bytes[at + 16] | (size_t)zip_bytes[at + 17] << 8 | (size_t)zip_bytes[at + 18] << 16;
-    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* both sizes of the first entry */
+    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* changes both sizes of the first zip entry */
     put_file("a.sog", zip_bytes, size);
     check_fails("a.sog", "more than this file can hold");
 }
@@ -657,7 +656,7 @@ static void streamed(void)
     all_same(&chunks[1], g + 32, 0, 37);
     all_same(&chunks[3], g + 69, 0, COUNT);
     CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 12 + 37 + COUNT && info.levels == 2);
-    all_same(&chunks[1], g, 0, 12);   /* from a leaf without level 1 */
+    all_same(&chunks[1], g, 0, 12);   /* from the leaf without level 1 */
     all_same(&chunks[2], g + 12, 0, 37);
     all_same(&chunks[3], g + 49, 0, COUNT);
     check_level_fails("", 2, "no level 2: levels of detail in this scene: 2");
@@ -679,7 +678,6 @@ static void streamed(void)
         CHECK(g[i].scale[2] <= -20);
 }
 
-/* The levels of a leaf, and the number of Gaussians read at each level. */
 static void nearest_level(void)
 {
     static const struct { const char *lods; int counts[5]; } cases[] = {
@@ -687,7 +685,7 @@ static void nearest_level(void)
         {"\"4\":5,\"0\":1", {1, 1, 1, 5, 5}},
         {"\"3\":4", {4, 4, 4, 4, 4}},
         {"\"1\":2,\"2\":3", {2, 2, 3, 3, 3}},
-        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present and empty */
+        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present, but has no Gaussians */
         {"", {0, 0, 0, 0, 0}}
     };
     fxs_gaussian g[COUNT];
@@ -767,7 +765,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* Compares with the axes of .lcc2, z up. */
+/* Compares with the axes of .lcc2, where z is up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -812,7 +810,7 @@ static void lcc2(void)
         put_file("scene.lcc2", text, length);
         check_fails("scene.lcc2", faults[i].words);
     }
-    remove(in_folder("l/sky.sog"));    /* the environment is optional */
+    remove(in_folder("l/sky.sog"));    /* the environment may be missing */
     put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
     CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
     put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);
@@ -861,7 +859,6 @@ static void faulty_index(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* Returns the smallest memory for the streamed scene. */
 static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
 {
     fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = 1 << 12};

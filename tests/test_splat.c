@@ -101,7 +101,6 @@ static void implausible_records(void)
     check_fails("not a scene file of a known format");
 }
 
-/* The detection of the format reads only the first records. */
 static void wild_record_at_the_end(void)
 {
     fxs_gaussian g[ROWS];
@@ -125,7 +124,6 @@ static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t 
     return result;
 }
 
-/* Values agree within half a step of the format. */
 static void written_and_read(void)
 {
     static fxs_gaussian wanted[ROWS], got[ROWS];

@@ -24,7 +24,7 @@ static void fill(int version, int degree)
         }
     if (version == 1)
         for (int k = 1; k < 6 * COUNT; k += 2)
-            s.arrays[0][k] &= 0xbf;   /* half floats below 2 */
+            s.arrays[0][k] &= 0xbf;   /* keeps the half floats below 2 */
     s.arrays[1][0] = 0;
     s.arrays[1][1] = 255;
 }
@@ -69,7 +69,6 @@ static double expected_position(int i, int axis)
     return (value >= 8388608 ? value - 16777216 : value) / pow(2, s.fractional_bits);
 }
 
-/* Returns the rotation as x, y, z, w. */
 static void expected_rotation(int i, double q[4])
 {
     double rest = 1;
@@ -176,8 +175,7 @@ static void coordinate_systems(void)
             fill(container == ZSTD ? 4 : 3, 3);
             s.flags = 2;
             s.extensions = records;
-            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* unknown extensions
-                                                                                                are skipped */
+            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* is skipped */
             s.extensions_size = (size_t)(spz_put(spz_put(spz_put(to, 0xadbe0003, 4), 4, 4), system, 4) - records);
             if (!make(container))
                 continue;
@@ -263,7 +261,6 @@ static void empty_scene(void)
     }
 }
 
-/* The count in the header is too low or too high, and the stream continues. */
 static void gzip_bombs(void)
 {
 #ifdef FXS_WITH_ZLIB
@@ -300,7 +297,7 @@ static void damaged_gzip(void)
     fill(3, 3);
     if (!make(GZIP))
         SKIP("built without zlib");
-    for (size_t i = size - 8; i < size; i++) {   /* checksum and length */
+    for (size_t i = size - 8; i < size; i++) {   /* the checksum and the length of the gzip stream */
         bytes[i] ^= 1;
         check_fails("the gzip stream is damaged");
         bytes[i] ^= 1;
@@ -353,7 +350,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* table entry of the rotations */
+        uint8_t *last = bytes + 32 + 4 * 16;     /* the entry of the rotations in the table of arrays */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);
@@ -495,7 +492,6 @@ static void chosen_bits(void)
     }
 }
 
-/* A distant Gaussian is moved closer. All other positions keep their steps. */
 static void far_ones_are_brought_in(void)
 {
     fill_gaussians(0);
@@ -552,7 +548,7 @@ static void asked_axes(void)
     uint8_t record[16];
     for (uint32_t system = 3; system <= 6; system += 3)
         for (int axes = FXS_AXES_OF_FILE; axes <= FXS_AXES_RDF; axes++) {
-            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* axes RDF and LUB */
+            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* the axes are RDF, then LUB */
             fill(3, 3);
             s.flags = 2;
             s.extensions = record;

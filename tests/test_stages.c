@@ -36,10 +36,10 @@ static double uniform(double low, double high)
 }
 
 typedef struct recipe {
-    double reach;                   /* centres lie within +-reach scene units */
-    double sigma_low, sigma_high;   /* log2(sigma) */
+    double reach;                   /* distance of Gaussian centres from the origin in scene units, at most */
+    double sigma_low, sigma_high;   /* range of log2(sigma) */
     int needle;                     /* 1: one axis at sigma_high, two axes at sigma_low */
-    int opacity_low, opacity_high;  /* opacity codes */
+    int opacity_low, opacity_high;  /* range of the opacity codes */
 } recipe;
 
 static const recipe ordinary = {1, -9, -3, 0, 1, 255};
@@ -66,7 +66,6 @@ static void random_quaternion(double q[4])
         q[i] /= sqrt(norm);
 }
 
-/* Returns a random rotation word with X^2 + Y^2 <= 1. */
 static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 {
     const int n = axis_bits_of_word(0, scale_word, scale_step_q24);
@@ -81,7 +80,7 @@ static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 static uint32_t scale_word(const recipe *r)
 {
     uint32_t word = 0;
-    for (int i = 0; i < 3; i++) {        /* packing stores the longest axis first */
+    for (int i = 0; i < 3; i++) {        /* packing stores the longest axis of a Gaussian first */
         double code = r->needle ? (i == 0 ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
         word |= i < 2 ? (uint32_t)code << 10 * i : (uint32_t)code / 2 << 20;
     }
@@ -174,7 +173,7 @@ static struct {
     fxs_splat splats[MAX_COUNT];
     fxs_bounds bounds[MAX_COUNT];
     uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
-    fxs_key keys[MAX_COUNT];       /* sorted by depth */
+    fxs_key keys[MAX_COUNT];       /* in ascending order of depth */
 } all;
 
 static void sort_keys(void)
@@ -228,8 +227,8 @@ static struct reference_options reference_of(const fxs_options *options, const f
 }
 
 static struct errors {
-    double centre, shape, opacity, radius, colour;   /* largest errors */
-} worst, worst_large;   /* splats up to 128 pixels; larger splats, which the renderer may widen */
+    double centre, shape, opacity, radius, colour;   /* largest errors against the reference */
+} worst, worst_large;   /* worst: splats up to 128 pixels; worst_large: larger splats */
 
 /* f sigma_max / z: the largest size of a Gaussian in the picture in pixels. */
 static double size_of(const fxs_gaussian *g, const fxs_file_view *view, double z)
@@ -258,8 +257,7 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
 {
     const fxs_splat *s = &all.splats[slot];
     const fxs_bounds *b = &all.bounds[slot];
-    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* a splat over the whole picture has no centre or
-                                                                  radius */
+    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* has no centre or radius */
     double dx = ldexp(b->cx_q14, -14) + 0.5 - r->x, dy = ldexp(b->cy_q14, -14) + 0.5 - r->y;
     e->centre = fmax(e->centre, veil ? 0 : hypot(dx, dy));
     e->shape = fmax(e->shape, shape_error(s, r));
@@ -310,7 +308,6 @@ static int is_narrow(const struct reference_splat *r, const fxs_view *view)
     return (r->a * r->c - r->b * r->b) / (mid + spread) < least;
 }
 
-/* The alpha must equal the reference's at the corners and the middle. */
 static void test_veils(void)
 {
     static const recipe discs = {20, -4, 7, 0, 20, 255}, off_axis = {300, 2, 9, 0, 20, 255};
@@ -476,7 +473,6 @@ static void test_padding_and_opacity_0_are_never_drawn(void)
     free(s.data);
 }
 
-/* Depth keys are comparable between chunks of any size and place. */
 static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
@@ -555,7 +551,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
-    for (uint32_t i = 0; i < count; i++)           /* the indices of a list arrive a little out of order */
+    for (uint32_t i = 0; i < count; i++)           /* the splats of a list are slightly out of order */
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
     fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
@@ -672,7 +668,6 @@ static void test_lists_of_large_pictures(void)
         check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
 }
 
-/* The edges of squares are on tile edges, or one step to either side. */
 static void test_squares_at_tile_edges(void)
 {
     static unsigned char listed[4096];
@@ -1005,7 +1000,7 @@ static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, 
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* the radius depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* iterates because the radius depends on the slope */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }
@@ -1065,7 +1060,6 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
     free(s.data);
 }
 
-/* Gaussians range from a point to far larger than the picture. */
 static void test_chunks_beside_the_picture(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1116,18 +1110,17 @@ static void test_chunks_of_the_coarsest_units(void)
         fxs_camera camera = make_camera(16, 16, 0);
         const int axis = i & 1;
         beside b = {{0, 0}, exp2(uniform(2, 15)), 0};
-        for (int k = 0; k < 9; k++)                          /* no rotation: the units follow the larger coordinate */
+        for (int k = 0; k < 9; k++)                          /* no rotation */
             camera.rotation_q30[k] = k % 4 ? 0 : 1 << 30;
         aim(&camera, axis, 524287, 0);
         aim(&camera, !axis, 8000, i & 2 ? 60 : -60);
-        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* a radius of about 7 units, and of less than a unit */
+        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);
         check_beside(&camera, &b, 0);
     }
     if (!CHECK(beside_tally.touching > 100) || !CHECK(beside_tally.farthest > 10))
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The far corner of the chunk is slightly in front of the near plane, or slightly behind. */
 static void test_chunks_across_the_near_plane(void)
 {
     int touching = 0, behind = 0;
@@ -1136,10 +1129,10 @@ static void test_chunks_across_the_near_plane(void)
         const double hair = (i % 3 ? 1 : -1) * exp2(uniform(-24, -8));
         const beside b = {{uniform(-0.3, 0.3), uniform(-0.3, 0.3)}, 0.2 + hair, -6};
         packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));   /* error of a position */
+        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
-        for (int axis = 0; axis < 3; axis++) {               /* the foremost corner */
+        for (int axis = 0; axis < 3; axis++) {               /* the corner of the box that is nearest to the camera */
             const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
             const int forward = camera.rotation_q30[6 + axis] > 0;
             s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;
@@ -1165,10 +1158,10 @@ static void test_near_plane_itself(void)
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
     place_sphere(&s, &camera, &b, 0);
-    s.chunks->step_q32[2] = 2;                               /* a unit of cv with shift 1 */
+    s.chunks->step_q32[2] = 2;                               /* a unit of the third coordinate at shift 1 */
     ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
     for (int ahead = -1; ahead <= 1; ahead++) {
-        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* near plane 0.2 */
+        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* 0.2 is the distance of the near plane */
         CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
     }
     free(s.data);
@@ -1272,7 +1265,7 @@ static void test_render_refuses_cameras(void)
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, ((int64_t)1 << 60) + 1);
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, INT64_MIN);
     for (int i = 0; i < 3; i++)
-        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a reflection */
+        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a reflection, not a rotation */
     CHECK(render_good() == FXS_ERR_CAMERA && untouched(good.pixels, sizeof good.pixels));
     free(good.scene.data);
     free(good.memory);

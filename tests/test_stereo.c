@@ -19,7 +19,7 @@ typedef struct pair {
     fxs_options options;
     enum fxs_format format;
     ptrdiff_t stride;              /* stride of the two pictures side by side */
-    size_t bytes;                  /* bytes of both pictures */
+    size_t bytes;
     fxs_stats stats;
 } pair;
 

@@ -8,7 +8,7 @@
 
 #include <cjson/cJSON.h>
 
-enum { COUNT = 40000, LEVELS = 7 };     /* 157 chunks in three leaves */
+enum { COUNT = 40000, LEVELS = 7 };     /* the scene has 157 chunks in three leaves */
 
 static fxs_gaussian wanted[COUNT], got[COUNT];
 static char folder[] = "/tmp/fixsplat-streamed-XXXXXX";

@@ -21,8 +21,8 @@ static fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3, .back
 typedef struct collected {
     unsigned char *pixels;
     int32_t row_bytes, next, strips;
-    void *other;                   /* buffer for the next strip; null: a single buffer */
-    int error;                     /* error code returned at the second strip */
+    void *other;                   /* the buffer for the next strip; null: all strips share a buffer */
+    int error;                     /* the error that the callback returns at the second strip */
 } collected;
 
 static int collect(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
@@ -177,7 +177,6 @@ static void test_wrong_strips(void)
     bench_free(&b);
 }
 
-/* After a quarter turn x is where z was. A whole turn equals step 0. */
 static void test_turntable_turns(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_SMALL, 500);

@@ -137,17 +137,17 @@ static void no_subject(void)
     turn_back(PHOTOS / 4 + 1);
     refuses("do not look at one thing: 8 of 12 photographs");
     set_up(middle, NULL);
-    turn_back(PHOTOS);                          /* cameras look outward, as in a room */
+    turn_back(PHOTOS);                          /* the cameras look outward, as in a room */
     for (int i = 0; i < POINTS; i++)
         points[i].position[2] *= 10;
     refuses("do not look at one thing: 0 of 12 photographs");
-    for (int i = 0; i < PHOTOS; i++) {          /* cameras stand side by side and look at a distant object */
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras stand side by side and look at a distant object */
         const double eye[3] = {0.05 * i, 0, 0};
         aim(i, eye, far);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* cameras surround the subject, but aim beside it by 0.4 of the
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras surround the subject, but aim beside it by 0.4 of the
                                                    distance */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {-0.4 * eye[2], 0, 0.4 * eye[0]};
@@ -155,14 +155,14 @@ static void no_subject(void)
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* cameras aim above and below in turn, by 0.3 of the distance */
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras aim above and below in turn, by 0.3 of the distance */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {0, i % 2 ? 3 : -3, 0};
         aim(i, eye, target);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < POINTS; i++)            /* points only above and below */
+    for (int i = 0; i < POINTS; i++)            /* points lie only above and below the cameras */
         points[i].position[1] += i % 2 ? 60 : -60;
     refuses("no Gaussian lies where the cameras look");
 }

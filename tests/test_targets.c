@@ -6,7 +6,7 @@
 #include "splat_level.h"
 #include "random_world.h"
 
-static fxs_context plain;          /* plain C on a single thread */
+static fxs_context plain;          /* a context with plain C kernels and a single thread */
 static const double up[3] = {0, -1, 0};
 
 static struct {
@@ -554,7 +554,6 @@ static void fill(uint32_t *depths, int count, uint32_t depth)
         depths[i] = depth;
 }
 
-/* An occluder directly before the camera gives the background. */
 static void test_empty_and_full_occluders(void)
 {
     state = 33;
@@ -752,7 +751,8 @@ static void test_backdrops(void)
             memcpy(backdrop + 4 * k, colours[k % 3 == 0], 3);
             backdrop[4 * k + 3] = (uint8_t)next();
         }
-        s.options.background[1] = (uint8_t)~s.options.background[1];   /* unused */
+        s.options.background[1] = (uint8_t)~s.options.background[1];   /* the background colour is not used with a
+                                                                          background image */
         unsigned char *mixed = colour_of(&s, formats[i % 4], &(fxs_image){backdrop, width * 4});
         for (int k = 0; k < width * height; k++)
             CHECK(!memcmp(mixed + bytes * k, of_colour[k % 3 == 0] + bytes * k, (size_t)bytes));
@@ -863,7 +863,7 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    for (int side = -4; side <= 4; side += 8) {      /* overlaps the previous row, or the next row */
+    for (int side = -4; side <= 4; side += 8) {      /* the second image overlaps the row before or after */
         t.colour.pixels = both + 4 * width + side;
         CHECK(draw(&s, &t) == FXS_ERR_TARGET);
     }

@@ -1,6 +1,6 @@
 /* Tests thread safety. Threads share one context and one pool, and each thread has its own memory. */
 #ifdef __linux__
-#define _GNU_SOURCE                        /* for sched_setaffinity */
+#define _GNU_SOURCE
 #include <sched.h>
 #endif
 #include <pthread.h>

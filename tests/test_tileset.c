@@ -205,7 +205,7 @@ static int is_at(const fxs_gaussian *g, double x, double y, double z)
 }
 
 #define MOVE(x, y, z) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," #x "," #y "," #z ",1],"
-#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* 90 degrees around z, twice the size */
+#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* rotates by 90 degrees around z and scales by 2 */
 
 /* Gaussian 1 lies at (number, 0.25, -1) in glTF, which is (number, 1, 0.25) with z up. */
 static void transforms(void)
@@ -227,7 +227,6 @@ static void transforms(void)
     CHECK(read_scene("tileset.json") == 2 && is_at(&out[1], 2, 2.25, 2));
 }
 
-/* A tile at the Earth's radius defines the frame. Tiles below keep their positions to float precision. */
 static void globe(void)
 {
     put_glb("1.glb", 1, 2);
@@ -243,7 +242,6 @@ static void globe(void)
     check_fails("tileset.json: the transform of a tile has no inverse");
 }
 
-/* A nested tileset has its own up axis, and names relative to its folder. */
 static void nested(void)
 {
     mkdir(in_folder("sub"), 0700);
@@ -255,7 +253,7 @@ static void nested(void)
               CONTENT("3.glb") "}]}");
     put_tiles("tileset.json", "{" BOX "\"refine\":\"REPLACE\"," CONTENT("1.glb") ",\"children\":[{" BOX TURN
               CONTENT("sub/more.json") "}]}");
-    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset is y up and must not be rotated twice */
+    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset has y up and must not be rotated twice */
         CHECK(is_at(&out[1], 5 - 2, 6 + 6, 7 + 6.5));
         CHECK(is_at(&out[3], 5 - 2, 6 + 4, 7 + 6.5));
     } else {
@@ -269,7 +267,7 @@ static const char good[] =
 
 static void faulty_tilesets(void)
 {
-    static const char *const cases[][3] = {   /* old text, new text, message */
+    static const char *const cases[][3] = {   /* the old text, the new text, the expected message */
         {"\"1.1\"", "\"2.0\"", "tileset.json: not 3D Tiles 1"}, {"\"1.1\"", "1.1", "not 3D Tiles 1"},
         {"\"asset\"", "\"assets\"", "not 3D Tiles 1"}, {"\"root\"", "\"rood\"", "a tile that is not an object"},
         {"\"version\"", "\"gltfUpAxis\":\"X\",\"version\"", "a \"gltfUpAxis\" that is neither Y nor Z"},
@@ -335,7 +333,6 @@ static void faulty_tilesets(void)
 
 #define MOVED(x) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," x ",0,0,1],"
 
-/* Each tile gets its copy of a shared file. */
 static void repeated_contents(void)
 {
     static const char *const names[] = {"1.glb", ".//1.glb", "link.glb", "hard.glb", "sub\\\\1.glb",

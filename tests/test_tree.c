@@ -141,7 +141,7 @@ static void check_means(const fxs_scene *scene, double loss)
                    b = sums_of(scene, node.children[1]);
         CHECK(own.count == (a.count + b.count < FXS_CHUNK ? a.count + b.count : FXS_CHUNK));
         const double weight = a.weight + b.weight;
-        const double rounded = own.area / 510;       /* half a code of opacity */
+        const double rounded = own.area / 510;       /* half a step of the opacity code */
         CHECK(own.weight < 1.01 * weight + rounded && own.weight > 0.7 * weight - rounded);
         for (int k = 0; k < 3; k++) {
             worst = fmax(worst, fabs(own.at[k] / own.weight - (a.at[k] + b.at[k]) / weight) / 400);
@@ -172,8 +172,8 @@ static void check_threads(enum fxs_profile profile)
         !pack(&plain, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile}))
         return;
     CHECK(!scene.nodes && alone.bytes == plain.bytes + fxs_tree_bytes(scene.chunk_count, 3, profile));
-    CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* equal except for the
-                                                                                          version */
+    CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* all bytes after the version
+                                                                                          are equal */
     for (uint32_t threads = 2; threads <= 3; threads++) {
         fxs_pool *pool = fxs_pool_create(threads);
         const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1, .run = fxs_pool_run, .pool = pool,
@@ -295,7 +295,6 @@ static void stopped(void)
     }
 }
 
-/* Leaves read as without the tree. */
 static void in_a_file(void)
 {
     static fxs_gaussian got[COUNT], expected[COUNT];

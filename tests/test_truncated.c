@@ -12,10 +12,10 @@
 #include "jpeg_bytes.h"
 #include "packed_scene.h"
 
-#define EITHER LONG_MIN            /* the reader may read or refuse */
+#define EITHER LONG_MIN            /* the reader may accept or refuse the length */
 
 static char folder[] = "/tmp/fixsplat-truncated-XXXXXX";
-static const char *words;          /* message expected for a refused length; null: none */
+static const char *words;          /* expected message for a refused length; null: not checked */
 
 static void add_file_of(const char *from, const char *name)
 {
@@ -455,8 +455,7 @@ static const struct row {
     const char *name;
     void (*make)(void);
     long (*read)(const char *name);
-    long (*result)(const struct made_file *f, size_t length);        /* expected result for f cut to length; may set
-                                                                        `words` */
+    long (*result)(const struct made_file *f, size_t length);        /* result of the reader for f cut to length */
 } rows[] = {
     {"ply", make_ply, read_scene, of_ply},
     {"ply in ASCII", make_ascii_ply, read_scene, of_ascii_ply},

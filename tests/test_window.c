@@ -65,8 +65,9 @@ static void test_orbit_stops_at_the_poles(void)
         fxs_file_view view = a_view();
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
-        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
-        CHECK(near(view.rotation[1], 0));                                              /* to the right, still level */
+        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward moves along -up */
+        CHECK(near(view.rotation[1], 0));                                              /* the view turns to the right
+                                                                                          and stays level */
     }
 }
 
@@ -119,7 +120,7 @@ static void test_parallel_rays(void)
     view.projection = FXS_ORTHOGRAPHIC;
     view.fx = view.fy = 100;
     before = view;
-    fxs_motion_pan(&view, distance, 50, 0);                      /* half a unit */
+    fxs_motion_pan(&view, distance, 50, 0);                      /* moves the camera by half a unit */
     for (int i = 0; i < 3; i++)
         CHECK(near(view.position[i], before.position[i] - 0.5 * view.rotation[i]));
     before = view;
@@ -224,7 +225,7 @@ static void test_depths_have_colours(void)
         depths[i] = 65536 + 1000 * i;
     depths[7] = FXS_NOTHING;
     fxs_paint_depths(&picture, depths);
-    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* red to blue */
+    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* the bars change from red to blue */
     CHECK(differ(&picture, 150, 200) && !differ(&picture, 0, 1) && !dots[4 * 7] && dots[4 * 7 + 3] == 255);
     for (int i = 0; i < 400; i++)
         depths[i] = FXS_NOTHING;
@@ -244,7 +245,6 @@ static void test_ids_have_colours(void)
     CHECK(pixels_of(&picture, 0x000000ff) == 1);
 }
 
-/* Text in both themes must have enough contrast. */
 static void test_words(void)
 {
     fxs_words *words;
@@ -301,7 +301,7 @@ static void test_graph_shows_the_times(void)
     fxs_frame_times_add(&times, &(fxs_stats){.nanoseconds = {[FXS_PROJECT] = 5000000}});
     CHECK(near(times.stage[0][FXS_PROJECT], 5) && near(times.stage[1][FXS_BLEND], 8) && near(times.frame, 0));
     fxs_draw_frame_times(&picture, &times, 1, &fxs_dark, 0);
-    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* 112 pixels high, 20 ms */
+    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* the graph is 112 pixels high for 20 ms */
     CHECK(column_of(&picture, right, 0x4f8ff0ff) == 28);
     CHECK(column_of(&picture, right - 2, 0xf0705aff) + column_of(&picture, right - 2, 0xb07ee8ff) == 84);
     CHECK(abs(column_of(&picture, right - 2, 0xf0705aff) - 45) <= 1);
@@ -636,7 +636,7 @@ static void test_dropped_files(void)
     char given[sizeof other];
     snprintf(given, sizeof given, "%s", other);
 #ifdef _WIN32
-    for (char *c = given; *c; c++)                               /* as Windows passes paths */
+    for (char *c = given; *c; c++)                               /* Windows passes paths with backslashes */
         *c = *c == '/' ? '\\' : *c;
 #endif
     drop(&v, given);
@@ -654,7 +654,8 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
-    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* near plane from the scene's size */
+    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* the near plane follows from the size
+                                                                                 of the scene */
     CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
@@ -779,7 +780,8 @@ static void test_films(void)
     CHECK(v.film == FILM_TAKEN && v.way_count > 3);
     CHECK(memcmp(v.way[0].position, v.way[v.way_count - 1].position, sizeof v.view.position));
     key(&v, 'k');
-    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* "FRAME\n", 4:4:4 */
+    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* a frame has "FRAME\n" and
+                                                                                           three full planes */
     CHECK(strstr(v.note, "written: fixsplat-001.y4m") && v.film == FILM_NONE);
     CHECK(strstr(line, "YUV4MPEG2 W64 H48 F30:1 ") && size == (long)strlen(line) + v.way_count * frame);
     CHECK(!remove("fixsplat-001.y4m"));
@@ -940,7 +942,6 @@ static void test_levels(void)
     viewer_close(&v);
 }
 
-/* The budget follows the frame time in motion only, and only if requested. */
 static void test_rate(void)
 {
     static char path[sizeof knot];
@@ -958,7 +959,7 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* too few chunks are visible for the budget to limit */
+    viewer_follow_rate(&v, 10000000, 5000);                 /* the visible chunks are fewer than the budget */
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
@@ -1201,7 +1202,7 @@ static void test_crop_of_objects(void)
     viewer v;
     char json[1024];
     frame_options options = small_options();
-    snprintf(json, sizeof json, text, "1");                      /* a quarter turn */
+    snprintf(json, sizeof json, text, "1");                      /* a rotation by 90 degrees */
     write_text(other, "world.json", json);
     options.world.file = other;
     if (!CHECK(!viewer_open(&v, &options, 0, 0)))
@@ -1299,7 +1300,7 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
-    setenv(KEPT_BELOW, "/proc/none", 1);                   /* a folder that cannot be written */
+    setenv(KEPT_BELOW, "/proc/none", 1);                   /* the list of recent scenes cannot be written there */
     if (!start(&v, &options))
         CHECK(v.path && !v.quit && v.loading.unkept == 1);
     viewer_close(&v);
@@ -1321,7 +1322,7 @@ static void test_recent_by_click(void)
         move_to(&v, 0, 320, y + 2);
         CHECK(v.recent_marked == 1);
         click(&v, 1, 320, y + 2);
-        CHECK(v.path && !strcmp(v.path, knot));                  /* the second to last */
+        CHECK(v.path && !strcmp(v.path, knot));                  /* the second to last scene is open */
     }
     viewer_close(&v);
 }
@@ -1446,7 +1447,6 @@ static void test_two_eyes(void)
     viewer_close(&v);
 }
 
-/* While the view moves, gaze and radii are scaled to the smaller picture. */
 static void test_foveated(void)
 {
     const double tangents[4] = {-1.38, 1.19, 1.0, -1.2}, gaze[5] = {40, 20, 6, 12, 2};
@@ -1544,7 +1544,8 @@ int main(void)
     RUN(test_graph_shows_the_times);
 #ifdef FXS_WITH_SDL
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* absolute, like the entries of the list */
+    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* the list of recent scenes holds absolute
+                                                                        paths */
     if (!whole)
         return 1;
     snprintf(folder, sizeof folder, "%s", whole);
