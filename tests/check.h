@@ -33,7 +33,7 @@ static inline void *check_aligned(size_t bytes)
     return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
 }
 
-/* Prints the line that tests/run.sh adds up. Returns the exit status of the program. */
+/* Prints the totals for tests/run.sh. Returns the exit status. */
 static int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);

@@ -14,7 +14,7 @@
 #include "fastest.h"
 
 enum {
-    FUZZ_GUARD = 1 << 20,          /* bytes before and after a zone */
+    FUZZ_GUARD = 1 << 20,          /* guard bytes on either side */
     FUZZ_ROOM = 4 << 20,
     FUZZ_CONTROL = 20,
     FUZZ_EDIT = 6,

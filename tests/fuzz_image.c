@@ -28,8 +28,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         unsigned sum = 0;
         for (size_t i = 0; i < 4 * (size_t)width * (size_t)height; i += 509)
             sum += rgba[i];
-        if (width < 1 || height < 1 || sum == UINT32_MAX ||      /* uses every byte, so that no read is optimised
-                                                                    away */
+        if (width < 1 || height < 1 || sum == UINT32_MAX ||      /* uses every byte */
             exif.orientation < 1 || exif.orientation > 8 || !(exif.exposure >= 0 && exif.exposure < 1e14) ||
             strchr(exif.lens, '\n'))
             abort();

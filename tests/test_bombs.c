@@ -93,7 +93,7 @@ static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
     return length;
 }
 
-/* Writes one mesh for each .spz in the binary chunk. The nodes place the meshes in turn. */
+/* The nodes place the meshes in turn. */
 static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_size[], int count)
 {
     size_t at = 0;
@@ -297,7 +297,6 @@ static void make_inflating_spz(const char *name)
     write_file(name, bytes, flat_spz(4000000, 3, bytes, MAX_FILE));
 }
 
-/* A property of a .rad file: `width` zero bytes for each node. */
 typedef struct zero_column { const char *property, *encoding; int width; } zero_column;
 
 static size_t put_deflated(uint8_t *out, size_t room, size_t count)
@@ -404,7 +403,6 @@ static void make_instances_glb(const char *name)
     size = 0;
 }
 
-/* Each row has 14 zeros, except for a quaternion of 1 0 0 0. */
 static void make_exponents_ply(const char *name)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -454,8 +452,7 @@ static void make_bomb(const struct bomb *b)
     CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
 }
 
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* seconds of processor time; seconds of wall
-                                                                           time */
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* seconds: CPU time, wall time */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };

@@ -84,8 +84,7 @@ static void write_bundler(int lens)
 static double away;                /* shift of a Metashape chunk along x */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
-/* The cameras are in a rotated, moved and scaled Metashape chunk. owner: the element that states the transform,
-   "component", "chunk" or "" (none). */
+/* owner: the element that states the transform, "component", "chunk" or "" (none). */
 static void write_metashape(const char *owner, const char *type, const char *calibration)
 {
     const int whole = *owner != 0, component = !strcmp(owner, "component");

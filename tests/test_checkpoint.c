@@ -571,7 +571,7 @@ static void seal(uint8_t *bytes, size_t size)
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* Changes a word of the file and corrects the checksum. A negative offset counts from the end. */
+/* A negative offset counts from the end. The checksum is corrected. */
 static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
@@ -652,8 +652,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* valid moments: means have any value, squares are >= 0, other numbers lie
-                                            in 0 to 1 */
+    for (int i = 0; i < 6 * 4; i++) {    /* valid moments: any mean, squares >= 0, others 0 to 1 */
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);

@@ -85,7 +85,6 @@ static void test_covered(void)
     }
 }
 
-/* Sets the largest depth in the tree that is drawn for each leaf, 255 if none. */
 static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, uint8_t deepest, const int32_t *drawn,
                         uint8_t *to)
 {
@@ -178,8 +177,7 @@ static void test_detail(void)
     for (uint32_t detail_q8 = 8; detail_q8 < 256 << 8; detail_q8 *= 2) {
         const uint32_t drawn = cut_of(scene, camera, 0, detail_q8, shares[0]);
         const uint32_t both = cut_of(scene, camera, 20 * FXS_CHUNK, detail_q8, shares[1]);
-        CHECK(drawn <= before + before / 4 && both <= 20);       /* chunks that fade between two levels are drawn
-                                                                    twice */
+        CHECK(drawn <= before + before / 4 && both <= 20);       /* fading chunks are drawn twice */
         before = drawn;
     }
     CHECK(before < scene->chunk_count / 8);
@@ -374,8 +372,7 @@ static void test_in_part(void)
     fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
     fxs_init(&context, 0);
     const fxs_stats all = draw(&context, &request, 0);
-    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* leaves room in the pool for ancestors
-                                                                              of the drawn chunks */
+    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* with ancestors */
     const fxs_object object = one_object(&p.scene);
     double first = 0, last = 0;
     int frames = 0;
@@ -420,8 +417,7 @@ static void test_damage(void)
         for (int i = 0; i < 1 + round % 40; i++) {
             random = random * 1664525 + 1013904223;
             size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
-            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* changes only the fields gain and
-                                                                                  size of a node */
+            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* gain and size only */
             random = random * 1664525 + 1013904223;
             data[at] = round % 3 && round % 4 ? (unsigned char)(random >> 24)
                                               : data[at] ^ (unsigned char)(1u << (random >> 29) >> (round % 4 ? 0 : 2));

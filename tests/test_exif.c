@@ -154,8 +154,6 @@ static int read_with(int camera_width, int camera_height)
     return read_photos("one", &options);
 }
 
-/* By the EXIF standard, the first stored row is the top, bottom, left or right of the picture, and so is the first
-   column. */
 static void shown_at(int orientation, int x, int y, int w, int h, int at[2])
 {
     static const struct {

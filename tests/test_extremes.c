@@ -265,7 +265,6 @@ static void test_targets_of_both_eyes(void)
 
 enum { WILD_OBJECTS = 6, WILD_SIZE = 100 };
 
-/* Returns a number of either sign up to 2^bits, log-uniform, often the maximum. */
 static int64_t wild(int bits)
 {
     const int64_t most = (int64_t)1 << bits;

@@ -38,7 +38,6 @@ typedef struct flat {
 
 static double picture[3][PIXELS];
 
-/* Records the relative distance of `value` from the cut-off. */
 static int above(cuts *c, double value, double cut, double scale)
 {
     c->nearest = fmin(c->nearest, fabs(value - cut) / scale);
@@ -381,7 +380,7 @@ static void count_cuts(const scene *s, int i, tally *t)
     t->dark += seen && (s->cuts.dark[i][0] || s->cuts.dark[i][1] || s->cuts.dark[i][2]);
 }
 
-/* Single precision has an error of 1e-5 of a pixel's weight, which matters behind nearly opaque Gaussians. */
+/* Single precision has an error of 1e-5 of a pixel's weight. */
 static void check_near(double value, double wanted, double size, int i, int k, tally *t)
 {
     const double fault = fabs(value - wanted) / (1e-4 * size + 2e-5);
@@ -569,7 +568,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Bisects a number down to two adjacent floats. Only `high` has the property. */
+/* Bisects down to two adjacent floats. Only `high` has the property. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {
@@ -751,9 +750,7 @@ static void test_bounds_of_scales(void)
         float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
         for (int i = 0; i < FXS_FIT_GROUP; i++)
             for (int k = 0; k < 3; k++) {
-                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* position of a Gaussian
-                                                                                             in picture widths from
-                                                                                             the left edge */
+                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;
                 const float along = i == BEHIND ? -4 : 4, aside = along * (40 * at - of[0].middle[0]) / of[0].focal[0];
                 parameters[k][i] = of[0].eye[k] + along * of[0].rotation[6 + k] + aside * of[0].rotation[k];
                 parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 2;

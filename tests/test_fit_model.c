@@ -54,7 +54,6 @@ static int is_near(double a, double b, double relative)
     return fabs(a - b) <= relative * fmax(fabs(a), fabs(b));
 }
 
-/* Each Adam moment encodes the Gaussian and parameter to which it belongs. */
 static fxs_fit_model random_model(size_t count)
 {
     fxs_fit_model m;
@@ -1026,8 +1025,7 @@ static void same_bytes(void)
     for (int i = 0; i < 5; i++) {
         turn = 9;
         set_scene();
-        options.steps = i == 2 ? 700 : 900;    /* the recipes mcmc and fast differ only in their default number of
-                                                  steps */
+        options.steps = i == 2 ? 700 : 900;    /* differ in the number of steps only */
         options.recipe = (enum fxs_fit_recipe)(i % 3);
         options.cutoff = i == 3 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
         options.seed = i == 4;

@@ -176,7 +176,6 @@ static int pack(const fit *f, fxs_packed_scene *packed, fxs_scene *scene)
            CHECK(!fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* PSNR in dB between the photographs and the packed scene. */
 static double psnr_of(const fit *f)
 {
     enum { BYTES = 4 * PIXELS };

@@ -179,7 +179,6 @@ static void disturb_poses(void)
     }
 }
 
-/* Mean errors of poses, in radians and scene units. */
 typedef struct distances {
     double turn, shift;
 } distances;
@@ -207,7 +206,6 @@ typedef struct result {
     fxs_fit_photo refined[PHOTOS];
 } result;
 
-/* FNV-1a over 32-bit words. */
 static void add_to_hash(uint64_t *hash, uint32_t word)
 {
     *hash = (*hash ^ word) * 0x100000001b3u;

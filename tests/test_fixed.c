@@ -73,7 +73,7 @@ static void sweep(int bit, void (*visit)(uint32_t m))
 }
 
 static double worst;
-static int outside;     /* number of results outside the documented range */
+static int outside;
 
 static void visit_reciprocal(uint32_t m)
 {
@@ -96,8 +96,7 @@ static void visit_rsqrt(uint32_t m)
     uint32_t got = fxs_rsqrt(m);
     double exact = ldexp(1, 30) / sqrt(ldexp(m, -32));
     worst = fmax(worst, fabs(got - exact) / exact);
-    outside += got < (1u << 30) - (1u << 10) || got > 1u << 31;   /* the documented error allows slightly less than
-                                                                     2^30 */
+    outside += got < (1u << 30) - (1u << 10) || got > 1u << 31;   /* slightly less than 2^30 is allowed */
 }
 
 static void test_rsqrt(void)

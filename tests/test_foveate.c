@@ -301,7 +301,7 @@ static int clamp(int x, int end)
     return x < 0 ? 0 : x < end ? x : end - 1;
 }
 
-/* Returns a ring's value at a pixel, times (2 rate)^2. A ring is a crop at a lower rate. */
+/* Returns a value times (2 rate)^2. A ring is a crop at a lower rate. */
 static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int channel)
 {
     const int steps = 2 * r->rate, nx = 2 * x + 1 - r->rate, ny = 2 * y + 1 - r->rate;
@@ -317,7 +317,7 @@ static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int 
     return sum;
 }
 
-/* The weight of a ring in 1/256 is the minimum over ramps at those edges that are inside the picture. */
+/* The minimum over ramps at those edges that are inside the picture, in 1/256. */
 static int share(const fxs_ring *r, const fxs_foveation *f, int eye, int x, int y, int width, int height)
 {
     const int left = r->x[eye], top = r->y[eye], right = left + r->width * r->rate, lower = top + r->height * r->rate;

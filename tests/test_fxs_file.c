@@ -94,8 +94,7 @@ static void test_round_trip(void)
     draw(packed.data, packed.bytes, from_memory);
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
-    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* checks that the picture has several
-                                                                            colours */
+    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* not a single colour */
     CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* overwrites the file with its own mapping */
     CHECK(!fxs_map_check(&file, fxs_path, &m));
     fxs_unmap(&file);
@@ -165,8 +164,7 @@ static void test_other_faults(void)
         return;
     for (int above = 0; above < 2; above++) {
         int status = 0, descriptor = open(path, O_RDONLY);
-        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* the system may choose another address
-                                                                               than the wish */
+        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* may get another address */
         const volatile char *other = mmap(wish, 2 * PAGE, PROT_READ, MAP_PRIVATE, descriptor, 0);
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();

@@ -16,7 +16,6 @@
 #include <fixsplat/internal/pixel.h>
 
 
-/* Number of factors outside the range that weight.frag promises. */
 static int wrong_factors;
 
 static int FACTOR(int x)
@@ -67,7 +66,7 @@ static const struct port *port;
 static void *context;
 static fxs_message why_not;
 
-/* Functions that replace OpenGL functions. A null name ends the list. */
+/* A null name ends the list. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -371,8 +370,7 @@ static void long_list(void)
     uint8_t *pixels = new_picture(&s);
     draws = 0;
     CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
-    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* one pass for masks, then
-                                                                                           one pass for pixels */
+    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* masks, pixels */
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -548,7 +546,7 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* The caller's drawing: a slanted plane with holes over a colour gradient. Rows are top down. */
+/* A slanted plane with holes over a colour gradient. Rows are top down. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -790,7 +788,7 @@ static void read_target(const fxs_gles_target *t, uint8_t *pixels)
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
 }
 
-/* Counts pixels that differ from the picture inside the viewport, or from the clear colour outside. */
+/* Outside the viewport, pixels must have the clear colour. */
 static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -1077,7 +1075,6 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     return error;
 }
 
-/* Counts words that differ from the picture inside the viewport, or from 3 outside. */
 static int differing_words(const subject *s, const fxs_gles_target *t, GLenum buffer, const uint32_t *expected, int n)
 {
     static GLuint words[HIGH][WIDE][4];
@@ -1354,8 +1351,7 @@ static void compute_without_shader(void)
     for (int i = 0; i < 2; i++) {
         CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: "));
-        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* Mesa and NVIDIA write line numbers
-                                                                              differently */
+        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* Mesa, NVIDIA */
         CHECK(!strchr(why_not.text, '\n'));
     }
     dump(&after);

@@ -52,7 +52,7 @@ static void put_component(int type, int normalized, double value)
     bin_size += (size_t)size[type - BYTE];
 }
 
-/* Adds an accessor with its own bufferView and `gap` bytes after each element. */
+/* Leaves `gap` bytes after each element. */
 static void add(const char *name, int components, int type, int normalized, int gap, const double *values)
 {
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
@@ -372,8 +372,7 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* one negative scale of five means linear scales, two mean
-                                                    logarithms */
+    for (int below = 1; below <= 2; below++) {   /* 2 of 5 negative scales mean logarithms */
         add_all(0);
         clear();
         for (int i = 0; i < below; i++)
@@ -992,8 +991,7 @@ static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
     static fxs_gaussian g[2][1000];
-    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* rotation from the axes of the .ply to the axes of
-                                                                   the glTF reader */
+    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* from the .ply to glTF */
     fxs_scene_file *files[2];
     fxs_scene_file_info infos[2];
     char name[1024];

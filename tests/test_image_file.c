@@ -561,7 +561,6 @@ static void put_png(const char *name, const uint8_t header[13], const uint8_t *p
     free(bytes);
 }
 
-/* Writes an RGBA .png with 8 or 16 bits and `size` zero bytes of pixel data. */
 static void put_zeros(const char *name, int side, int depth, int interlaced, size_t size)
 {
     uint8_t *zeros = calloc(1, size);
@@ -664,7 +663,7 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* Writes a chunk of zeros before the data. `wrong` is added to the checksum of the chunk. */
+/* `wrong` is added to the checksum of the chunk. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};

@@ -83,7 +83,7 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* Two copies of an output, C [0] and fast [1], each between guard bytes. */
+/* Two copies, C [0] and fast [1], each between guard bytes. */
 typedef struct output {
     unsigned char *memory[2];
     size_t bytes;
@@ -206,7 +206,6 @@ static void point_header(fxs_chunk *c)
     }
 }
 
-/* A header like a captured scene's: a box around the origin, sigma up to 0.05 units. */
 static void tame_header(fxs_chunk *c)
 {
     double size = exp2(uniform(-4, 2));
@@ -260,7 +259,6 @@ static void random_rotation(fxs_camera *camera)
         camera->rotation_q30[i] = (int32_t)lrint(m[i] * 0x1p30);
 }
 
-/* Moves the camera to a point of the chunk's box, minus `distance` along the viewing direction. */
 static void place_camera(fxs_camera *camera, double distance)
 {
     const fxs_chunk *c = chunk_of();
@@ -272,7 +270,6 @@ static void place_camera(fxs_camera *camera, double distance)
     }
 }
 
-/* Returns a principal point in the centre, at random, or at its limit. */
 static int32_t principal_point(int32_t size)
 {
     const int32_t limit = 65536 << 12, half_pixel = 1 << 11;
@@ -621,7 +618,6 @@ static void begin_tile(fxs_tile *tile, fxs_trace *trace)
     }
 }
 
-/* Sets up a part of a list without depths or slots, and with an end for each pixel. */
 static void begin_part(fxs_trace *trace, uint32_t count)
 {
     const int occluded = one_in(2);

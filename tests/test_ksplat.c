@@ -24,7 +24,6 @@ static float centre_of(int section, int bucket, int axis)
     return (float)(100 * section + 10 * bucket + axis) / 4;
 }
 
-/* Writes and returns a value from 1 to 4, as a float or as a half float. */
 static float put_real(int level, int row, int i)
 {
     int code = code_of(row, i) % 2048;

@@ -184,7 +184,6 @@ static void make_sky(const fxs_gaussian *g, size_t count, int has_sh)
     }
 }
 
-/* Codes store rotated Gaussians, so the bounds are rotated too. */
 static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
 {
     for (size_t i = 0; i < count; i++)
@@ -437,12 +436,7 @@ static void faulty_index(void)
         put(&index_bytes, cases[i].value, cases[i].size);
         put_file("index.bin", index_bytes.bytes, CELLS * UNIT);
         check_fails(cases[i].words);
-        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);   /* no
-                                                                                                                   fa
-                                                                                                                   ul
-                                                                                                                   t 
-                                                                                                                   he
-                                                                                                                   re */
+        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);
     }
 }
 

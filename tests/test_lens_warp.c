@@ -5,7 +5,6 @@
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* FNV-1a hash of a noise picture through each lens. */
 #define GOLDEN 0x6dbc72eeu
 
 static const struct {
@@ -38,7 +37,6 @@ static void make(size_t number, fxs_lens_warp *warp)
     CHECK(warp->cover.width >= 1 && warp->cover.width <= 4 * WIDE + 4 && warp->cover.height <= 4 * HIGH + 4);
 }
 
-/* Colour for a direction, with low frequencies for wide views. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(2 * x + c) + 50 * cos(1.5 * y - x + 2 * c);

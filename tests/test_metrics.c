@@ -50,7 +50,6 @@ static void maps_are_found(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * 12)) < 0.1);
 }
 
-/* A picture of one colour is mapped to the mean of the photograph, a grey picture to the best line. */
 static void pictures_without_colours(void)
 {
     double sum = 0, squares = 0;

@@ -232,7 +232,6 @@ static int same_pictures(const picture *a, const picture *b)
     return a->bytes == b->bytes && !memcmp(a->block, b->block, a->bytes);
 }
 
-/* All rotations by right angles, as matrices. */
 static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 1, 1, 0, 0, 0, 1, 0},
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};
 enum { TURNS = sizeof turns / sizeof *turns };
@@ -664,7 +663,7 @@ static int render_good(uint32_t count)
                       good.bytes, 0);
 }
 
-/* Sets a bad value, expects the error and untouched pixels from all three calls, and restores the value. */
+/* Sets a bad value, expects the error and untouched pixels, and restores the value. */
 #define REFUSES(error, place, value) do { \
         memcpy(saved, &(place), sizeof (place)); \
         (place) = (value); \
@@ -724,8 +723,7 @@ static void test_bad_objects(void)
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);
     o->crop_count = 0;
-    o->scale_q32 = 1 << 16;                                               /* moves the camera far away in units of
-                                                                             the object */
+    o->scale_q32 = 1 << 16;                                               /* far in object units */
     REFUSES(FXS_ERR_OBJECT, good.camera.position_q32[0], INT64_C(1) << 45);
     o->scale_q32 = INT64_C(1) << 32;
     CHECK(render_frame(&plain, 0, 2, &good.camera, &good.options, &good.picture.targets, good.memory, good.bytes, 0) ==

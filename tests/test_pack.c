@@ -233,7 +233,8 @@ static void test_largest_errors(void)
             most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
             most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
         }
-        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* two code steps */
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* the codes 1022 and
+                                                                                               1020 */
     }
     for (uint32_t i = 0; i < scene.count; i++) {     /* half a step, plus the error of the longest axis */
         const uint32_t step = chunk_of(&scene, i)->scale_step_q24;

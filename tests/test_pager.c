@@ -29,7 +29,6 @@ static unsigned char pictures[2][PIXELS];
 static void *memory;
 static size_t memory_bytes;
 
-/* A source of the packed scene's bytes, with faults. */
 typedef struct bytes_source {
     const unsigned char *bytes;
     uint64_t rate;                     /* bytes per second; 0: unlimited */
@@ -360,7 +359,7 @@ static double seconds_of_thread(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Number of voluntary waits of the current thread, 0 if the system does not count. */
+/* 0 if the system does not count. */
 static long waits_of_thread(void)
 {
 #ifdef RUSAGE_THREAD

@@ -340,7 +340,7 @@ static void one_camera(void)
     check_refused("one", &options, FXS_ERR_FILE, "every photograph of 1 would be held out");
 }
 
-/* Returns the overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
+/* Overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
 static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
 {
     const int64_t low = i * to > j * from ? i * to : j * from;
@@ -418,8 +418,7 @@ static const struct {
     const char *model;
     fxs_lens lens;                 /* lens parameters in the order of the COLMAP model */
     double fx, fy, cx, cy;
-    int widens;                    /* 1: the undistorted picture sees more than the photograph's size at its focal
-                                      length; 0: less */
+    int widens;                    /* 1: the undistorted picture sees more, 0: less */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -791,8 +790,7 @@ static void nerfstudio(void)
           photos.points[0].position[1] == 2 && photos.points[1].colour[2] == 255 && photos.points[0].colour[0] == 4);
     say("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\nproperty short n\nproperty double y\n"
         "property float z\nend_header\n");
-    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* the big-endian floats 2,
-                                                                                             258, 3, -4 */
+    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* floats 2, 258, 3, -4 */
     length += 22;
     const size_t whole = length;
     for (size_t i = whole - 25; i < whole; i++) {

@@ -247,8 +247,7 @@ static void one_half(void)
             float sum = 0;
             for (int i = 0; i < 14; i++)
                 sum += ((float *)&g)[i];
-            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* property 3 is a normal,
-                                                                                             which is ignored */
+            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: an ignored normal */
         }
 }
 

@@ -20,7 +20,6 @@ static uint32_t bits_of(float value)
     return bits;
 }
 
-/* FNV-1a, 64 bits, over the floats' little-endian bytes. */
 static uint64_t scene_hash(const fxs_procedural_scene *scene, uint64_t count, uint32_t seed)
 {
     uint64_t hash = UINT64_C(0xCBF29CE484222325);

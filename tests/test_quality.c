@@ -27,8 +27,7 @@
 #include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
-enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: from this number of Gaussians on, file sizes
-                                                               are checked */
+enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: file sizes are checked from here on */
 typedef struct grade {
     double psnr, ssim;
 } grade;
@@ -75,7 +74,7 @@ typedef struct splat_list {
     uint32_t count;
 } splat_list;
 
-/* Rounds a splat (projected Gaussian) to the record of the blend stage. Returns 0 if the splat touches no pixel. */
+/* Returns 0 if the splat (projected Gaussian) touches no pixel. */
 static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r)
 {
     double offset = -2 * log(r->opacity), cx = r->x - 0.5, cy = r->y - 0.5;

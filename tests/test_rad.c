@@ -258,7 +258,7 @@ static void palettes(void)
     CHECK(read_file(out, 64) == FXS_ERR_FILE);
 }
 
-/* Makes a tree in two chunks. The children of node i are the `count` nodes from `start` on. */
+/* The children of node i are the `count` nodes from `start` on. */
 static void make_tree(const int (*children)[2], int count, int chunk, float alpha)
 {
     rad_begin(1);

@@ -52,8 +52,7 @@ static void the_same_from_bytes(void)
     uint8_t *room = malloc(splat->bytes + 128), *data = (uint8_t *)(((uintptr_t)room + 63) / 64 * 64);
     memcpy(data, splat->data, splat->bytes);
     CHECK(fxs_file_seal(data, splat->bytes) == 0);
-    for (int shift = 0; shift < 2; shift++) {                /* aligned data first, then unaligned data, which the
-                                                                renderer copies */
+    for (int shift = 0; shift < 2; shift++) {                /* aligned, then unaligned data */
         memmove(data + 4 * shift, data, splat->bytes);
         CHECK(fxs_open_memory("a.fxs", data + 4 * shift, splat->bytes, &careful, &fxs, &why) == 0);
         CHECK(fxs && !strcmp(fxs->info->format, "fxs") && (fxs->data == data) == !shift);

@@ -6,8 +6,7 @@
 
 enum { MOST = 64 };
 
-static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: index of the failing call from
-                                                                           0; -1: none */
+static struct { long calls, live, fails_at; size_t largest; } memory;   /* index of the failing call; -1: none */
 
 static void *allocate(void *argument, size_t length)
 {
@@ -35,8 +34,7 @@ static void count_from_0(long fails_at)
     memory.fails_at = fails_at;
 }
 
-static struct { long reads, open, fails_from; } input_calls;   /* fails_from: index of the first failing read from 0;
-                                                                  -1: none */
+static struct { long reads, open, fails_from; } input_calls;   /* index of the first failing read; -1: none */
 
 static int read_made(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -311,8 +309,7 @@ static void count_comes_first(void)
 
 #endif
 
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: index of the stopped call from 0; -1:
-                                                                   none */
+static struct { int calls, stops_at; double done; } progress;   /* index of the stopped call; -1: none */
 
 static int note_progress(void *argument, double done)
 {

@@ -412,7 +412,6 @@ static void books(void)
     CHECK(fxs_book_learn(book, values, 1, 0) == 0 && book[fxs_book_find(book, 3)] == 3);
 }
 
-/* Every `of`-th scale belongs to a flat Gaussian. */
 static void book_of_flat(float flat, int of, double spread)
 {
     float values[6000], book[FXS_BOOK];

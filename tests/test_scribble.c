@@ -32,15 +32,13 @@ static struct {
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    unsigned char *bright, *faint;         /* the original, and a copy with all but SEEN opacities of each chunk set
-                                              to 0 */
+    unsigned char *bright, *faint;         /* the original; a copy with most opacities 0 */
 } drawn;
 
 static struct {
     unsigned char *recent[OPEN];
     int oldest;
-    uint64_t touches, first, every;        /* the scene changes at access `first`, then every `every` accesses; every
-                                              0: once */
+    uint64_t touches, first, every;        /* first and further changes; every 0: no further */
     int wild;                              /* 1: change to random bytes; 0: change to the bright scene */
 } watch;
 

@@ -202,8 +202,7 @@ static float *at(const fxs_fit_model *m, int plane, size_t i)
     return &m->parameters[(size_t)plane * m->stride + i];
 }
 
-/* Gaussian 0 lies within the radius of the scene, 1 at the radius. Gaussian 2 is eight times as far and as large.
-   Gaussian 3 is near and as large as 2. */
+/* Gaussian 0 lies within the radius of the scene, 1 at the radius. Gaussian 2 is eight times as far and as large. */
 static fxs_fit_model at_distances(void)
 {
     static const float distances[] = {1, 2, 16, 1}, sizes[] = {0.25f, 0.25f, 2, 2};
@@ -227,7 +226,6 @@ static int is_near(float a, float b)
     return fabs((double)a - (double)b) <= 1e-5 * fabs((double)b);
 }
 
-/* The first moment of the gradient is scaled by the size unit. */
 static void mean_scale(const fxs_fit_stages *stages)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -277,8 +275,7 @@ static void fates(void)
         for (size_t i = 0; i < 4; i++)
             m.by_centre[i] = m.views[i] = 1;
         CHECK(!fxs_fit_model_densify(&m, &d) && m.count == 8);
-        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* a cloned Gaussian keeps its
-                                                                                         scale */
+        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* unchanged by cloning */
         fxs_fit_model_free(&m);
     }
 }

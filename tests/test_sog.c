@@ -264,8 +264,7 @@ static double value_of(const made_scene *m, int values, int channel, int code)
 
 static void expect_rotation(const made_scene *m, int i, float *rotation)
 {
-    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indices of w, x, y, z without
-                                                                                       the largest component */
+    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indices of w, x, y, z */
     int omitted = byte_of(m, QUATS, i, 3) - 252;
     double sum = 0;
     memset(rotation, 0, 4 * sizeof *rotation);
@@ -615,8 +614,7 @@ static void faulty_zip(void)
     check_fails("a.sog", "more than this file can hold");
 }
 
-static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last scene is the
-                                                                                          environment */
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* last: environment */
 
 #define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
 
@@ -765,7 +763,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* Compares with the axes of .lcc2, where z is up. */
+/* In .lcc2, z is up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {

@@ -175,7 +175,7 @@ static void coordinate_systems(void)
             fill(container == ZSTD ? 4 : 3, 3);
             s.flags = 2;
             s.extensions = records;
-            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* is skipped */
+            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);
             s.extensions_size = (size_t)(spz_put(spz_put(spz_put(to, 0xadbe0003, 4), 4, 4), system, 4) - records);
             if (!make(container))
                 continue;

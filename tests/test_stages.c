@@ -734,7 +734,6 @@ static void store(unsigned char *pixel, int i, const fxs_options *options, enum 
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
-/* Renders without tiles or lists, and without culling chunks. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                          enum fxs_format format, unsigned char *pixels, ptrdiff_t stride)
 {
@@ -825,7 +824,6 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     free(pixels);
 }
 
-/* Renders in exactly the requested memory, and compares all bytes with padding. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
                              ptrdiff_t stride)
@@ -1033,7 +1031,6 @@ static struct {
     int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the radius */
 } beside_tally;
 
-/* Renders the sphere at each side and corner of the picture, within reach and just out of reach. */
 static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
     fxs_view view;

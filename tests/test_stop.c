@@ -9,7 +9,6 @@
 
 enum { SIDE = 100, THREADS = 4 };
 
-/* A stop callback that stops at call number `at`. */
 typedef struct asked {
     int times, at;
 } asked;

@@ -72,7 +72,7 @@ static void bench_free(bench *b)
     free(b->strip.pixels);
 }
 
-/* Renders a whole picture to b->want, and in strips within `bytes` of memory. Returns the result of the strips. */
+/* Returns the result of the picture in strips. */
 static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camera, void *memory, size_t whole,
                      size_t bytes, fxs_stats *stats)
 {
@@ -91,7 +91,6 @@ static int same(const bench *b, const fxs_camera *camera)
            !memcmp(b->got.pixels, b->want, (size_t)(b->got.row_bytes * camera->height));
 }
 
-/* Enlarges the splats until their tile lists do not fit into the memory. */
 static void enlarge(packed_scene *scene, fxs_camera *camera)
 {
     for (uint32_t c = 0; c < scene->scene.chunk_count; c++)
@@ -242,7 +241,6 @@ static uint64_t fnv1a64(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* Prints the hashes of the strips like the firmware. */
 static int print_hashes(char **arguments)
 {
     fxs_mapping file;

@@ -40,7 +40,6 @@ static void set_up(const double middle[3], const double distances[PHOTOS])
         }
 }
 
-/* Makes the first `count` cameras face backwards. */
 static void turn_back(int count)
 {
     for (int i = 0; i < count; i++)
@@ -147,8 +146,7 @@ static void no_subject(void)
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* the cameras surround the subject, but aim beside it by 0.4 of the
-                                                   distance */
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras aim beside the subject by 0.4 of the distance */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {-0.4 * eye[2], 0, 0.4 * eye[0]};
         aim(i, eye, target);

@@ -77,7 +77,6 @@ static double depth_of(uint32_t key)
     return ldexp((double)(1u << 26 | (key & 0x3ffffff)), (int)(key >> 26) - 32 - 26);
 }
 
-/* The renderer rounds a depth to 2^-15 of its octave, and each product with a weight. */
 static void add_depth(brute *b, uint32_t key, int weight_q15)
 {
     const double octave = ldexp(1, (int)(key >> 26) - 32);
@@ -751,8 +750,7 @@ static void test_backdrops(void)
             memcpy(backdrop + 4 * k, colours[k % 3 == 0], 3);
             backdrop[4 * k + 3] = (uint8_t)next();
         }
-        s.options.background[1] = (uint8_t)~s.options.background[1];   /* the background colour is not used with a
-                                                                          background image */
+        s.options.background[1] = (uint8_t)~s.options.background[1];   /* unused with a background image */
         unsigned char *mixed = colour_of(&s, formats[i % 4], &(fxs_image){backdrop, width * 4});
         for (int k = 0; k < width * height; k++)
             CHECK(!memcmp(mixed + bytes * k, of_colour[k % 3 == 0] + bytes * k, (size_t)bytes));
@@ -769,7 +767,6 @@ static void test_backdrops(void)
     }
 }
 
-/* An image with padded rows, top down or bottom up, between guard bytes. */
 typedef struct padded {
     unsigned char *block;
     size_t bytes;
@@ -792,7 +789,6 @@ static padded padded_new(int width, int height, int bytes, int alignment)
     return p;
 }
 
-/* True if the rows equal the unpadded rows and the padding is untouched. */
 static int same_padded(const padded *p, const unsigned char *tight, int height)
 {
     unsigned char *expected = malloc(p->bytes);

@@ -84,7 +84,6 @@ static void put_tiles(const char *name, const char *tiles)
 #define BOX "\"boundingVolume\":{\"sphere\":[0,0,0,9]},\"geometricError\":4,"
 #define CONTENT(name) "\"content\":{\"uri\":\"" name "\"}"
 
-/* Reads twice, `step` Gaussians a call. Returns the number of Gaussians, or -1 with a message. */
 static long read_step(const char *name, const fxs_scene_file_options *options, size_t step)
 {
     static fxs_gaussian again[MOST];

@@ -130,7 +130,6 @@ static sums sums_of(const fxs_scene *scene, uint32_t number)
     return s;
 }
 
-/* A parent keeps its children's mean colour and position, and nearly their weight. */
 static void check_means(const fxs_scene *scene, double loss)
 {
     double worst = 0;
@@ -172,8 +171,7 @@ static void check_threads(enum fxs_profile profile)
         !pack(&plain, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile}))
         return;
     CHECK(!scene.nodes && alone.bytes == plain.bytes + fxs_tree_bytes(scene.chunk_count, 3, profile));
-    CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* all bytes after the version
-                                                                                          are equal */
+    CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* except the version */
     for (uint32_t threads = 2; threads <= 3; threads++) {
         fxs_pool *pool = fxs_pool_create(threads);
         const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1, .run = fxs_pool_run, .pool = pool,

@@ -66,8 +66,7 @@ static void test_orbit_stops_at_the_poles(void)
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
         CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward moves along -up */
-        CHECK(near(view.rotation[1], 0));                                              /* the view turns to the right
-                                                                                          and stays level */
+        CHECK(near(view.rotation[1], 0));                                              /* right, level */
     }
 }
 
@@ -315,7 +314,7 @@ static void test_graph_shows_the_times(void)
 #include <fixsplat/scene.h>
 #include "tools/view/viewer.h"
 
-/* Replaces SDL's function to simulate a screen with several pixels per point. */
+/* Simulates a screen with several pixels per point. */
 static int pixels_a_point = 1;
 
 void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
@@ -363,7 +362,7 @@ static frame_options small_options(void)
     return options;
 }
 
-/* Returns options that look at the box from the front, with its x axis to the right. */
+/* The box is seen from the front, with its x axis to the right. */
 static frame_options framed_options(void)
 {
     frame_options options = small_options();
@@ -388,7 +387,6 @@ static void settle(viewer *v)
     while (viewer_busy(v) && !v->quit);
 }
 
-/* Runs viewer steps until the picture is complete. */
 static void rest(viewer *v)
 {
     do
@@ -654,8 +652,7 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
-    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* the near plane follows from the size
-                                                                                 of the scene */
+    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* from the size of the scene */
     CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
@@ -753,7 +750,7 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
-/* Returns the size of a file, or -1 if the file does not exist, and the first line. */
+/* Returns -1 if the file does not exist. */
 static long size_of(const char *path, char line[80])
 {
     FILE *file = fopen(path, "r");
@@ -780,8 +777,7 @@ static void test_films(void)
     CHECK(v.film == FILM_TAKEN && v.way_count > 3);
     CHECK(memcmp(v.way[0].position, v.way[v.way_count - 1].position, sizeof v.view.position));
     key(&v, 'k');
-    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* a frame has "FRAME\n" and
-                                                                                           three full planes */
+    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* "FRAME\n", 4:4:4 planes */
     CHECK(strstr(v.note, "written: fixsplat-001.y4m") && v.film == FILM_NONE);
     CHECK(strstr(line, "YUV4MPEG2 W64 H48 F30:1 ") && size == (long)strlen(line) + v.way_count * frame);
     CHECK(!remove("fixsplat-001.y4m"));
@@ -932,8 +928,7 @@ static void test_levels(void)
     CHECK(v.options.render.budget == 0 && is_picture_of(&v, &whole));
     key(&v, 'o');
     CHECK(v.options.render.show_levels && !is_picture_of(&v, &whole) && shows(&v, v.view, 64, 48));
-    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white, so each pixel is
-                                                                                grey */
+    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white */
         CHECK(v.picture.pixels[i] == v.picture.pixels[i + 1] && v.picture.pixels[i] == v.picture.pixels[i + 2]);
     key(&v, 'o'), key(&v, 'f');
     CHECK(is_picture_of(&v, &whole));
@@ -1108,7 +1103,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Writes the cropped scene by pressing Enter. Returns the number of Gaussians. */
+/* Returns the number of Gaussians. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1300,7 +1295,7 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
-    setenv(KEPT_BELOW, "/proc/none", 1);                   /* the list of recent scenes cannot be written there */
+    setenv(KEPT_BELOW, "/proc/none", 1);                   /* the list is absolute */
     if (!start(&v, &options))
         CHECK(v.path && !v.quit && v.loading.unkept == 1);
     viewer_close(&v);
@@ -1544,8 +1539,7 @@ int main(void)
     RUN(test_graph_shows_the_times);
 #ifdef FXS_WITH_SDL
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* the list of recent scenes holds absolute
-                                                                        paths */
+    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* the list is absolute */
     if (!whole)
         return 1;
     snprintf(folder, sizeof folder, "%s", whole);
