@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 static int check_passed, check_failed, check_skipped;
-static int check_faults, check_skips;                   /* failed checks and skips in the running test */
+static int check_faults, check_skips;                   /* numbers of failed checks and of skips in the running test */
 
 #define CHECK(condition) \
     ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))

@@ -89,7 +89,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             render_stereo(&f, &f.levels[level], all, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
-        if (first.error != FXS_ERR_TARGET) {       /* counts need no targets */
+        if (first.error != FXS_ERR_TARGET) {
             count(&f, all, &first, pairs);
             count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);
         }

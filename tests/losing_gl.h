@@ -10,7 +10,7 @@
 
 enum { CONTEXT_LOST = 0x0507 };
 
-static long calls_left = LONG_MAX;         /* calls that still succeed */
+static long calls_left = LONG_MAX;         /* number of OpenGL calls that still succeed */
 static GLenum loss;
 static struct {
     fxs_gl gl;

@@ -91,7 +91,7 @@ static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *came
     return count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
 }
 
-/* Both pictures have the same stride. */
+/* The pictures of both eyes have the same stride. */
 static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
                                     const fxs_options *options, enum fxs_format format, void *memory,
                                     size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)

@@ -9,11 +9,11 @@
 #include "check.h"
 
 typedef struct packed_scene {
-    unsigned char *data;           /* released with free */
+    unsigned char *data;
     size_t bytes;
     fxs_packed_header *header;
     fxs_chunk *chunks;
-    int8_t *palette;               /* null: no palette */
+    int8_t *palette;               /* null: the scene has no SH palette */
     unsigned char *rows;
     fxs_scene scene;
 } packed_scene;

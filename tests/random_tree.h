@@ -9,7 +9,7 @@
 /* Children of a node are later nodes or leaves. deep: 1 builds a chain. alike: 1 gives equal keys at equal distance. */
 static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int alike)
 {
-    uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;     /* 2 * node + child */
+    uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;
     if (!open)
         abort();
     for (uint32_t i = 0; i < leaves - 1; i++) {

@@ -16,7 +16,7 @@ static double dot(const double *u, const double *v)
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* NaN becomes `low`. */
+/* Clamps a value; NaN becomes `low`. */
 static double clamp(double value, double low, double high)
 {
     return value >= high ? high : value > low ? value : low;
@@ -371,7 +371,7 @@ int reference_trace_splats(const struct reference_splat *splats, size_t count, i
                            const struct reference_options *options, struct reference_trace *trace, double *rgb)
 {
     size_t pixels = (size_t)width * (size_t)height;
-    const struct reference_splat **order = calloc(count + 1, sizeof *order);   /* + 1: calloc(0) may return null */
+    const struct reference_splat **order = calloc(count + 1, sizeof *order);   /* never 0 elements */
     struct canvas canvas = { width, height, options, splats, calloc(pixels + 1, sizeof(double)), rgb, trace };
     int status = canvas.transmittance && order ? 0 : -1;
     if (status == 0) {

@@ -11,8 +11,8 @@
 #include <fixsplat/scene.h>
 
 enum reference_cutoff {
-    REFERENCE_MAHALANOBIS,   /* squared Mahalanobis distance <= 9 */
-    REFERENCE_SQUARE         /* all 16x16 tiles that the square centre +- radius touches (Kerbl et al.) */
+    REFERENCE_MAHALANOBIS,   /* pixels with a squared Mahalanobis distance <= 9 */
+    REFERENCE_SQUARE         /* pixels of all 16x16 tiles that the square centre +- radius touches */
 };
 
 struct reference_options {
@@ -23,7 +23,7 @@ struct reference_options {
 };
 
 struct reference_splat {
-    double x, y;         /* pixels; pixel centres lie at +0.5 */
+    double x, y;         /* centre in pixels; pixel centres lie at +0.5 */
     double a, b, c;      /* covariance [[a, b], [b, c]] in pixels^2, with dilation; positive definite */
     double opacity;      /* 0 to 1, after compensation for the dilation */
     double colour[3];
@@ -33,7 +33,7 @@ struct reference_splat {
 
 /* world = translation + scale * rotation * position. SH coefficients rotate with the object. */
 struct reference_object {
-    double rotation[9];  /* orthonormal, row by row */
+    double rotation[9];  /* rotation matrix, row by row */
     double translation[3], scale;
     double opacity, tint[3];
 };
@@ -60,7 +60,7 @@ int reference_render_splats(const struct reference_splat *splats, size_t count, 
 
 /* Further targets of a picture. Splats are given by their index. REFERENCE_NONE: no splat. */
 struct reference_trace {
-    const double *occluder;    /* depth of each pixel that hides splats behind; may be null */
+    const double *occluder;    /* depth for each pixel; splats behind it are hidden. May be null */
     double *mean;              /* sum of weight * depth / sum of weights; infinite if all weights are 0 */
     double *weight;
     size_t *median;            /* the splat at which the transmittance falls below 1/2 */

@@ -82,7 +82,6 @@ static size_t frame_bytes(const fxs_context *context, fxs_frame_memory *memory)
     return fxs_frame_bytes(context, &drawn.object, 1, drawn.camera.width, drawn.camera.height, memory);
 }
 
-/* 0: all splats fitted. */
 static size_t rows_of(const fxs_context *context, const fxs_frame_memory *memory)
 {
     fxs_stats stats;

@@ -93,7 +93,6 @@ static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
     return length;
 }
 
-/* The nodes place the meshes in turn. */
 static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_size[], int count)
 {
     size_t at = 0;
@@ -126,7 +125,7 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
     return size;
 }
 
-enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* at most 256 Gaussians for each byte of a file */
+enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };
 
 /* A single zip entry serves as all images. Zero padding after the image deflates to almost nothing. */
 static void make_padded_sog(const char *name)
@@ -452,7 +451,7 @@ static void make_bomb(const struct bomb *b)
     CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
 }
 
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* seconds: CPU time, wall time */
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };
@@ -556,7 +555,7 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-static struct { uint64_t read, from; int opened; } taken;   /* bytes read from offset `from` on; further files opened */
+static struct { uint64_t read, from; int opened; } taken;   /* read: bytes read from offset `from` on */
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)
 {

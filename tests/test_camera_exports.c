@@ -241,7 +241,7 @@ static void bundler(void)
         CHECK(!rename(from, in_folder("moved")));
     }
     remove(in_folder("moved"));
-    say("a set 5\n");                                     /* a camera name that ends in a number */
+    say("a set 5\n");                                     /* the name of this camera ends in a number */
     put_text("e/x.list.txt");
     say("# Bundle file v0.3\n1 0\n9 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n");
     put_text("e/x.out");
@@ -267,7 +267,7 @@ static void metashape(void)
         fxs_view_list_free(&list);
     }
     for (int far = 0; far < 2; far++) {
-        away = far ? 4e6 : 60000;      /* from 4e6 on, positions count as geocentric and lose their offset */
+        away = far ? 4e6 : 60000;      /* positions from 4e6 on are geocentric and lose their offset */
         write_metashape("component", "frame", LENS);
         fxs_view_list list = read_list("e/cameras.xml");
         CHECK(list.moved == far);

@@ -195,7 +195,7 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_free(fit);
     }
-    for (int i = 0; i < PHOTOS; i++)               /* for affine exposures, the factors are divided by their mean */
+    for (int i = 0; i < PHOTOS; i++)               /* affine exposure: the factors are divided by their mean */
         photos[i].exposure = 0.01 * (1 + i);
     options.exposure = FXS_FIT_EXPOSURE_AFFINE;
     fxs_fit *fit = begin();
@@ -459,7 +459,7 @@ static void goes_on_in_the_last_tenth(void)
         CHECK(same_files("end", "resumed"));
         fxs_fit_free(again);
     }
-    options.steps = 2 * STEPS;                   /* resumes before the last tenth of a longer fit */
+    options.steps = 2 * STEPS;
     if (CHECK(resume(&again, "late") == 0)) {
         go_on(again, LATE + 2);
         fxs_fit_free(again);
@@ -619,7 +619,7 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(DEGREE, 4, "damaged: a number out"));
     CHECK(refused_with(BATCH, 0, "damaged: a number out") && refused_with(BATCH, 9, "damaged: a number out"));
     CHECK(refused_with(PROFILE, 77, "damaged: a number out"));
-    const uint32_t large = 0x42a20000;           /* 81.0f */
+    const uint32_t large = 0x42a20000;           /* the bits of the float 81.0 */
     CHECK(refused_with(FIRST, 0x7e967699, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_SCALE * count, large, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_OPACITY * count, large | 1u << 31, "damaged: a number out"));
@@ -642,17 +642,17 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 14);          /* claims the version with exposures, but the file has none */
+    change("half", 1, 14);          /* the version number of files with exposures, in a file without */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* claims a version that hashes cameras differently */
+    change("half", 1, 19);          /* a version number with another hash of the cameras */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* valid moments: any mean, squares >= 0, others 0 to 1 */
+    for (int i = 0; i < 6 * 4; i++) {    /* valid moments: any mean, squares >= 0, all others 0 to 1 */
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);
@@ -674,7 +674,7 @@ static void faulty_poses_are_refused(void)
     enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
     static const struct {
         int word;
-        uint32_t beyond, most;     /* the smallest refused word, and the largest accepted word */
+        uint32_t beyond, most;     /* beyond: smallest refused word; most: largest accepted word */
     } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
                    {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
                    {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0},
@@ -693,7 +693,7 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 16);          /* claims the version with poses, but the file has none */
+    change("half", 1, 16);          /* the version number of files with poses, in a file without */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -713,12 +713,12 @@ static void faulty_skies_are_refused(void)
         change("half-sky", numbers[i].word, numbers[i].value);
         CHECK(refused("changed", FXS_ERR_FILE, numbers[i].why));
     }
-    change("half-sky", FAR + 3, 0x60ad78ec);    /* 1e20f */
+    change("half-sky", FAR + 3, 0x60ad78ec);    /* the bits of the float 1e20 */
     if (CHECK(resume(&fit, "changed") == 0)) {
         go_on(fit, 24);
         fxs_fit_free(fit);
     }
-    change("half", 1, 25);          /* claims the version with a sky, but the file has none */
+    change("half", 1, 25);          /* the version number of files with a sky, in a file without */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 

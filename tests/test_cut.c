@@ -39,7 +39,7 @@ static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budge
 {
     unsigned char pixels[4];
     fxs_scene compensated = *scene;
-    compensated.antialiased = 1;             /* keeps the shares independent of the distance */
+    compensated.antialiased = 1;             /* makes the shares independent of the distance */
     const fxs_object object = one_object(&compensated);
     fxs_request request = request_of(&object, 1, camera, budget, pixels);
     fxs_context context;
@@ -372,7 +372,7 @@ static void test_in_part(void)
     fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
     fxs_init(&context, 0);
     const fxs_stats all = draw(&context, &request, 0);
-    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* with ancestors */
+    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);
     const fxs_object object = one_object(&p.scene);
     double first = 0, last = 0;
     int frames = 0;
@@ -417,7 +417,7 @@ static void test_damage(void)
         for (int i = 0; i < 1 + round % 40; i++) {
             random = random * 1664525 + 1013904223;
             size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
-            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* gain and size only */
+            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;
             random = random * 1664525 + 1013904223;
             data[at] = round % 3 && round % 4 ? (unsigned char)(random >> 24)
                                               : data[at] ^ (unsigned char)(1u << (random >> 29) >> (round % 4 ? 0 : 2));

@@ -208,7 +208,7 @@ static void turns(void)
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(2 * JPEG_HEIGHT, 2 * JPEG_WIDTH) && photos.fit[0].view.width == JPEG_HEIGHT);
     CHECK(read_with(JPEG_WIDTH, JPEG_WIDTH) == FXS_ERR_FILE);
-    f.type = LONG;                 /* not the type of the EXIF standard, but unambiguous */
+    f.type = LONG;                 /* another type than in the EXIF standard, but unambiguous */
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(JPEG_HEIGHT, JPEG_WIDTH));
 }

@@ -5,13 +5,13 @@
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
 enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* parameters of a Gaussian and its 2D centre */
-enum { DEPTH = 3 };                /* visible depth, which scales the learning rate of camera shifts */
+enum { DEPTH = 3 };                /* index of the visible depth, which scales the learning rate of camera shifts */
 
 /* Decisions of a forward pass at cut-offs. Both passes of a difference share the decisions, because the gradient is
    piecewise. */
 enum { OUT, IN, CAPPED };
 typedef struct cuts {
-    int is_set;                    /* 0: the next pass makes the decisions */
+    int is_set;                    /* 0: the next forward pass makes the decisions */
     int order[MOST], visible;
     unsigned char taken[PIXELS][MOST], dark[MOST][3], beside[MOST][2];
     unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];
@@ -365,7 +365,7 @@ static double size_of(const double *d, int k)
 
 typedef struct tally {
     int gaussians, unseen, outside, beside, dark, capped, closed;
-    double worst;                  /* largest error, relative to the tolerance */
+    double worst;                  /* largest error of a gradient, relative to its tolerance */
 } tally;
 
 static void count_cuts(const scene *s, int i, tally *t)

@@ -634,7 +634,7 @@ static void reference_recipe(void)
     CHECK(p.rate[FXS_FIT_SCALE] == 0.005f && p.rate[FXS_FIT_ROTATION] == 0.001f && p.rate[FXS_FIT_OPACITY] == 0.025f);
     CHECK(p.rate[FXS_FIT_COLOUR] == 0.0025f && p.rate[FXS_FIT_SH] == 0.000125f && p.rate[58] == 0.000125f);
     CHECK(fxs_fit_first_opacity(FXS_FIT_REFERENCE) == 0.1f && fxs_fit_first_scale(FXS_FIT_REFERENCE) == 1);
-    o.steps = 7000;                /* the first 7,000 of 30,000 steps */
+    o.steps = 7000;                /* the schedule is that of the first 7,000 of 30,000 steps */
     CHECK(is_near((double)plan_of(&o, 7000).rate[0], 2.5 * 1.6e-4 * pow(0.01, 7.0 / 30), 1e-6));
     o.steps = 60000;
     CHECK(is_near((double)plan_of(&o, 60000).rate[0], 2.5 * 1.6e-6, 1e-6));
@@ -1025,7 +1025,7 @@ static void same_bytes(void)
     for (int i = 0; i < 5; i++) {
         turn = 9;
         set_scene();
-        options.steps = i == 2 ? 700 : 900;    /* differ in the number of steps only */
+        options.steps = i == 2 ? 700 : 900;
         options.recipe = (enum fxs_fit_recipe)(i % 3);
         options.cutoff = i == 3 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
         options.seed = i == 4;

@@ -151,7 +151,7 @@ static void change_exposures(void)
     }
 }
 
-/* Pixels are proportional to light^(1 / 2.2). */
+/* Pixel values are proportional to light^(1 / 2.2). */
 static void say_exposures(int are_known)
 {
     static const double light[PHOTOS] = {0.0033, 0.0257, 0.007, 0.0165, 0.0046, 0.0117};
@@ -188,7 +188,7 @@ static distances pose_distances(const fxs_fit_photo *a, const fxs_fit_photo *b)
     distances sums = {0, 0};
     for (int i = 0; i < PHOTOS; i++) {
         double squares = 0, shift = 0;
-        for (int k = 0; k < 9; k++)    /* |R - R'|^2 = 8 sin^2(angle / 2) */
+        for (int k = 0; k < 9; k++)    /* |R - R'|^2 = 8 sin^2(angle / 2) for rotation matrices R, R' */
             squares += pow(a[i].view.rotation[k] - b[i].view.rotation[k], 2);
         for (int k = 0; k < 3; k++)
             shift += pow(a[i].view.position[k] - b[i].view.position[k], 2);

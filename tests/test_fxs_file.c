@@ -94,7 +94,7 @@ static void test_round_trip(void)
     draw(packed.data, packed.bytes, from_memory);
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
-    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* not a single colour */
+    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));
     CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* overwrites the file with its own mapping */
     CHECK(!fxs_map_check(&file, fxs_path, &m));
     fxs_unmap(&file);
@@ -164,12 +164,12 @@ static void test_other_faults(void)
         return;
     for (int above = 0; above < 2; above++) {
         int status = 0, descriptor = open(path, O_RDONLY);
-        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* may get another address */
+        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);
         const volatile char *other = mmap(wish, 2 * PAGE, PROT_READ, MAP_PRIVATE, descriptor, 0);
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* guards against an endless loop of signals */
+            alarm(10);                 /* ends the test after an endless loop of signals */
             _exit(other[PAGE]);        /* reads past the last page of the file */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);

@@ -9,13 +9,13 @@
 #include "scene_writer.h"
 #include "folder.h"
 
-enum { COUNT = 9000 };                  /* more than two batches of the packer */
+enum { COUNT = 9000 };                  /* more Gaussians than two batches of the packer */
 
 static fxs_gaussian made[COUNT];
 
 static struct {
     uint64_t calls, next, passes;       /* next: the expected first index of the next call */
-    uint64_t at, from_pass;             /* the first Gaussian and the first pass that are faulty */
+    uint64_t at, from_pass;             /* index and pass of the first faulty Gaussian */
     long step;                          /* largest number of Gaussians in a call; 0: the requested number */
     long result;                        /* result of the faulty call; 0: the call succeeds */
     void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian of a pass; may be null */

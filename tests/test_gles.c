@@ -66,7 +66,7 @@ static const struct port *port;
 static void *context;
 static fxs_message why_not;
 
-/* A null name ends the list. */
+/* The list ends with a null name. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -163,7 +163,7 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
         job(argument, jobs);
 }
 
-static fxs_compute *compute;               /* not null: draws into targets by compute shaders */
+static fxs_compute *compute;               /* not null: the compute back end draws into the targets */
 
 static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
 {
@@ -370,7 +370,7 @@ static void long_list(void)
     uint8_t *pixels = new_picture(&s);
     draws = 0;
     CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
-    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* masks, pixels */
+    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -632,7 +632,7 @@ static void meshes(void)
 
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
-enum { UNITS = 10 };                       /* texture units that the back end binds */
+enum { UNITS = 10 };                       /* number of texture units that the back end binds */
 
 /* OpenGL state. Unsupported state stays 0. */
 typedef struct state {
@@ -1351,7 +1351,7 @@ static void compute_without_shader(void)
     for (int i = 0; i < 2; i++) {
         CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: "));
-        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* Mesa, NVIDIA */
+        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));
         CHECK(!strchr(why_not.text, '\n'));
     }
     dump(&after);
@@ -1691,7 +1691,7 @@ int main(void)
         RUN(depths_and_ids);
         RUN(depths_and_ids_without_shader);
         RUN(depths_and_ids_refused);
-        if (!strcmp(port->name, "EGL")) {      /* OSMesa has desktop OpenGL */
+        if (!strcmp(port->name, "EGL")) {      /* OSMesa implements desktop OpenGL, not OpenGL ES */
             RUN(compute_target);
             RUN(compute_target_over);
             RUN(compute_target_meshes);

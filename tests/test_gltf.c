@@ -52,7 +52,7 @@ static void put_component(int type, int normalized, double value)
     bin_size += (size_t)size[type - BYTE];
 }
 
-/* Leaves `gap` bytes after each element. */
+/* Adds `gap` bytes of padding after each element. */
 static void add(const char *name, int components, int type, int normalized, int gap, const double *values)
 {
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
@@ -211,7 +211,7 @@ static void rotation_matrix(double x, double y, double z, double w, double m[3][
     memcpy(m, made, sizeof made);
 }
 
-/* m diag(s)^2 m^T */
+/* covariance = m diag(s)^2 m^T */
 static void covariance(double m[3][3], const double s[3], double c[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -372,7 +372,7 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* 2 of 5 negative scales mean logarithms */
+    for (int below = 1; below <= 2; below++) {   /* two of five negative scales mean logarithms */
         add_all(0);
         clear();
         for (int i = 0; i < below; i++)
@@ -991,7 +991,7 @@ static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
     static fxs_gaussian g[2][1000];
-    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* from the .ply to glTF */
+    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};
     fxs_scene_file *files[2];
     fxs_scene_file_info infos[2];
     char name[1024];

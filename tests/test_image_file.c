@@ -152,7 +152,7 @@ static void qualities(void)
     }
 }
 
-/* BT.709; values may round up or down. */
+/* Colours follow BT.709; levels may round up or down. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -169,7 +169,7 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the same memory is used for the next frame */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the second frame uses the same memory */
     fxs_encoded_free(&frame);
 
     static const struct {
@@ -458,11 +458,11 @@ static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_
 static void bad_jpeg(void)
 {
     uint8_t most[16];
-    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* states 8192 x 8192 pixels */
+    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* changes the size of the JPEG to 8192 x 8192 pixels */
     check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
-    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* states the sampling factors 3 x 2 and 2 x 1 */
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* changes the chroma sampling to 3 x 2 and 2 x 1 */
     check_unreadable("a.jpg", "Fractional sampling not implemented");
     put_changed_jpeg(0xc0, 9, "\4", 1);
     check_unreadable("a.jpg", "Bogus marker length");
@@ -715,7 +715,7 @@ static void metrics_equal(void)
     make_image(0);
     memcpy(other, image, sizeof image);
     for (int i = 3; i < 4 * PIXELS; i += 4)
-        other[i] = random_byte();   /* alpha is ignored by the metrics */
+        other[i] = random_byte();   /* the metrics ignore alpha */
     CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
     CHECK(metrics.mse == 0 && isinf(metrics.psnr) && metrics.psnr > 0 && metrics.largest == 0);
     CHECK(near(metrics.ssim, 1));

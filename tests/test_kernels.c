@@ -9,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"                      /* "0" on systems without a clock */
+#define TICK "ns"                      /* nanoseconds; 0 on systems without a clock */
 #endif
 
 #include <fixsplat/internal/kernels.h>
@@ -18,7 +18,7 @@
 #include "packed_scene.h"
 
 #define ALL_CASES 2000
-#ifndef CASES                          /* fewer cases on emulated boards */
+#ifndef CASES                          /* number of random cases; fewer on emulated boards */
 #define CASES ALL_CASES
 #endif
 #define GUARD 64

@@ -87,7 +87,7 @@ static void put_section_header(int level, int degree, int s)
     put_u32_at(at + 8, sections[s].bucket_size);
     put_u32_at(at + 12, sections[s].full + sections[s].partial);
     put_float_at(at + 16, 6);
-    put_u32_at(at + 20, 16);   /* the bytes of a bucket centre and 4 bytes of padding */
+    put_u32_at(at + 20, 16);   /* bytes of a bucket: a centre and 4 bytes of padding */
     put_u32_at(at + 24, BLOCK_RANGE);
     put_u32_at(at + 32, sections[s].full);
     put_u32_at(at + 36, sections[s].partial);

@@ -91,7 +91,7 @@ static void put_row(blob *to, const fxs_gaussian *g, const bounds *scale)
     for (int i = 0; i < 3; i++)
         put(to, code_of(exp((double)g->scale[i]), scale->low[i], scale->high[i], 65535), 2);
     put(to, rotation_code(g->rotation), 4);
-    put(to, 0x112233445566, 6);   /* the normal, which the reader ignores */
+    put(to, 0x112233445566, 6);   /* the normal, which readers of .lcc ignore */
 }
 
 static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
@@ -122,7 +122,7 @@ static void say_attribute(const char *name, const bounds *b)
         b->low[2], b->high[0], b->high[1], b->high[2]);
 }
 
-/* `type` is inserted before "attributes". */
+/* type: JSON text that is inserted before "attributes". */
 static void make_meta(const char *type, int has_sh)
 {
     length = 0;
@@ -151,7 +151,7 @@ static void make_cells(const fxs_gaussian *g, size_t count, int has_sh)
     index_bytes.size = data.size = sh.size = 0;
     memset(level_counts, 0, sizeof level_counts);
     for (int cell = 0; cell < CELLS; cell++) {
-        uint8_t *unit = index_bytes.bytes + UNIT * (CELLS - 1 - cell);   /* the index is in reverse order */
+        uint8_t *unit = index_bytes.bytes + UNIT * (CELLS - 1 - cell);
         index_bytes.size = (size_t)(unit - index_bytes.bytes);
         put(&index_bytes, (uint64_t)cell, 4);
         for (int level = 0; level < LEVELS; level++) {
@@ -340,13 +340,13 @@ static void axes(void)
     for (int i = 0; i < 3; i++)
         CHECK(fabsf(out[0].position[i] - g.position[i]) < 1e-6f && fabsf(out[0].scale[i] - g.scale[i]) < 1e-4f);
     memset(sh.bytes, 0, sh.size);
-    memcpy(sh.bytes, "\377\7", 2);   /* the first coefficient of red is the maximum, all others are the minimum */
+    memcpy(sh.bytes, "\377\7", 2);   /* the first red coefficient is the maximum, all others are the minimum */
     sh_bounds[0] = (bounds){{0, 0, 0}, {0.5, 0, 0}};
     put_file("shcoef.bin", sh.bytes, sh.size);
     make_meta("", 1);
     put_file("scene.lcc", text, length);
     CHECK(read_scene(NULL) == 1);
-    for (int i = 0; i < 9; i++)   /* -y of the file is -z' of the scene */
+    for (int i = 0; i < 9; i++)   /* -y in the file is -z in the scene */
         CHECK(fabsf(out[0].sh[i] - (i == 3 ? -0.5f : 0)) < 1e-6f);
 }
 

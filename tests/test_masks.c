@@ -168,7 +168,7 @@ static void lenses(void)
                 const int is_white = photo->pixels[3 * i] == 255;
                 CHECK(is_white || !photo->mask[i]);
                 counts += photo->mask[i];
-                doubtful += is_white && !photo->mask[i];   /* black parts that were rounded to white */
+                doubtful += is_white && !photo->mask[i];   /* pixels that undistortion rounds to white */
             }
             if (!CHECK(counts > 0 && doubtful <= 5))
                 printf("  %s, %d: %d count, %d doubtful\n", cameras[k], resolution, counts, doubtful);
@@ -196,7 +196,7 @@ static void bad_masks(void)
     options.skip_bad = 0;
     put_file("m/masks/a.jpg.png", "P6\n24 20\n255\nxx", 15);
     check_refused("m", &options, FXS_ERR_FILE, "masks/a.jpg.png");
-    memset(dark, 1, sizeof dark);                          /* labels 0 and 1 instead of 0 and 255 */
+    memset(dark, 1, sizeof dark);                          /* a mask with labels 0 and 1 instead of 0 and 255 */
     dark[7] = 0;
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, dark);
     check_refused("m", &options, FXS_ERR_FILE, "nothing is brighter than 1 of 255");

@@ -95,7 +95,7 @@ static void test_tint_and_opacity(void)
     w.objects[1].tint_q13[2] = 0;
     fxs_camera camera = look(front, middle, 45);
     check_against_reference("tint and opacity", &w, &camera, 0.1);
-    w.objects[0].opacity_q16 = 300;            /* alpha is at most 1/255 */
+    w.objects[0].opacity_q16 = 300;
     w.objects[1].opacity_q16 = 9000;
     check_against_reference("nearly clear", &w, &camera, 0);
     part_free(&knot);
@@ -118,7 +118,7 @@ static void test_crops(void)
     const fxs_crop out[2] = {crop_of(-0.7, 0.9, 0, 1), crop_of(-0.5, 0.5, 2, 1)};
     if (!part_make(&knot, "knot", 40000))
         return;
-    part_unpack(&knot);                        /* keeps Gaussians at a face on the same side in both renderers */
+    part_unpack(&knot);
     two_knots(&w, &knot);
     w.objects[0].crops = keep;
     w.objects[0].crop_count = 3;
@@ -341,7 +341,7 @@ static void test_centres_on_faces_of_crops(void)
             memcpy(packed_scene_rows(&s, 0) + FXS_ROW_POSITION + 512 * k, &(uint16_t){fxs_little_16(place)}, 2);
             centre_q32 = s.chunks->origin_q32[k] + 65537 * (int64_t)place;
         }
-        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opaque */
+        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opacity code of an opaque Gaussian */
         memset(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, 0, 4);     /* identity rotation */
         CHECK(!packed_scene_finish(&s));
         *(is_high ? &crop.high_q32[axis] : &crop.low_q32[axis]) = centre_q32 + (is_high ? -is_beside : is_beside);
@@ -718,12 +718,12 @@ static void test_bad_objects(void)
     for (uint32_t i = 0; i < FXS_MAX_CROPS; i++)
         for (int axis = 0; axis < 3; axis++) {
             o->crop_count = i + 1;
-            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* the low corner is above the high corner */
+            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low is above high */
         }
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);
     o->crop_count = 0;
-    o->scale_q32 = 1 << 16;                                               /* far in object units */
+    o->scale_q32 = 1 << 16;
     REFUSES(FXS_ERR_OBJECT, good.camera.position_q32[0], INT64_C(1) << 45);
     o->scale_q32 = INT64_C(1) << 32;
     CHECK(render_frame(&plain, 0, 2, &good.camera, &good.options, &good.picture.targets, good.memory, good.bytes, 0) ==

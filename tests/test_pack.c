@@ -141,7 +141,7 @@ static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t 
     return source_at(p, count);
 }
 
-static double worst_rotation, worst_step;   /* degrees; quantisation steps */
+static double worst_rotation, worst_step;
 
 static void note(double difference, double step)
 {
@@ -233,10 +233,9 @@ static void test_largest_errors(void)
             most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
             most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
         }
-        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* the codes 1022 and
-                                                                                               1020 */
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));
     }
-    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step, plus the error of the longest axis */
+    for (uint32_t i = 0; i < scene.count; i++) {
         const uint32_t step = chunk_of(&scene, i)->scale_step_q24;
         most.rotation = fmax(most.rotation,
                              0.1 + ldexp(90, 2 * axis_bits_of_word(0, word_at(&scene, i, FXS_ROW_SCALE), step) - 32));
@@ -498,14 +497,14 @@ static void test_share_of_what_is_dropped(void)
         gaussians[i].scale[2] = -INFINITY;
     }
     gaussians[10].position[0] = NAN;
-    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* this Gaussian has weight 121 of 99 + 121 */
-    gaussians[20].opacity = -INFINITY;                                  /* this Gaussian has weight 0 */
-    gaussians[30].dc[2] = NAN;                                          /* this Gaussian has weight 1 */
+    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* this Gaussian weighs 121 of 99 + 121 */
+    gaussians[20].opacity = -INFINITY;                                  /* this Gaussian weighs 0 */
+    gaussians[30].dc[2] = NAN;                                          /* this Gaussian weighs 1 */
     pack(100, 0);
     CHECK(report.packed == 97 && report.dropped.not_finite == 2 && report.dropped.transparent == 1);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
     fxs_packed_scene_free(&packed);
-    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: weight 11 */
+    gaussians[10].scale[0] = INFINITY;
     pack(100, 0);
     CHECK(report.packed == 97 && fabs(fxs_dropped_share(&report.dropped) - 12 / 109.0) < 1e-5);
     fxs_packed_scene_free(&packed);
@@ -678,7 +677,7 @@ static void check_loss(size_t count, int sh_degree)
     }
     for (int i = 0; i < 6; i++) {
         double of_all = sqrt(squares[i] / numbers[i] / (double)count);
-        const double own = i == 5 && profile != FXS_PROFILE_DEFAULT ? 0.002 : 1e-7;   /* half a step of the SH code */
+        const double own = i == 5 && profile != FXS_PROFILE_DEFAULT ? 0.002 : 1e-7;
         if (!CHECK(fabs(largest[i] - said_most[i]) < 1e-3 * largest[i] + own) ||
             !CHECK(fabs(of_all - said_rms[i]) < 1e-2 * of_all + own / 10))
             printf("  profile %d, degree %d, %d: %g %g, said %g %g\n", profile, sh_degree, i, largest[i], of_all,
@@ -1171,7 +1170,7 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(MAX_COUNT);         /* smaller scenes have palettes of one entry for each stage */
+    make_gaussians(MAX_COUNT);         /* scenes with fewer Gaussians have palettes of one entry for each stage */
     CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;

@@ -34,10 +34,10 @@ typedef struct bytes_source {
     uint64_t rate;                     /* bytes per second; 0: unlimited */
     long reads, fail_from, fail_count; /* reads number fail_from to fail_from + fail_count - 1 fail */
     int failure;                       /* the error code of failing reads */
-    int is_silent;                     /* 1: errors come without a message */
-    int is_back;                       /* 1: reads succeed again; set atomically */
+    int is_silent;                     /* 1: failing reads give no message */
+    int is_back;                       /* 1: failing reads succeed from now on; set atomically */
     uint64_t lie_from, lie_to;         /* range of the corrupted bytes */
-    int hangs;                         /* 1: reads return only when cancelled; set atomically */
+    int hangs;                         /* 1: a read returns only when it is cancelled; set atomically */
     int is_hanging, cancelled, closed;
     uint64_t most;                     /* largest number of bytes in a read */
 } bytes_source;
@@ -298,7 +298,7 @@ static void test_failures(void)
         const int error = fxs_pager_turn(pager, &state, &why);
         CHECK(error == (way == 0 ? 0 : way == 1 ? FXS_ERR_DEVICE : FXS_ERR_FILE));
         CHECK(!way || !strcmp(why.text, way == 1 ? "the line is cut" : "made.fxs: cannot be read"));
-        if (way == 1) {                                        /* from here on the source works again */
+        if (way == 1) {                                        /* the source works again */
             __atomic_store_n(&s.is_back, 1, __ATOMIC_RELEASE);
             for (int i = 0; i < 50 && fxs_pager_turn(pager, &state, &why); i++)
                 nanosleep(&(struct timespec){0, 100000000}, 0);
@@ -359,7 +359,6 @@ static double seconds_of_thread(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* 0 if the system does not count. */
 static long waits_of_thread(void)
 {
 #ifdef RUSAGE_THREAD

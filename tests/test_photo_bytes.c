@@ -5,7 +5,7 @@
 #include "src/camera/lens_warp.h"
 #include <fixsplat/system.h>
 
-/* Hash of all photographs of the folder. */
+/* Hash of the pixels of all photographs. */
 #define EXPECTED 0xac8c35eeu
 
 #define EXPECTED_WARP 0x91768e01u

@@ -191,7 +191,7 @@ static void bad_points(void)
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
     make_points_bin(3);
-    memset(text + 8 + 8 + 6, 255, 2);   /* makes x of the first point NaN */
+    memset(text + 8 + 8 + 6, 255, 2);   /* changes x of the first point to NaN */
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: point 0 is not finite");
     for (int i = 0; i < 2; i++) {
@@ -288,7 +288,7 @@ static void bad_photos(void)
 static void proportions(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* one pixel more than the camera's size, as by rounding */
+    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* a photograph that is one pixel larger than its camera */
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/4.ppm: 24 x 30 pixels, its camera has 24 x 20");
@@ -418,7 +418,7 @@ static const struct {
     const char *model;
     fxs_lens lens;                 /* lens parameters in the order of the COLMAP model */
     double fx, fy, cx, cy;
-    int widens;                    /* 1: the undistorted picture sees more, 0: less */
+    int widens;                    /* 1: the undistorted picture shows more than the photograph, 0: less */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -656,7 +656,7 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
-    fxs_fit_block block;           /* the size of the camera is used when no size is given */
+    fxs_fit_block block;           /* size of the photographs if the caller gives none */
     if (CHECK(!fxs_fit_block_read(in_folder("b"), &options, NULL, 1, 1, &block, &message) && block.photos.fit_count))
         fxs_fit_block_free(&block);
     char said[256] = "";
@@ -750,7 +750,7 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
-    put_ppm("w/z.ppm", 24, 20, NULL);  /* the path is of another machine, so only the file name counts */
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* a path of another machine, of which only the file name counts */
     say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
     put_text("w/transforms.json");
     said[0] = 0;
@@ -906,7 +906,7 @@ static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* numbers of photographs with hold_out = 8 */
+        size_t fit, held_out;      /* numbers of photographs if hold_out is 8 */
         char first, held;          /* first letters of the first photograph of each set */
     } files[] = {
         {"", 4, 1, '1', '0'},
@@ -940,7 +940,7 @@ static void nerfstudio_parts(void)
     put_text("n/transforms.json");
     options.hold_out = 0;
     char said[256] = "";
-    options.left_out = left_out;   /* unused photographs have cameras, so no message names them */
+    options.left_out = left_out;
     options.argument = said;
     CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));

@@ -13,7 +13,7 @@
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
-enum { COARSE = 61 };   /* a prime stride; builds with a sanitizer are slow */
+enum { COARSE = 61 };   /* a prime stride, because builds with a sanitizer are slow */
 #else
 enum { COARSE = 1 };
 #endif
@@ -73,7 +73,7 @@ static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int 
 {
     int64_t wrong = 0;
     for (int c = -32767; c <= 32767; c++) {
-        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounded to nearest, half up */
+        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounds to nearest, half up */
         int64_t got = level(c, base_q11);
         wrong += got != (twice > 2 * FXS_LEVEL_MAX_Q11 ? FXS_LEVEL_MAX_Q11 : twice / 2);
     }
@@ -132,7 +132,7 @@ static void test_weight(void)
             most |= t - weight;
             over |= FXS_CLEAR_Q15 - (t - weight);
         }
-    CHECK(least >= 0 && most >= 0 && over >= 0);   /* no result has its sign bit set */
+    CHECK(least >= 0 && most >= 0 && over >= 0);   /* checks that no result has its sign bit set */
 }
 
 static void test_accumulate(void)

@@ -177,7 +177,7 @@ static void every_type(void)
         for (int encoding = ASCII; encoding <= BIG; encoding++) {
             int count = fill_properties(9);
             if (encoding != ASCII && (!strcmp(types[type], "ushort") || !strcmp(types[type], "uint16")))
-                continue;                /* half floats are tested separately */
+                continue;
             for (int i = 0; i < CORE; i++) {
                 snprintf(text[i], sizeof text[i], "%s %s", types[type], strchr(core[i], ' ') + 1);
                 properties[i] = text[i];
@@ -247,7 +247,7 @@ static void one_half(void)
             float sum = 0;
             for (int i = 0; i < 14; i++)
                 sum += ((float *)&g)[i];
-            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: an ignored normal */
+            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));
         }
 }
 
@@ -381,7 +381,7 @@ static void flat_gaussians(void)
     fxs_gaussian gaussians[ROWS + 1], expected;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         fill_properties(45);
-        properties[10] = "float other";   /* replaces the property scale_2 */
+        properties[10] = "float other";   /* replaces scale_2, so that Gaussians are flat */
         make_file(encoding, CORE + 45, 0);
         put_file(size);
         if (!CHECK(read_file(gaussians, ROWS + 1) == 0 && info.count == ROWS && info.sh_degree == 3))

@@ -27,7 +27,7 @@
 #include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
-enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: file sizes are checked from here on */
+enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: smallest count with a limit of the bytes */
 typedef struct grade {
     double psnr, ssim;
 } grade;
@@ -39,7 +39,7 @@ static const struct {
     struct {
         grade mean, worst;              /* minimum PSNR in dB */
     } least[KINDS];
-    double bytes;                       /* maximum of bytes for each Gaussian at SH degree 3 */
+    double bytes;                       /* maximum number of bytes for each Gaussian at SH degree 3 */
 } floors[FORMS] = {
     {"default", {{{56, 0.998}, {52, 0.996}}, {{54, 0.998}, {50, 0.996}}, {{56, 0.998}, {52, 0.996}}}, 64.1},
     {"compact", {{{53, 0.99}, {48, 0}}, {{50, 0.99}, {46, 0}}, {{53, 0.99}, {48, 0}}}, 40},
@@ -48,12 +48,12 @@ static const struct {
 };
 
 enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
-static int width = 480, height = 320;       /* 960x640 pixels for the table in docs/measured.md */
+static int width = 480, height = 320;       /* size of the pictures in pixels */
 
 typedef struct subject {
     fxs_scene_file_info info;
     fxs_packed_scene packed[FORMS];
-    double bytes[FORMS], seconds[FORMS];   /* size of the scene; processor time of the import */
+    double bytes[FORMS], seconds[FORMS];   /* size of the scene in bytes; CPU time of the import in seconds */
     fxs_pack_report report;
     fxs_gaussian *gaussians;
     size_t count;
@@ -216,10 +216,10 @@ static const char *const view_names[VIEWS] = {"close", "middle", "far", "side"};
 
 typedef struct aspect {
     double up[3];
-    double front;                          /* direction of the front side in degrees about the up axis */
+    double front;                          /* direction of the scene's front in degrees about the up axis */
     double close;                          /* distance of the close view, in the units of distance[] */
     double tilt;                           /* rotation of scene and cameras in degrees about tilt_axis */
-    int kind;                              /* index of the minimum PSNR */
+    int kind;
 } aspect;
 
 static const double tilt_axis[3] = {0.48, -0.36, 0.8};

@@ -253,7 +253,7 @@ static void palettes(void)
                     CHECK(is_near(out[row].sh[i], value, 2e-6));
                 }
     }
-    bytes[size - 8]++;                 /* damages the last column, the deflated label */
+    bytes[size - 8]++;                 /* damages the last column, a deflated label */
     put_file(size);
     CHECK(read_file(out, 64) == FXS_ERR_FILE);
 }

@@ -129,7 +129,7 @@ static void test_alpha_limits(void)
     struct reference_splat s = round_splat(20.5, 4, 0.01, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(22, 20), 0.01 * exp(-0.5), 1e-15) && near(red_at(23, 20), 0, 0));
-    s.opacity = 0.00391;   /* 0.997 / 255, so alpha is below 1/255 */
+    s.opacity = 0.00391;   /* alpha = 0.997 / 255, below the limit 1/255 */
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0, 0));
     s.opacity = 0;
@@ -171,7 +171,7 @@ static void test_square_radius(void)
     for (int i = 0; i < 3; i++)
         g.scale[i] = (float)(0.5 * log(0.156));
     CHECK(reference_project(&g, &view, &black_square, &s) == 1 && s.radius == 13);
-    g.scale[0] = 0;   /* the longer axis decides the radius */
+    g.scale[0] = 0;   /* the longer axis decides the radius of the splat */
     CHECK(reference_project(&g, &view, &black_square, &s) == 1 && s.radius == 31);
 }
 
@@ -358,7 +358,7 @@ static void test_bad_values_are_dropped(void)
     for (int i = 0; i < 3; i++) {
         fxs_gaussian g = good;
         float *const fields[] = { g.position, g.rotation + 2, &g.opacity, g.dc + 2, g.sh + 44, g.scale + 1 };
-        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {   /* sigma = 0 is valid */
+        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {   /* sigma may be 0 */
             *fields[field] = bad[i];
             CHECK(!is_visible(g));
             g = good;
@@ -368,7 +368,7 @@ static void test_bad_values_are_dropped(void)
     g.rotation[0] = 0;
     CHECK(!is_visible(g));
     g = good;
-    g.scale[0] = 3e38f;   /* the exponential overflows */
+    g.scale[0] = 3e38f;   /* the exponential of the scale overflows */
     CHECK(!is_visible(g));
     g = good;
     g.position[0] = -3e38f;

@@ -174,7 +174,7 @@ static void check_kept(void)
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
         return;
     CHECK(!refine_with(&packed, STEPS, 2, ~0u, VIEWS) && !fxs_scene_open(&scene, packed.data, packed.bytes));
-    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* except the version */
+    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));
     for (uint32_t i = 0; i + 1 < scene.chunk_count; i++) {
         fxs_node node;
         fxs_chunk own, below;

@@ -149,7 +149,7 @@ static void check_chunk_ranges(fxs_chunk *c)
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, -(32 << 16) - 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, INT32_MIN);
-    GIVES(0, c->scale_step_q24, 513);                       /* largest step: 2^21 2^8 / 1023^2 = 513.001 */
+    GIVES(0, c->scale_step_q24, 513);                       /* largest valid step: 2^21 2^8 / 1023^2 = 513.001 */
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, 514);
     c->scale_q16 = 32 << 16;
     GIVES(0, c->scale_step_q24, 1026);
@@ -171,7 +171,7 @@ static void check_chunk_ranges(fxs_chunk *c)
         GIVES(0, c->colour_q16[i], 64 << 16);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], (64 << 16) + 1);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], INT32_MIN);
-        GIVES(0, c->colour_step_q20[i], 131328);            /* largest step: 64 / 511 */
+        GIVES(0, c->colour_step_q20[i], 131328);            /* largest valid step in Q20: 64 / 511 */
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], 131329);
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], UINT32_MAX);
         GIVES(0, c->sh_step_q19[i], 32767);

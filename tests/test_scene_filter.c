@@ -303,7 +303,7 @@ static void make_undrawable(void)
     made[6].position[0] = -INFINITY;
     made[7].opacity = INFINITY;
     CHECK(write_made(3));
-    made[7].opacity = 20;                /* the reader makes this Gaussian opaque */
+    made[7].opacity = 20;                /* the logit 20, which the reader makes opaque */
 }
 
 static void undrawable(void)
@@ -313,7 +313,7 @@ static void undrawable(void)
     filter.drawable = 1;
     check_left(is_drawable);
     CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 2 && report.dropped.transparent == 1);
-    filter.sh_degree = 0;   /* drops the SH coefficients, one of which is infinite */
+    filter.sh_degree = 0;   /* removes an infinite SH coefficient */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }

@@ -97,7 +97,7 @@ static const fxs_gaussian *nearest(const fxs_gaussian *to)
 
 typedef struct tolerance {
     const char *ending, *format;
-    double position, scale, rotation, opacity, dc, sh;   /* rotation: 1 - cosine of half the angle */
+    double position, scale, rotation, opacity, dc, sh;   /* rotation tolerance: 1 - cosine of half the angle */
     int antialiased;
     double finer;      /* the tolerance of the scale falls by this power of sigma, below sigma 1 / e */
 } tolerance;
@@ -402,8 +402,8 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* more exact than 256 even steps */
-    for (int i = 0; i < 5000; i++)     /* ten scales are large */
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* smaller than the error of 256 even steps */
+    for (int i = 0; i < 5000; i++)     /* ten of the scales are large */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);
     for (int i = 0; i < 5000; i++)

@@ -14,10 +14,10 @@
 #endif
 
 enum {
-    OPEN = 4,                      /* accessible pages of the scene; an access may need two */
-    SCENES = 3,                    /* a scene for each packing profile */
-    SEEN = 4,                      /* visible Gaussians of each chunk in the faint scene */
-    CHANGES = 12,                  /* page accesses that change the scene in each run */
+    OPEN = 4,                      /* number of accessible pages; an access may need two */
+    SCENES = 3,                    /* number of scenes, one for each packing profile */
+    SEEN = 4,                      /* number of visible Gaussians of each chunk in the faint scene */
+    CHANGES = 12,                  /* number of page accesses that change the scene in a run */
     ZONE = 1 << 20                 /* protected bytes before and after memory and pixels */
 };
 
@@ -32,14 +32,14 @@ static struct {
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    unsigned char *bright, *faint;         /* the original; a copy with most opacities 0 */
+    unsigned char *bright, *faint;         /* bright: the original scene; faint: most opacities are 0 */
 } drawn;
 
 static struct {
     unsigned char *recent[OPEN];
     int oldest;
-    uint64_t touches, first, every;        /* first and further changes; every 0: no further */
-    int wild;                              /* 1: change to random bytes; 0: change to the bright scene */
+    uint64_t touches, first, every;        /* the scene changes at access `first` and then at every `every`-th */
+    int wild;                              /* 1: the scene changes to random bytes; 0: to the bright scene */
 } watch;
 
 static void protect(void *start, size_t size, int how)
@@ -65,7 +65,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* not a page of the scene: the repeated access ends the process */
+        signal(number, SIG_DFL);           /* the address is in no page of the scene */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -275,7 +275,7 @@ static void check_versions(enum call call)
         fxs_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
-        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* counting pairs always runs in plain C */
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs in plain C */
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
                 context.config.kernels = kernels_for(flag);

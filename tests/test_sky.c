@@ -275,7 +275,7 @@ static void fates(void)
         for (size_t i = 0; i < 4; i++)
             m.by_centre[i] = m.views[i] = 1;
         CHECK(!fxs_fit_model_densify(&m, &d) && m.count == 8);
-        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* unchanged by cloning */
+        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));
         fxs_fit_model_free(&m);
     }
 }

@@ -66,7 +66,7 @@ typedef struct made_scene {
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json is the last file */
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];
 static int file_count;
 
 static void forget_files(void)
@@ -614,7 +614,7 @@ static void faulty_zip(void)
     check_fails("a.sog", "more than this file can hold");
 }
 
-static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* last: environment */
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* last: the environment */
 
 #define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
 
@@ -654,7 +654,7 @@ static void streamed(void)
     all_same(&chunks[1], g + 32, 0, 37);
     all_same(&chunks[3], g + 69, 0, COUNT);
     CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 12 + 37 + COUNT && info.levels == 2);
-    all_same(&chunks[1], g, 0, 12);   /* from the leaf without level 1 */
+    all_same(&chunks[1], g, 0, 12);
     all_same(&chunks[2], g + 12, 0, 37);
     all_same(&chunks[3], g + 49, 0, COUNT);
     check_level_fails("", 2, "no level 2: levels of detail in this scene: 2");
@@ -763,7 +763,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* In .lcc2, z is up. */
+/* The axes of .lcc2 have z up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -808,7 +808,7 @@ static void lcc2(void)
         put_file("scene.lcc2", text, length);
         check_fails("scene.lcc2", faults[i].words);
     }
-    remove(in_folder("l/sky.sog"));    /* the environment may be missing */
+    remove(in_folder("l/sky.sog"));    /* the scene is valid without the environment */
     put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
     CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
     put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);

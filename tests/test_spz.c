@@ -24,7 +24,7 @@ static void fill(int version, int degree)
         }
     if (version == 1)
         for (int k = 1; k < 6 * COUNT; k += 2)
-            s.arrays[0][k] &= 0xbf;   /* keeps the half floats below 2 */
+            s.arrays[0][k] &= 0xbf;   /* clears a bit, so that the half floats are below 2 */
     s.arrays[1][0] = 0;
     s.arrays[1][1] = 255;
 }
@@ -297,7 +297,7 @@ static void damaged_gzip(void)
     fill(3, 3);
     if (!make(GZIP))
         SKIP("built without zlib");
-    for (size_t i = size - 8; i < size; i++) {   /* the checksum and the length of the gzip stream */
+    for (size_t i = size - 8; i < size; i++) {   /* checksum and length of the gzip stream */
         bytes[i] ^= 1;
         check_fails("the gzip stream is damaged");
         bytes[i] ^= 1;
@@ -350,7 +350,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* the entry of the rotations in the table of arrays */
+        uint8_t *last = bytes + 32 + 4 * 16;     /* entry of the rotations in the table of arrays */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);
@@ -548,7 +548,7 @@ static void asked_axes(void)
     uint8_t record[16];
     for (uint32_t system = 3; system <= 6; system += 3)
         for (int axes = FXS_AXES_OF_FILE; axes <= FXS_AXES_RDF; axes++) {
-            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* the axes are RDF, then LUB */
+            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* axes of the options: RDF, then LUB */
             fill(3, 3);
             s.flags = 2;
             s.extensions = record;

@@ -36,10 +36,10 @@ static double uniform(double low, double high)
 }
 
 typedef struct recipe {
-    double reach;                   /* distance of Gaussian centres from the origin in scene units, at most */
-    double sigma_low, sigma_high;   /* range of log2(sigma) */
+    double reach;                   /* Gaussian centres lie within +-reach scene units */
+    double sigma_low, sigma_high;   /* range of log2(sigma) of random Gaussians */
     int needle;                     /* 1: one axis at sigma_high, two axes at sigma_low */
-    int opacity_low, opacity_high;  /* range of the opacity codes */
+    int opacity_low, opacity_high;  /* range of the opacity codes of random Gaussians */
 } recipe;
 
 static const recipe ordinary = {1, -9, -3, 0, 1, 255};
@@ -173,7 +173,7 @@ static struct {
     fxs_splat splats[MAX_COUNT];
     fxs_bounds bounds[MAX_COUNT];
     uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
-    fxs_key keys[MAX_COUNT];       /* in ascending order of depth */
+    fxs_key keys[MAX_COUNT];       /* keys in ascending order of depth */
 } all;
 
 static void sort_keys(void)
@@ -236,7 +236,7 @@ static double size_of(const fxs_gaussian *g, const fxs_file_view *view, double z
     return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
 }
 
-/* sigma_max / sigma_min */
+/* elongation = sigma_max / sigma_min of a splat */
 static double elongation(const struct reference_splat *r)
 {
     double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
@@ -257,7 +257,7 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
 {
     const fxs_splat *s = &all.splats[slot];
     const fxs_bounds *b = &all.bounds[slot];
-    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* has no centre or radius */
+    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;
     double dx = ldexp(b->cx_q14, -14) + 0.5 - r->x, dy = ldexp(b->cy_q14, -14) + 0.5 - r->y;
     e->centre = fmax(e->centre, veil ? 0 : hypot(dx, dy));
     e->shape = fmax(e->shape, shape_error(s, r));
@@ -551,7 +551,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
-    for (uint32_t i = 0; i < count; i++)           /* the splats of a list are slightly out of order */
+    for (uint32_t i = 0; i < count; i++)           /* the splats of a list arrive slightly out of order */
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
     fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
@@ -998,7 +998,7 @@ static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, 
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* iterates because the radius depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* repeats because the radius depends on the slope */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }
@@ -1028,7 +1028,7 @@ static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside
 }
 
 static struct {
-    int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the radius */
+    int touching, farthest;        /* numbers of frames with covered pixels */
 } beside_tally;
 
 static void check_beside(fxs_camera *camera, beside *b, const double box)
@@ -1107,7 +1107,7 @@ static void test_chunks_of_the_coarsest_units(void)
         fxs_camera camera = make_camera(16, 16, 0);
         const int axis = i & 1;
         beside b = {{0, 0}, exp2(uniform(2, 15)), 0};
-        for (int k = 0; k < 9; k++)                          /* no rotation */
+        for (int k = 0; k < 9; k++)
             camera.rotation_q30[k] = k % 4 ? 0 : 1 << 30;
         aim(&camera, axis, 524287, 0);
         aim(&camera, !axis, 8000, i & 2 ? 60 : -60);
@@ -1155,10 +1155,10 @@ static void test_near_plane_itself(void)
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
     place_sphere(&s, &camera, &b, 0);
-    s.chunks->step_q32[2] = 2;                               /* a unit of the third coordinate at shift 1 */
+    s.chunks->step_q32[2] = 2;
     ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
     for (int ahead = -1; ahead <= 1; ahead++) {
-        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* 0.2 is the distance of the near plane */
+        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;
         CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
     }
     free(s.data);

@@ -18,7 +18,7 @@ typedef struct pair {
     fxs_camera cameras[2];
     fxs_options options;
     enum fxs_format format;
-    ptrdiff_t stride;              /* stride of the two pictures side by side */
+    ptrdiff_t stride;              /* stride of two pictures side by side in bytes */
     size_t bytes;
     fxs_stats stats;
 } pair;
@@ -57,7 +57,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memo
     return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Returns the number of list entries. */
+/* Returns the number of entries of all tile lists. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = bytes_of(p, context, 0);

@@ -160,7 +160,7 @@ static void no_subject(void)
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < POINTS; i++)            /* points lie only above and below the cameras */
+    for (int i = 0; i < POINTS; i++)            /* all points lie above and below the cameras */
         points[i].position[1] += i % 2 ? 60 : -60;
     refuses("no Gaussian lies where the cameras look");
 }

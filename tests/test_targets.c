@@ -131,7 +131,7 @@ static brute brute_pixel(const uint32_t *row, uint32_t count, int x, int y, uint
 
 static struct {
     double largest;                /* largest relative error of a mean depth */
-    long pixels, hidden;           /* pixels with a mean depth; pixels where the occluder hides a splat */
+    long pixels, hidden;           /* numbers of pixels: with a mean depth, with a hidden splat */
 } tally;
 
 static int same_mean(const brute *b, uint32_t mean, int bits)
@@ -750,7 +750,7 @@ static void test_backdrops(void)
             memcpy(backdrop + 4 * k, colours[k % 3 == 0], 3);
             backdrop[4 * k + 3] = (uint8_t)next();
         }
-        s.options.background[1] = (uint8_t)~s.options.background[1];   /* unused with a background image */
+        s.options.background[1] = (uint8_t)~s.options.background[1];
         unsigned char *mixed = colour_of(&s, formats[i % 4], &(fxs_image){backdrop, width * 4});
         for (int k = 0; k < width * height; k++)
             CHECK(!memcmp(mixed + bytes * k, of_colour[k % 3 == 0] + bytes * k, (size_t)bytes));
@@ -859,7 +859,7 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    for (int side = -4; side <= 4; side += 8) {      /* the second image overlaps the row before or after */
+    for (int side = -4; side <= 4; side += 8) {      /* the second image overlaps the previous row or the next row */
         t.colour.pixels = both + 4 * width + side;
         CHECK(draw(&s, &t) == FXS_ERR_TARGET);
     }

@@ -12,7 +12,7 @@
 #include "jpeg_bytes.h"
 #include "packed_scene.h"
 
-#define EITHER LONG_MIN            /* the reader may accept or refuse the length */
+#define EITHER LONG_MIN            /* a truncated file may be read or refused */
 
 static char folder[] = "/tmp/fixsplat-truncated-XXXXXX";
 static const char *words;          /* expected message for a refused length; null: not checked */
@@ -141,7 +141,7 @@ static void make_ascii_lists(void) { make_lists_ply(0); }
 static void make_little_lists(void) { make_lists_ply(1); }
 static void make_big_lists(void) { make_lists_ply(2); }
 
-/* Whole records are a valid file. */
+/* A .splat file of whole records is valid. */
 static long of_splat(const struct made_file *f, size_t length)
 {
     (void)f;

@@ -56,7 +56,7 @@ static void test_orbit_keeps_the_pivot(void)
     CHECK(near(see(&view, pivot, pixel), 7));
     CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
     see(&view, front, pixel);
-    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* the object follows the pointer */
+    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* the picture of the object follows the pointer */
 }
 
 static void test_orbit_stops_at_the_poles(void)
@@ -65,8 +65,8 @@ static void test_orbit_stops_at_the_poles(void)
         fxs_file_view view = a_view();
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
-        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward moves along -up */
-        CHECK(near(view.rotation[1], 0));                                              /* right, level */
+        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
+        CHECK(near(view.rotation[1], 0));
     }
 }
 
@@ -224,7 +224,7 @@ static void test_depths_have_colours(void)
         depths[i] = 65536 + 1000 * i;
     depths[7] = FXS_NOTHING;
     fxs_paint_depths(&picture, depths);
-    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* the bars change from red to blue */
+    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* the bars go from red to blue */
     CHECK(differ(&picture, 150, 200) && !differ(&picture, 0, 1) && !dots[4 * 7] && dots[4 * 7 + 3] == 255);
     for (int i = 0; i < 400; i++)
         depths[i] = FXS_NOTHING;
@@ -300,7 +300,7 @@ static void test_graph_shows_the_times(void)
     fxs_frame_times_add(&times, &(fxs_stats){.nanoseconds = {[FXS_PROJECT] = 5000000}});
     CHECK(near(times.stage[0][FXS_PROJECT], 5) && near(times.stage[1][FXS_BLEND], 8) && near(times.frame, 0));
     fxs_draw_frame_times(&picture, &times, 1, &fxs_dark, 0);
-    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* the graph is 112 pixels high for 20 ms */
+    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* the graph has 112 pixels for 20 ms */
     CHECK(column_of(&picture, right, 0x4f8ff0ff) == 28);
     CHECK(column_of(&picture, right - 2, 0xf0705aff) + column_of(&picture, right - 2, 0xb07ee8ff) == 84);
     CHECK(abs(column_of(&picture, right - 2, 0xf0705aff) - 45) <= 1);
@@ -652,7 +652,7 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
-    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* from the size of the scene */
+    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);
     CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
@@ -777,7 +777,7 @@ static void test_films(void)
     CHECK(v.film == FILM_TAKEN && v.way_count > 3);
     CHECK(memcmp(v.way[0].position, v.way[v.way_count - 1].position, sizeof v.view.position));
     key(&v, 'k');
-    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* "FRAME\n", 4:4:4 planes */
+    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);
     CHECK(strstr(v.note, "written: fixsplat-001.y4m") && v.film == FILM_NONE);
     CHECK(strstr(line, "YUV4MPEG2 W64 H48 F30:1 ") && size == (long)strlen(line) + v.way_count * frame);
     CHECK(!remove("fixsplat-001.y4m"));
@@ -928,7 +928,7 @@ static void test_levels(void)
     CHECK(v.options.render.budget == 0 && is_picture_of(&v, &whole));
     key(&v, 'o');
     CHECK(v.options.render.show_levels && !is_picture_of(&v, &whole) && shows(&v, v.view, 64, 48));
-    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white */
+    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)
         CHECK(v.picture.pixels[i] == v.picture.pixels[i + 1] && v.picture.pixels[i] == v.picture.pixels[i + 2]);
     key(&v, 'o'), key(&v, 'f');
     CHECK(is_picture_of(&v, &whole));
@@ -954,7 +954,7 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* the visible chunks are fewer than the budget */
+    viewer_follow_rate(&v, 10000000, 5000);                 /* the number of visible chunks is below the budget */
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
@@ -1103,7 +1103,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Returns the number of Gaussians. */
+/* Returns the number of Gaussians in the written file. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1153,7 +1153,7 @@ static void test_crop(void)
     key(&v, SDLK_ESCAPE);
     CHECK(!v.quit && !v.crop.on && !v.world.objects->crop_count && drawn(&v) == 2000 && shows(&v, v.views[0], 64, 48));
     key(&v, 'c');
-    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);      /* the crop box is kept */
+    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);
     drop(&v, cubes);
     CHECK(!v.crop.on && drawn(&v) == 300);
     key(&v, SDLK_ESCAPE);
@@ -1295,7 +1295,7 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
-    setenv(KEPT_BELOW, "/proc/none", 1);                   /* the list is absolute */
+    setenv(KEPT_BELOW, "/proc/none", 1);
     if (!start(&v, &options))
         CHECK(v.path && !v.quit && v.loading.unkept == 1);
     viewer_close(&v);
@@ -1317,7 +1317,7 @@ static void test_recent_by_click(void)
         move_to(&v, 0, 320, y + 2);
         CHECK(v.recent_marked == 1);
         click(&v, 1, 320, y + 2);
-        CHECK(v.path && !strcmp(v.path, knot));                  /* the second to last scene is open */
+        CHECK(v.path && !strcmp(v.path, knot));
     }
     viewer_close(&v);
 }
@@ -1539,7 +1539,7 @@ int main(void)
     RUN(test_graph_shows_the_times);
 #ifdef FXS_WITH_SDL
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* the list is absolute */
+    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;
     if (!whole)
         return 1;
     snprintf(folder, sizeof folder, "%s", whole);
