@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* From qemu-plugin.h, which Debian does not package. */
+/* Declarations from qemu-plugin.h, which Debian does not package. */
 typedef uint64_t qemu_plugin_id_t;
 struct qemu_plugin_tb;
 struct qemu_plugin_insn;

@@ -13,7 +13,7 @@
 
 static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 
-/* Returns a path in the folder. The path stays valid until the second next call. */
+/* Returns a path in the folder. The second next call overwrites the path. */
 static inline const char *in_folder(const char *name)
 {
     static char path[2][1024];

@@ -1,5 +1,5 @@
 /* Fuzzes the readers of camera files. Byte 0 of an input picks the format. Bytes 1 and 2 give the size of the first
-   file of a model in two files. */
+   of two files. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -14,7 +14,7 @@
 #include "fastest.h"
 
 enum {
-    FUZZ_GUARD = 1 << 20,          /* guard bytes on either side */
+    FUZZ_GUARD = 1 << 20,          /* size of the guard on either side of a zone */
     FUZZ_ROOM = 4 << 20,
     FUZZ_CONTROL = 20,
     FUZZ_EDIT = 6,
@@ -156,7 +156,7 @@ static void fuzz_wild_object(fxs_object *object)
     case 6: object->crops = NULL; break;
     case 7: object->scene = NULL; break;
     }
-    if (object->crop_count > 2)                /* above FXS_MAX_CROPS: refused, so the missing crops are never read */
+    if (object->crop_count > 2)                /* above the limit, so the missing crops are never read */
         object->crop_count += FXS_MAX_CROPS;
 }
 
@@ -221,7 +221,7 @@ static void fuzz_images(fuzz_frame *f, unsigned control)
         depths[i] = next() % 4 ? (uint32_t)next() >> next() % 32 : FXS_NOTHING;
 }
 
-/* Returns consecutive targets in the eye's zone. Equal initial bytes make unwritten pixels compare equal. */
+/* Returns the targets of an eye. Equal initial bytes make unwritten pixels compare equal. */
 static fxs_targets fuzz_targets(const fuzz_frame *f, int eye)
 {
     fxs_targets t;
@@ -299,7 +299,7 @@ static size_t fuzz_frame_bytes(const fuzz_frame *f, fxs_frame_memory *memory)
     return fxs_frame_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height, memory);
 }
 
-/* Returns the minimum memory of this view in bytes. After an error, returns the minimum of any view. */
+/* Returns the minimum memory of a frame of this view in bytes. */
 static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_frame_memory *memory)
 {
     fxs_stats stats = {.visible = 0};

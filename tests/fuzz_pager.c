@@ -13,7 +13,7 @@ enum { CONTROL = 12, FRAMES = 3, TURNS = 40, WAIT_NS = 2000000 };
 typedef struct fuzz_source {
     const unsigned char *bytes;
     size_t there, claimed;
-    uint32_t reads, fails_each, lies_each;   /* every n-th read fails or lies, 0: none */
+    uint32_t reads, fails_each, lies_each;   /* every n-th read fails or returns wrong bytes; 0: none */
     int closed;
 } fuzz_source;
 

@@ -14,7 +14,6 @@ enum { FILES = 4 };
 
 static char folder[] = "/tmp/fixsplat-fuzz-XXXXXX";
 
-/* File names of each layout: cameras, images, points, a photograph. */
 static const char *const names[][FILES] = {
     {"cameras.bin", "images.bin", "points3D.bin", "images/a"},
     {"cameras.txt", "images.txt", "points3D.txt", "images/a"},

@@ -106,8 +106,7 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                    fuzz_room(0, least), least, &picked));
 }
 
-/* Makes a scene of the same layout. Chunk headers may be reversed. In some chunks only the first few Gaussians have
-   a nonzero opacity. */
+/* Chunk headers may be reversed. In some chunks only the first few Gaussians have a nonzero opacity. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
     unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);

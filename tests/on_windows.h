@@ -48,8 +48,7 @@ static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
 
 static inline void free_block(void *memory)
 {
-    uint64_t *volatile where = memory;         /* volatile: the compiler must not assume that no memory lies before
-                                                  the block */
+    uint64_t *volatile where = memory;         /* volatile: memory before the block exists */
     uint64_t *block = where;
     free(block && (uintptr_t)block % 64 == 0 && block[-1] == ALIGNED_MARK ? (void *)(uintptr_t)block[-2] : memory);
 }

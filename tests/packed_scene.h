@@ -26,7 +26,7 @@ static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
     fxs_packed_header_turn(s->header);
 }
 
-/* Opens the scene. The test must not read the headers afterwards. */
+/* Opens the finished scene. The test must not read the headers afterwards. */
 static inline int packed_scene_finish(packed_scene *s)
 {
     packed_scene_turn(s, s->header->chunk_count);

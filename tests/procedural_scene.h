@@ -11,8 +11,7 @@
 #include <fixsplat/internal/message.h>
 #include "tools/command/procedural.h"
 
-/* Returns 0 and sets *packed, freed with fxs_packed_scene_free. Returns -1 on failure, with a message in *m. report
-   may be null. */
+/* Returns 0 and a scene to be freed with fxs_packed_scene_free. Returns -1 on failure. report may be null. */
 static inline int procedural_scene_make(const char *name, uint64_t count, int antialiased, fxs_packed_scene *packed,
                                         fxs_pack_report *report, fxs_message *m)
 {

@@ -6,7 +6,7 @@
 #include "random_scene.h"
 #include "src/core/cut.h"
 
-/* Children of a node are later nodes or leaves. deep: 1 builds a chain. alike: 1 gives equal keys at equal distance. */
+/* deep: 1 builds a chain of nodes. alike: 1 gives all nodes equal keys at equal distance. */
 static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int alike)
 {
     uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;

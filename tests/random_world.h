@@ -261,7 +261,7 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
 
 enum { WORLD_VERSIONS = 6 };
 
-/* Lists plain C, then each instruction set of this processor alone. Returns the number of versions. */
+/* Lists plain C kernels, then each instruction set of this processor alone. Returns the number of kernel sets. */
 static inline int world_versions(fxs_kernels versions[WORLD_VERSIONS])
 {
     int count = 0;

@@ -39,7 +39,7 @@ static int gaussian_is_valid(const fxs_gaussian *g)
         && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
 }
 
-/* The quaternion is w, x, y, z, not normalised. */
+/* Rotation matrix of the quaternion w, x, y, z of any length. */
 static void rotation_matrix(const float *rotation, double m[3][3])
 {
     double q[4], length = 0;
@@ -155,7 +155,7 @@ static int square_radius(const struct reference_splat *s)
     return (int)fmin(ceil(3 * sqrt(lambda)), 1 << 30);
 }
 
-/* alpha >= 1/255 is d2 <= 2 ln(255 opacity). */
+/* alpha >= 1/255 means d2 <= 2 ln(255 opacity), with d2 the squared Mahalanobis distance. */
 static double distance_limit(const struct reference_splat *s, enum reference_cutoff cutoff)
 {
     double limit = 2 * log(255 * s->opacity);
@@ -169,7 +169,7 @@ static int clamp_index(double value, int size)
     return (int)clamp(value, 0, size);
 }
 
-/* A negative limit makes the reach NaN and gives an empty span. */
+/* A negative limit makes the radius NaN and gives an empty span. */
 static struct span pixel_span(double centre, double variance, int radius, int size, double limit,
                               enum reference_cutoff cutoff)
 {
@@ -318,7 +318,7 @@ static void blend_splat(const struct canvas *canvas, const struct reference_spla
     }
 }
 
-/* Equal depths compare by address, which is the order of the indices. */
+/* Splats of equal depth are sorted by address, which is the order of their indices. */
 static int compare_depth(const void *left, const void *right)
 {
     const struct reference_splat *l = *(const struct reference_splat *const *)left;
@@ -371,7 +371,7 @@ int reference_trace_splats(const struct reference_splat *splats, size_t count, i
                            const struct reference_options *options, struct reference_trace *trace, double *rgb)
 {
     size_t pixels = (size_t)width * (size_t)height;
-    const struct reference_splat **order = calloc(count + 1, sizeof *order);   /* never 0 elements */
+    const struct reference_splat **order = calloc(count + 1, sizeof *order);
     struct canvas canvas = { width, height, options, splats, calloc(pixels + 1, sizeof(double)), rgb, trace };
     int status = canvas.transmittance && order ? 0 : -1;
     if (status == 0) {

@@ -25,10 +25,10 @@ struct reference_options {
 struct reference_splat {
     double x, y;         /* centre in pixels; pixel centres lie at +0.5 */
     double a, b, c;      /* covariance [[a, b], [b, c]] in pixels^2, with dilation; positive definite */
-    double opacity;      /* 0 to 1, after compensation for the dilation */
+    double opacity;      /* opacity from 0 to 1, after compensation for the dilation */
     double colour[3];
     double depth;
-    int radius;          /* ceil(3 sigma_max) in pixels, for REFERENCE_SQUARE */
+    int radius;          /* radius in pixels: ceil(3 sigma_max) */
 };
 
 /* world = translation + scale * rotation * position. SH coefficients rotate with the object. */
@@ -38,8 +38,8 @@ struct reference_object {
     double opacity, tint[3];
 };
 
-/* Returns 0 if the Gaussian is culled, else 1. A Gaussian is culled if its numbers are not finite, if its rotation
-   is zero, or if it is not beyond the near plane. A Gaussian is also culled if alpha is below 1/255 at every pixel. */
+/* Returns 0 if the Gaussian is culled, else 1. Culled Gaussians have invalid numbers, lie before the near plane, or
+   have an alpha below 1/255 at every pixel. */
 int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
                       struct reference_splat *out);
 
@@ -60,12 +60,12 @@ int reference_render_splats(const struct reference_splat *splats, size_t count, 
 
 /* Further targets of a picture. Splats are given by their index. REFERENCE_NONE: no splat. */
 struct reference_trace {
-    const double *occluder;    /* depth for each pixel; splats behind it are hidden. May be null */
+    const double *occluder;    /* depths that hide splats behind them; may be null */
     double *mean;              /* sum of weight * depth / sum of weights; infinite if all weights are 0 */
     double *weight;
-    size_t *median;            /* the splat at which the transmittance falls below 1/2 */
+    size_t *median;            /* index of the splat at which the transmittance falls below 1/2 */
     double *median_margin;     /* smallest |transmittance - 1/2| after any splat */
-    size_t *largest;           /* the splat with the largest weight; the nearer splat wins ties */
+    size_t *largest;           /* index of the splat with the largest weight */
     double *most;
     double *largest_margin;    /* relative gap between the largest and the second largest weight */
 };

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* Returns the number of bits of X and of Y, from three scale codes of 10 bits. */
+/* Returns the number of bits of X and of Y, from the Gaussian's three scale codes of 10 bits. */
 static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scale_step_q24)
 {
     int32_t fall[3];
@@ -64,8 +64,8 @@ static inline void word_quaternion(double q[4], uint32_t word, int bits)
         q[i] = of[most][i] / (2 * sqrt(squares[most]));
 }
 
-/* Returns the angle in degrees between the axes of a word and of a quaternion. Opposite directions count as equal.
-   order[i]: the quaternion's axis for axis i of the word. */
+/* Returns the angle in degrees between the axes of a word and of a quaternion. order[i]: the quaternion's axis for
+   axis i of the word. */
 static inline double angle_of_word(uint32_t word, int bits, const float rotation[4], const int order[3])
 {
     const double w = (double)rotation[0], x = (double)rotation[1], y = (double)rotation[2], z = (double)rotation[3];

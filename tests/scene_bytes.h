@@ -14,7 +14,7 @@
 
 enum { MAX_FILE = 1 << 21 };
 
-static const char path[] = "made/scene";   /* a file name for messages; no such file exists */
+static const char path[] = "made/scene";   /* a file name for messages */
 static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
@@ -118,7 +118,7 @@ static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
     return count < 0 ? (int)count : 0;
 }
 
-/* Expects that the first `length` bytes fail with a message of the path, a colon and `text`. */
+/* Expects that the first `length` bytes of the file fail with a message that contains `text`. */
 static inline void check_cut_fails(size_t length, const char *text)
 {
     static fxs_gaussian gaussians[1024];

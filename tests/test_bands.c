@@ -143,7 +143,7 @@ static void draw_random(int height)
     draw();
 }
 
-/* Renders a random view with 1, 2 and 4 threads, in plain C and with the fastest kernels. height 0: random. */
+/* Renders a random view with 1, 2 and 4 threads, in plain C and with the fastest kernels. */
 static void check_case(uint64_t seed, int32_t most, int height)
 {
     state = seed * 0x1234567u;

@@ -29,7 +29,7 @@ static void write_file(const char *name, const void *data, size_t length)
     }
 }
 
-/* Five prefix codes of one symbol each make a pixel take no bits. */
+/* Five prefix codes of one symbol each make a WebP pixel take no bits. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
 {
     uint64_t bits = (uint64_t)(width - 1) | (uint64_t)(height - 1) << 14 | (uint64_t)1 << 28;
@@ -186,7 +186,7 @@ static void go_through_links(char *name, int i)
     strcpy(name + 32, "s/meta.json");
 }
 
-/* The scene names a scene of one Gaussian in the folder s/ 65,536 times. */
+/* The streamed scene names a scene of one Gaussian 65,536 times. */
 static void write_streamed_sog(const char *name, void name_of(char *name, int i))
 {
     uint8_t image[40];
@@ -418,7 +418,7 @@ static void make_exponents_ply(const char *name)
 }
 
 static const struct bomb {
-    const char *name, *line;   /* line: expected part of the message; null: the file is readable */
+    const char *name, *line;   /* line: expected part of the error message; null: the file is readable */
     void (*make)(const char *name);
 } bombs[] = {
     {"padded.sog", "268402689 Gaussians or more in 1", make_padded_sog},
@@ -555,7 +555,7 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-static struct { uint64_t read, from; int opened; } taken;   /* read: bytes read from offset `from` on */
+static struct { uint64_t read, from; int opened; } taken;   /* read: number of bytes read from offset `from` on */
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)
 {

@@ -365,7 +365,6 @@ static void put_inria(void)
              centre[0], centre[1], centre[2], r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
 }
 
-/* own: further JSON members of the frame. */
 static double stretch[3] = {1, 1, 1};
 
 static void put_transforms(const char *top, const char *own)
@@ -516,7 +515,7 @@ static void transforms(void)
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
     for (int i = 0; i < 3; i++)
-        stretch[i] = 0.037;            /* a common scale of all columns is accepted */
+        stretch[i] = 0.037;            /* a common scale of all columns of the matrix is accepted */
     put_transforms(top, "");
     check_camera("transforms.json", "b.jpg", 320, 240);
     stretch[1] = 0.04;
@@ -825,7 +824,7 @@ static void view_of_a_box(void)
     CHECK(fxs_view_frame_box(&view, far_low, far_high, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
 }
 
-/* Returns the position, the viewing direction and the log focal length at `at` along a path. */
+/* Returns the position, the viewing direction and the log focal length at `at` along a camera path. */
 static void state_at(const fxs_file_view *keys, long count, double at, double state[7])
 {
     fxs_file_view view;

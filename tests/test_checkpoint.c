@@ -20,7 +20,7 @@ static float uniform(uint64_t index)
     return fxs_fit_uniform(fxs_fit_random(17, 4, index));
 }
 
-/* The spots are coarse enough for the fit to split and clone Gaussians. */
+/* The coloured spots are coarse enough for the fit to split and clone Gaussians. */
 static void make_input(void)
 {
     fxs_fit_options_init(&options);
@@ -165,7 +165,7 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
-/* Exposures start at log2(exposure) / 2.2 minus the mean. */
+/* The fitted exposures start at log2(exposure) / 2.2 minus the mean. */
 static void begins_with_known_exposures(void)
 {
     static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};
@@ -195,7 +195,7 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_free(fit);
     }
-    for (int i = 0; i < PHOTOS; i++)               /* affine exposure: the factors are divided by their mean */
+    for (int i = 0; i < PHOTOS; i++)               /* an affine exposure divides its factors by their mean */
         photos[i].exposure = 0.01 * (1 + i);
     options.exposure = FXS_FIT_EXPOSURE_AFFINE;
     fxs_fit *fit = begin();
@@ -571,7 +571,7 @@ static void seal(uint8_t *bytes, size_t size)
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* A negative offset counts from the end. The checksum is corrected. */
+/* Changes a word of the file and corrects the checksum. A negative offset counts from the end. */
 static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
@@ -642,17 +642,17 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 14);          /* the version number of files with exposures, in a file without */
+    change("half", 1, 14);          /* the version number of files with exposures, in a file without exposures */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* a version number with another hash of the cameras */
+    change("half", 1, 19);
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* valid moments: any mean, squares >= 0, all others 0 to 1 */
+    for (int i = 0; i < 6 * 4; i++) {    /* valid Adam moments: any mean, squares >= 0 */
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);
@@ -693,7 +693,7 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 16);          /* the version number of files with poses, in a file without */
+    change("half", 1, 16);          /* the version number of files with poses, in a file without poses */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -718,7 +718,7 @@ static void faulty_skies_are_refused(void)
         go_on(fit, 24);
         fxs_fit_free(fit);
     }
-    change("half", 1, 25);          /* the version number of files with a sky, in a file without */
+    change("half", 1, 25);          /* the version number of files with a sky, in a file without sky */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -727,7 +727,7 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x51;              /* never turns a version number into another valid version number */
+        bytes[i] ^= 0x51;              /* a change that gives no other valid version number */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))

@@ -30,7 +30,7 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;                /* largest upload in bytes; 0: no limit */
+static uint64_t part_bytes;                /* largest part of a scene in an upload in bytes; 0: no limit */
 static fxs_message why;
 
 static struct fake {
@@ -46,7 +46,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* *out is null on failure. */
+/* Creates a back end with a fake OpenGL function. *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -674,7 +674,7 @@ static void frames_lose(void)
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
         }
         for (long n = 0; n < of_frame && !check_faults; n++) {
-            for (int again = 0; again < 2; again++) {      /* tests with the buffers allocated, then without */
+            for (int again = 0; again < 2; again++) {      /* the first loop has all buffers allocated */
                 picture_clear(&b);
                 lose_after(n, losses[k]);
                 const int error = fxs_compute_render(c, &request, copies, memory, 0, &why);
@@ -731,7 +731,7 @@ static void refusals(void)
     fxs_compute_limit(c, 1000);
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
     fxs_compute_limit(c, 0);
-    part_bytes = 1000;                     /* smaller than a chunk */
+    part_bytes = 1000;                     /* smaller than a chunk of the scene */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
     request.options.stop = yes;
@@ -746,7 +746,7 @@ static void refusals(void)
     fxs_targets_init(request.targets);
     CHECK(render_by(c, &request, 0) == FXS_ERR_TARGET);
     request.targets[0] = a.targets;
-    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* the field step_shift of the first chunk */
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* the field step_shift of the first chunk header */
     CHECK(render_by(c, &request, 0) == FXS_ERR_SCENE);
     close_compute(c);
     picture_free(&a);

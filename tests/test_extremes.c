@@ -125,7 +125,7 @@ static void test_end_of_a_long_list(void)
     free(wall.data);
 }
 
-/* The pixels stay transparent, so the whole list is blended. */
+/* The pixels stay transparent, so the whole list of Gaussians is blended. */
 static void test_occluder_behind_a_long_list(void)
 {
     enum { SIZE = 16, COUNT = 80000 };

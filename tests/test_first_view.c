@@ -17,7 +17,7 @@ enum { COUNT = 30000, WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 static const char *const names[] = {"knot", "mirrors", "discs", "haze", "site", "landscape", "meadow"};
 enum { NAMES = sizeof names / sizeof *names };
 
-/* Rotation matrices by rows: none, z up, upside down, leaning by 20 degrees. */
+/* Rotation matrices of a scene: none, z up, upside down, leaning by 20 degrees. */
 static const double turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                   {1, 0, 0, 0, 0, 1, 0, -1, 0},
                                   {1, 0, 0, 0, -1, 0, 0, 0, -1},
@@ -317,7 +317,7 @@ static const struct kind {
     const char *name;
     void (*lay)(void);
     double low[3], high[3];
-    int within, turns;               /* turns: number of rotations to try */
+    int within, turns;               /* turns: number of rotations of the scene to try */
     double target[3];
 } kinds[] = {
     {"room", lay_room, {-2.4, -2.5, -1.9}, {2.4, -0.3, 1.9}, 1, 2, {0, 0, 0}},

@@ -7,8 +7,8 @@ enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
 enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* parameters of a Gaussian and its 2D centre */
 enum { DEPTH = 3 };                /* index of the visible depth, which scales the learning rate of camera shifts */
 
-/* Decisions of a forward pass at cut-offs. Both passes of a difference share the decisions, because the gradient is
-   piecewise. */
+/* Decisions of a forward pass at cut-offs. Both passes of a central difference share the decisions, because the
+   gradient is piecewise. */
 enum { OUT, IN, CAPPED };
 typedef struct cuts {
     int is_set;                    /* 0: the next forward pass makes the decisions */
@@ -54,8 +54,7 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T; its inverse; the opacity times sqrt(det without 0.3 /
-   det). */
+/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T. The opacity is multiplied by sqrt(det without 0.3 / det). */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
@@ -252,7 +251,7 @@ static double difference(scene *s, double *variable)
 typedef struct kind {
     int count;
     float focal;
-    double aside;                  /* slopes x/z, in half pictures */
+    double aside;                  /* range of the slopes x/z and y/z, in half pictures */
     double scale[2], opacity[2], colour[2];
     const uint8_t *mask;
     int is_antialiased;
@@ -399,7 +398,7 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    /* by_centre is relative to the mean over pixels and channels. */
+    /* m->by_centre is relative to the mean over pixels and channels. */
     const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
@@ -415,7 +414,7 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* Each step goes against the gradient and is as long as its learning rate. */
+/* Each step of a pose goes against the gradient and is as long as its learning rate. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
@@ -568,7 +567,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Bisects down to two adjacent floats. Only `high` has the property. */
+/* Bisects a number down to two adjacent floats. Only `high` has the property. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {

@@ -15,7 +15,7 @@ typedef struct pictures {
     float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } pictures;
 
-/* |a - b| stays away from 0, where the loss has no gradient. */
+/* The picture and the photograph differ at every pixel, since |a - b| has no gradient at 0. */
 static void make_pictures(pictures *p, int width, int height, double away)
 {
     p->width = width;
@@ -50,7 +50,7 @@ static void make_mask(pictures *p, int rare)
     }
 }
 
-/* Saturates a third of the photograph, with the picture above or below white. */
+/* Saturates a third of the photograph. The picture is brighter or darker there. */
 static void cut_white(pictures *p)
 {
     p->has_exposure = 1;

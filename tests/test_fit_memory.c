@@ -1,5 +1,5 @@
-/* Fails one memory allocation of a fit, or all from a point on. The fit must return an error without a leak. Also
-   tests the total memory of a fit. */
+/* Fails memory allocations of a fit. The fit must return an error without a leak. Also tests the total memory of a
+   fit. */
 #include "src/fit/fit_internal.h"
 #include "fit_scene.h"
 

@@ -234,7 +234,7 @@ static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
             r[a][b] = rows[a][b] / n;
 }
 
-/* The first child of a split lies on the positive side of each axis, the second child on the negative side. */
+/* The first child of a split Gaussian lies on the positive side of each axis, the second child on the negative side. */
 static int is_child(const fxs_fit_model *m, size_t i, const fxs_fit_model *old, size_t of, int which)
 {
     int ok = has_moments(m, i, -1) && !differing(m, i, old, of, FXS_FIT_ROTATION, FXS_FIT_OPACITY) &&
@@ -379,7 +379,7 @@ static void reset(void)
     fxs_fit_model_free(&old);
 }
 
-/* Morton code: ten bits a coordinate, highest bits first, x as the lowest bit of each three. */
+/* Morton code with ten bits for each coordinate, highest bits first. */
 static unsigned long plain_code(const fxs_fit_model *m, size_t i, const double middle[3], double spread)
 {
     unsigned long code = 0;
@@ -481,7 +481,7 @@ static double choose_of(int n, int k)
     return k < 0 || k > n ? 0 : exp(lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1));
 }
 
-/* Opacity and scale factor after a relocation to n places (Kheradmand et al. 2024). */
+/* Opacity and scale factor of a Gaussian that is relocated to n places (Kheradmand et al. 2024). */
 static void plain_share(double o, int n, double *opacity, double *factor)
 {
     double sum = 0;
@@ -571,7 +571,7 @@ static void relocated_at_the_threshold(void)
     fxs_fit_model_free(&old);
 }
 
-/* Growth adds a twentieth of the Gaussians up to the limit, drawn by opacity. */
+/* Growth adds a twentieth of the Gaussians, drawn at random by opacity. */
 static void grown(void)
 {
     enum { COUNT = 4000 };
@@ -589,8 +589,8 @@ static void grown(void)
         drawn++;
     }
     sum = opaque / drawn;
-    CHECK(fabs(sum - 0.75) < 0.1); /* the standard deviation of the sum is 0.03 */
-    CHECK(fabs(mean - COUNT / 2) < 400);   /* the standard deviation of the mean is 82 */
+    CHECK(fabs(sum - 0.75) < 0.1);
+    CHECK(fabs(mean - COUNT / 2) < 400);
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT + 300, 3, 700}));
     CHECK(m.count == COUNT + 300);
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT, 3, 800}));
@@ -642,7 +642,8 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* The learning rate falls to a tenth, and ramps up over 500 steps after the start and each opacity reset. */
+/* The learning rate of exposures falls to a tenth, and ramps up over 500 steps after the start and each opacity
+   reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
@@ -820,7 +821,7 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* Covariance of the noise: Sigma^2 (sigmoid(...) amount)^2, measured over many equal Gaussians. */
+/* The random moves of Gaussians have the covariance Sigma^2 (sigmoid(...) amount)^2. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -858,7 +859,7 @@ static void noise(void)
     fxs_fit_model_free(&other);
 }
 
-/* Rule of Kerbl et al.: a square selects the tiles, and alpha >= 1/255 selects the pixels. */
+/* Kerbl et al.: a square selects the tiles, and alpha >= 1/255 selects the pixels. */
 static void square(void)
 {
     fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},

@@ -16,7 +16,7 @@ static void check_relative(const char *name, float x, float found, double wanted
         printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
 }
 
-/* For exp_e the tolerance grows with the argument. */
+/* For the exponential the tolerance grows with the argument. */
 static void test_exponentials(void)
 {
     fit_state = 1;
@@ -207,7 +207,7 @@ static void test_gain_steps(void)
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
         float sums[FXS_FIT_GAIN];
-        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* the off-diagonal sums of gradients do not affect a gain */
+        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* off-diagonal gradients do not affect a gain */
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
         const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];
         const double gradients[3] = {red + green + blue, red - green, blue - green};
@@ -282,7 +282,7 @@ static void test_affine_steps(void)
           gain.at[0] == 1 && gain.at[1] == 0);
 }
 
-/* The means over all photographs must stay neutral within rounding. Photographs outside the batch must move alike. */
+/* The mean exposure over all photographs must stay neutral within rounding. */
 static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };

@@ -230,7 +230,7 @@ static void hash_gaussians(fxs_fit *fit, result *r)
     }
 }
 
-/* True in the first and last round and every 50 steps. A GPU runs ahead between reports. */
+/* Reports are wanted in the first and last round and every 50 steps. */
 static int wants_report(const fxs_fit_options *options, uint32_t step)
 {
     return step <= PHOTOS || step > options->steps - PHOTOS || step % 50 == 0;
@@ -436,7 +436,7 @@ static void test_sky(void)
     check_everywhere(&fits[SKY]);
 }
 
-/* The photographs are large enough for the recipe fast to start at half size. */
+/* The recipe fast starts at half size with these large photographs. */
 static void test_fast_from_half_the_size(void)
 {
     check_instruction_sets(&fits[HALF_THE_SIZE]);
@@ -509,7 +509,7 @@ static void test_exposures_are_found(void)
 }
 
 /* Returns the sigma of sqrt(0.2) pixels in the finest photograph of a place. Returns 0 if no photograph sees the
-   place, or if single precision may decide otherwise at an edge. */
+   place. */
 static double finest_sigma(const float place[3])
 {
     double finest = INFINITY;
@@ -539,7 +539,7 @@ static void test_antialiased(void)
         size_t bound = 0, finer = 0;
         set_options(&fits[ANTIALIASED], &options);
         options.antialiased = !i;
-        options.steps = 9;         /* so few steps have no last tenth, so scales are not rounded */
+        options.steps = 9;         /* scales are rounded in the last tenth of longer fits */
         if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message) == 0))
             return;
         while (fxs_fit_steps(f) < options.steps)

@@ -107,7 +107,7 @@ static void test_rsqrt(void)
         printf("  relative error 2^%.2f, %d outside\n", log2(worst), outside);
 }
 
-/* The result is rounded down, so up to 1 less is no error. */
+/* The square root is rounded down, so a result that is less than 1 too small is no error. */
 static void visit_sqrt(uint32_t x)
 {
     double exact = sqrt(x), got = fxs_sqrt(x);

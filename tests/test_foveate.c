@@ -85,7 +85,7 @@ static void test_windows_of_random_scenes(void)
     }
 }
 
-/* slopes left, right, up, down: left eye, right eye, symmetric */
+/* slopes of the edges left, right, up, down for the left eye, the right eye, and a symmetric view */
 static const double headset[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}, {-1.38, 1.38, 1.2, -1.2}};
 
 static int make_scene(const char *name, fxs_packed_scene *packed, fxs_scene *scene)
@@ -126,7 +126,7 @@ static void test_windows_of_wide_pictures(void)
     }
 }
 
-/* Without `whole`, a crop clamps its own slopes and pixels change. */
+/* Without the option `whole`, a crop clamps slopes at its own edges and pixels change. */
 static void test_what_windows_are_for(void)
 {
     fxs_packed_scene packed;
@@ -301,7 +301,7 @@ static int clamp(int x, int end)
     return x < 0 ? 0 : x < end ? x : end - 1;
 }
 
-/* Returns a value times (2 rate)^2. A ring is a crop at a lower rate. */
+/* Returns a pixel of a ring (a crop at a lower rate) times (2 rate)^2. */
 static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int channel)
 {
     const int steps = 2 * r->rate, nx = 2 * x + 1 - r->rate, ny = 2 * y + 1 - r->rate;
@@ -317,7 +317,7 @@ static int enlarged(const uint8_t *pixels, const fxs_ring *r, int x, int y, int 
     return sum;
 }
 
-/* The minimum over ramps at those edges that are inside the picture, in 1/256. */
+/* Returns the weight of a ring (a crop at a lower rate) in 1/256. */
 static int share(const fxs_ring *r, const fxs_foveation *f, int eye, int x, int y, int width, int height)
 {
     const int left = r->x[eye], top = r->y[eye], right = left + r->width * r->rate, lower = top + r->height * r->rate;
@@ -622,7 +622,7 @@ static void test_errors(void)
         r = (recorder){.fail_at = k};
         CHECK(attempt(&r, &q, &f) == FXS_ERR_DEVICE && r.calls == k);
     }
-    r = (recorder){.fail_at = 0};                /* the back end must not be called a second time */
+    r = (recorder){.fail_at = 0};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const fxs_foveation wrong = {{{0, 0}, {0, 0}}, {bad[i][0], bad[i][1]}, bad[i][2]};
         CHECK(attempt(&r, &q, &wrong) == FXS_ERR_ARGUMENT && !fxs_foveation_bytes(&wrong, q.cameras, 2));

@@ -152,7 +152,7 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, 0, expected);
 }
 
-/* This scene fills its palettes. Smaller palettes need no search. */
+/* The scene is large enough for full SH palettes. Smaller palettes need no search. */
 static void test_full_palettes(void)
 {
     static const uint64_t compact[3] = {0x3cd5c70902e00437u, 0x0fea4dc982ced672u,

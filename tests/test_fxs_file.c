@@ -95,13 +95,13 @@ static void test_round_trip(void)
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
     CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));
-    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* overwrites the file with its own mapping */
+    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* overwrites its own mapping */
     CHECK(!fxs_map_check(&file, fxs_path, &m));
     fxs_unmap(&file);
     CHECK(!file.data);
 }
 
-/* The check must report a changed file, and lost pages must read as 0. */
+/* The check must report a changed file. Lost pages of the mapping must read as 0. */
 static void test_changed(void)
 {
     enum { PAGE = 4096, PAGES = 16 };
@@ -169,7 +169,7 @@ static void test_other_faults(void)
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* ends the test after an endless loop of signals */
+            alarm(10);                 /* ends an endless loop of signals */
             _exit(other[PAGE]);        /* reads past the last page of the file */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);

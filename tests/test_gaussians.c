@@ -15,10 +15,10 @@ static fxs_gaussian made[COUNT];
 
 static struct {
     uint64_t calls, next, passes;       /* next: the expected first index of the next call */
-    uint64_t at, from_pass;             /* index and pass of the first faulty Gaussian */
+    uint64_t at, from_pass;             /* at, from_pass: index of the first faulty Gaussian, and its pass */
     long step;                          /* largest number of Gaussians in a call; 0: the requested number */
     long result;                        /* result of the faulty call; 0: the call succeeds */
-    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian of a pass; may be null */
+    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian; null: no change */
 } source;
 
 static fxs_message message;

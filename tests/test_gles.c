@@ -66,7 +66,7 @@ static const struct port *port;
 static void *context;
 static fxs_message why_not;
 
-/* The list ends with a null name. */
+/* A table of fake OpenGL functions that ends with a null name. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -87,7 +87,7 @@ static void fake(int i, const char *name, fxs_gl_function function)
 }
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
-static GLint limit, read_type;             /* 0: the limit of the device applies */
+static GLint limit, read_type;             /* limit 0: the limit of the device */
 static int no_blocks;                      /* 1: no storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
@@ -288,7 +288,7 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* The lists exceed the memory. Coordinate u of thin Gaussians overflows in tiles that they do not touch. */
+/* The tile lists exceed the memory. Coordinate u of thin Gaussians overflows in tiles that they do not touch. */
 static void runs(void)
 {
     subject s;
@@ -322,7 +322,7 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Only point 65,536 of 80,000 is large and bright, so a missing entry shows. */
+/* Point 65,536 of 80,000 is large and bright, so a missing list entry shows. */
 static packed_scene faint_points(void)
 {
     packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
@@ -469,7 +469,7 @@ static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
 
 static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
-/* The driver lists the extension but rejects its keyword. */
+/* Simulates a driver that lists an extension but rejects its keyword. */
 static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -546,7 +546,7 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* A slanted plane with holes over a colour gradient. Rows are top down. */
+/* Makes depths and a background: a slanted plane with holes over a colour gradient. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -634,7 +634,7 @@ static void meshes(void)
 
 enum { UNITS = 10 };                       /* number of texture units that the back end binds */
 
-/* OpenGL state. Unsupported state stays 0. */
+/* A copy of OpenGL state. Unsupported state stays 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -918,7 +918,7 @@ static void target_over(void)
     target_over_by(16);
 }
 
-/* Short lists exhaust the space for their chunks before the space for their records. */
+/* Short tile lists exhaust the space for their chunks before the space for their records. */
 static void target_of_short_lists(void)
 {
     subject s;
@@ -954,7 +954,7 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* Depths as words give the CPU renderer's bytes. Depth buffers give nearly these bytes. */
+/* Depths as 32-bit words give the CPU renderer's bytes. Depth buffers give nearly these bytes. */
 static void target_meshes(void)
 {
     static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
@@ -1130,7 +1130,7 @@ static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const out
     free(ids);
 }
 
-/* small: 1 splits the lists. */
+/* small: 1 splits the tile lists. */
 static void depths_and_ids_by(int small)
 {
     static const char *const names[] = {"knot", "fog", "needles"};
@@ -1414,7 +1414,7 @@ static void init_keeps_state(void)
     settle();
 }
 
-static int calls, missing;                 /* calls of the function loader; index of the call that returns null */
+static int calls, missing;                 /* calls of the function loader; index of the call that fails */
 static char missing_name[64];
 
 static fxs_gl_function load_but_one(void *argument, const char *name)
@@ -1531,7 +1531,7 @@ static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
     return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
 }
 
-/* Fails a function from its n-th call on, for each n until a frame succeeds. */
+/* Fails an OpenGL function from its n-th call on, for each n until a frame succeeds. */
 static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls, int expected)
 {
     int error = expected, n;

@@ -52,7 +52,7 @@ static void put_component(int type, int normalized, double value)
     bin_size += (size_t)size[type - BYTE];
 }
 
-/* Adds `gap` bytes of padding after each element. */
+/* Adds `gap` bytes of padding after each element of an accessor. */
 static void add(const char *name, int components, int type, int normalized, int gap, const double *values)
 {
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
@@ -227,7 +227,7 @@ static void multiply(double a[3][3], double b[3][3], double c[3][3])
             c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* "Calculating color" of KHR_gaussian_splatting, for SH degrees 1 to 3. */
+/* Colour by the section "Calculating color" of KHR_gaussian_splatting, for SH degrees 1 to 3. */
 static double colour(const double k[15], const double d[3])
 {
     double x = d[0], y = d[1], z = d[2];
@@ -256,7 +256,7 @@ static void check_colours(const fxs_gaussian *g, int i, double turn[3][3], doubl
     }
 }
 
-/* Checks the Gaussians after x -> m x + shift in glTF's frame. turn: the rotation in m. */
+/* Expects Gaussians moved by x -> m x + shift in glTF's frame. turn: the rotation in m. */
 static void check_gaussians(const fxs_gaussian *g, double m[3][3], const double shift[3], double turn[3][3],
                             double tolerance)
 {
@@ -345,7 +345,7 @@ static void extreme_values(void)
     CHECK(out[0].scale[1] == 0 && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
-/* Drafts of the extension store SCALE as logarithms, floats or signed integers. */
+/* Drafts of KHR_gaussian_splatting store SCALE as logarithms. */
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {
@@ -372,7 +372,7 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* two of five negative scales mean logarithms */
+    for (int below = 1; below <= 2; below++) {   /* with two of five scales negative, scales are logarithms */
         add_all(0);
         clear();
         for (int i = 0; i < below; i++)
@@ -464,7 +464,7 @@ static double srgb(double c)
 
 static fxs_gaussian plain[COUNT];
 
-/* Small coefficients scale with the slope of the sRGB curve. */
+/* Small SH coefficients scale with the slope of the sRGB curve. */
 static void check_srgb(int degree)
 {
     static const double sh_0 = 0.28209479177387814;
@@ -774,7 +774,7 @@ static void opacities_out_of_range(void)
           out[3].opacity == -20 && out[4].opacity == 20);
 }
 
-/* Replaces two positions by a sparse accessor. The other positions are 0 without a base. */
+/* Replaces two positions by a sparse accessor. Without a base, all other positions are 0. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)
 {
     char text[256];
@@ -877,7 +877,7 @@ static void quantized_positions(void)
 
 static void faulty_text(void)
 {
-    static const char *const cases[][3] = {   /* old text, new text, expected message */
+    static const char *const cases[][3] = {   /* a text of the file, its replacement, the expected message */
         {"\"2.0\"", "\"1.0\"", "not glTF 2"}, {"\"version\"", "\"verzion\"", "not glTF 2"},
         {"\"scenes\":[", "\"scenes\":[,", "bad JSON"},
         {"\"scenes\"", "\"scanes\"", "no primitive with KHR_gaussian_splatting"},

@@ -46,7 +46,7 @@ static const golden cases[] = {
     /* Stage blend: deep translucent overlap, small weights. Stage resolve: coverage, premultiplied alpha. */
     {"fog-coverage", "fog", 5000, {0, -1, -12}, {0, 0, 0}, 45, 160, 90, 0,
      FXS_FORMAT_RGBA8_COVERAGE, OPTIONS(MAHALANOBIS, 3, 0, 0, 0)},
-    /* Stage sort: equal depths keep the scene's order. Stage blend: tiles that become opaque. */
+    /* Stage sort: splats of equal depth keep the scene's order. Stage blend: tiles that become opaque. */
     {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, RGBA8, OPTIONS(MAHALANOBIS, 0, 0, 0, 0)},
     /* Stage project: Gaussians from below a pixel to larger than the picture, partial tiles. */
     {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 255, 255, 255)},

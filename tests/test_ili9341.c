@@ -26,8 +26,8 @@ typedef struct model {
     uint32_t now, reset_at, awake_at;      /* times in milliseconds */
     int is_reset, is_awake, is_on;
     uint8_t command, data[4], access, format;
-    uint32_t count;                        /* data bytes received since the last command */
-    int32_t window[2][2], at[2];           /* first and last column and page of the window, and the next pixel */
+    uint32_t count;                        /* number of data bytes since the last command */
+    int32_t window[2][2], at[2];           /* first and last column and page of the window; next pixel */
     uint64_t pixels;
 } model;
 
@@ -183,7 +183,8 @@ static void take(model *m, uint8_t kind, uint8_t byte)
         take_data(m, byte);
 }
 
-/* The columns run right to left on the glass and the colour filters begin with blue, so both orientations need BGR. */
+/* Columns run right to left on the glass and the colour filters begin with blue, so both orientations of the panel
+   need BGR. */
 static uint16_t seen(const model *m, int32_t x, int32_t y, int upright)
 {
     return upright ? m->memory[y][SHORT_SIDE - 1 - x] : m->memory[x][y];
@@ -204,7 +205,7 @@ static int shows(const model *m, const unsigned char *pixels, int32_t width, int
     return !differing;
 }
 
-/* A bus with optional DMA, which reads pixels as late as possible. */
+/* A bus with optional DMA. The DMA reads pixels as late as possible. */
 typedef struct bus {
     model *model;
     int dma;

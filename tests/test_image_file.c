@@ -152,7 +152,7 @@ static void qualities(void)
     }
 }
 
-/* Colours follow BT.709; levels may round up or down. */
+/* Colours follow BT.709. Levels may round up or down. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -169,7 +169,7 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the second frame uses the same memory */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the second frame reuses the memory */
     fxs_encoded_free(&frame);
 
     static const struct {
@@ -494,7 +494,7 @@ static void damaged_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* A grey JPEG of 8 x 8 pixels repeats its mean in many scans of 11 bytes. */
+/* The grey JPEG has 8 x 8 pixels and repeats its mean in many scans of 11 bytes. */
 static void scans(void)
 {
     static const uint8_t frame[] = {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
@@ -540,7 +540,7 @@ static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_
     return put_word(to + 4 + size, crc32(0, to, (uInt)size + 4));
 }
 
-/* rows: each begins with its filter byte. palette: chunks before the data, or null. */
+/* rows: rows of the .png with their filter bytes. palette: chunks before the data, or null. */
 static void put_png(const char *name, const uint8_t header[13], const uint8_t *palette, size_t palette_size,
                     const uint8_t *rows, size_t size)
 {
@@ -588,7 +588,7 @@ static void png_kinds(void)
         {16, 6, {0, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7, 9, 8, 9}, {1, 2, 3, 4, 5, 6, 7, 8}, 17},
         {8, 3, {0, 0, 1}, {10, 20, 30, 100, 40, 50, 60, 0}, 3},
         {2, 3, {0, 0x80}, {70, 80, 90, 255, 10, 20, 30, 100}, 2},
-        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* an index beyond the end of the palette */
+        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* a colour index beyond the end of the palette */
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const uint8_t header[13] = {0, 0, 0, 2, 0, 0, 0, 1, kinds[i].depth, kinds[i].kind, 0, 0, 0};
@@ -663,7 +663,7 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* `wrong` is added to the checksum of the chunk. */
+/* wrong: added to the checksum of a .png chunk. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
@@ -748,7 +748,7 @@ static void metrics_pixel(void)
     CHECK(metrics.ssim < 1 && metrics.ssim > 2.0 / 3);
 }
 
-/* SSIM by Wang et al. 2004, with two-dimensional weights and centred moments in each window. */
+/* SSIM by Wang et al. 2004, with two-dimensional weights and centred moments. */
 static double plain_ssim(int channel)
 {
     double sum = 0, c1 = 6.5025, c2 = 58.5225, total = 0, weight[11][11];

@@ -9,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"                      /* nanoseconds; 0 on systems without a clock */
+#define TICK "ns"                      /* nanoseconds; results are 0 on systems without a clock */
 #endif
 
 #include <fixsplat/internal/kernels.h>
@@ -83,7 +83,7 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* Two copies, C [0] and fast [1], each between guard bytes. */
+/* Two copies of an output, C [0] and fast [1], each between guard bytes. */
 typedef struct output {
     unsigned char *memory[2];
     size_t bytes;
@@ -92,7 +92,7 @@ typedef struct output {
 static output outputs[8];
 static size_t output_count;
 
-/* Fills both copies with equal noise. skew: misalignment in bytes. */
+/* Fills both copies of an output with equal noise. skew: misalignment in bytes. */
 static output *output_new(size_t bytes, size_t skew)
 {
     output *o = &outputs[output_count++];
@@ -135,7 +135,7 @@ static void outputs_free(void)
     }
 }
 
-static packed_scene made;            /* a scene of one chunk */
+static packed_scene made;            /* a packed scene of one chunk */
 static fxs_scene scene;
 static fxs_view view;
 
@@ -144,7 +144,7 @@ static fxs_chunk *chunk_of(void)
     return made.chunks;
 }
 
-/* Codes by kind: 0 zeros, 1 maxima, 2 zeros and maxima, others random. */
+/* kind 0: all codes are 0, 1: maxima, 2: both, others: random. */
 static void fill_codes(unsigned char *row, size_t bytes, uint32_t kind)
 {
     for (size_t i = 0; i < bytes; i += 4) {
@@ -167,7 +167,7 @@ static void fill_rows(unsigned char *rows, int degree)
         rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
 }
 
-/* In this profile all byte values are valid codes. */
+/* All byte values are valid codes in this profile. */
 static void fill_other(unsigned char *rows, uint32_t bytes)
 {
     for (uint32_t row = 0; row < bytes / FXS_CHUNK; row++)
@@ -284,7 +284,7 @@ static void set_scale(fxs_chunk *c, int32_t scale_q16)
     c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
 }
 
-/* The chunk is 1/16 to 4096 times as wide as the picture. */
+/* The chunk is 1/16 to 4096 times as wide as the picture of an orthographic camera. */
 static void zoom_to_chunk(fxs_camera *camera)
 {
     const fxs_chunk *c = chunk_of();
@@ -293,7 +293,7 @@ static void zoom_to_chunk(fxs_camera *camera)
     camera->fx_q12 = camera->fy_q12 = (int32_t)fmax(1, fmin(INT32_MAX, focal_q12));
 }
 
-/* Any zoom and distance, with all Gaussian centres on the axis. */
+/* All Gaussian centres lie on the axis of an orthographic camera with any zoom. */
 static void zoom_to_point(fxs_camera *camera)
 {
     const int64_t distance = (int64_t)1 << (one_in(4) ? 13 : one_in(2) ? 60 : 13 + below(48));
@@ -307,7 +307,7 @@ static void zoom_to_point(fxs_camera *camera)
     camera->near_q32 = 1 << 12;
 }
 
-/* Moves the chunk sideways by 64 times the depth of the projection plane, or by a chunk unit more or less. */
+/* Moves the camera sideways by 64 times the depth of the projection plane. */
 static void move_off_axis(void)
 {
     fxs_chunk_view cv;
@@ -551,8 +551,7 @@ static int32_t extreme(int32_t low, int32_t high)
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
 }
 
-/* Coordinates are within +-128 over the tile at (x, y), sizes 0.55 to 100 pixels. As tile lists require, a row of
-   the tile is in the splat's rows. */
+/* Splat coordinates are within +-128 over the tile at (x, y), splat sizes 0.55 to 100 pixels. */
 static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 {
     const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
@@ -828,8 +827,7 @@ typedef struct workload {
 
 static workload *bench_load;
 
-/* Chunks of 0.4 units, 5 units away, at a focal length of 1000 pixels. Sigmas are 1 to 10 pixels. X of a rotation
-   lies in 0..1/4, so that (X, Y) is seldom longer than 1. */
+/* Chunks have 0.4 units, are 5 units away, and the focal length is 1000 pixels. Sigmas are 1 to 10 pixels. */
 static packed_scene bench_scene(enum fxs_profile profile)
 {
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};

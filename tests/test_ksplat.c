@@ -5,8 +5,7 @@ enum { HEADER = 4096, SECTION = 1024, SECTIONS = 3, ROWS = 9, ROOM = 10, BLOCK_R
 
 static fxs_gaussian gaussians[ROOM], expected[ROOM];
 
-/* Sections group their Gaussians in buckets: section 0 has 2, 2 and 1 Gaussians, section 1 none, section 2 has 1, 0
-   and 3. */
+/* Sections group their Gaussians in buckets. Section 0 has buckets of 2, 2 and 1 Gaussians, section 2 of 1, 0 and 3. */
 static const struct { uint32_t count, room, bucket_size, full, partial, lengths[3]; } sections[SECTIONS] = {
     {5, 6, 2, 2, 1, {1, 0, 0}}, {0, 0, 0, 0, 0, {0, 0, 0}}, {4, 4, 7, 0, 3, {1, 0, 3}}
 };
@@ -44,7 +43,7 @@ static float put_coefficient(int level, int row, int i)
     return -2 + 5 * (float)code / 255;
 }
 
-/* The file has SH blocks by degree and channel. */
+/* The SH coefficients of a .ksplat are in blocks by degree and channel. */
 static int place_of(int i)
 {
     int degree = i < 9 ? 1 : i < 24 ? 2 : 3, first = degree * degree - 1, width = 2 * degree + 1;
@@ -152,7 +151,7 @@ static void sizes(void)
         }
 }
 
-/* Compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
+/* In a .ksplat, compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
 static void defaults(void)
 {
     make_file(2, 1);
@@ -195,7 +194,7 @@ static void halves(void)
     const size_t rows = HEADER + SECTIONS * SECTION + 4 + 3 * 16;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         make_file(1, 0);
-        for (size_t at = 6; at <= 12; at += 6) {   /* offsets of the first scale and of the first rotation component */
+        for (size_t at = 6; at <= 12; at += 6) {   /* offsets of a scale and of a rotation component */
             bytes[rows + at] = (uint8_t)cases[i].bits;
             bytes[rows + at + 1] = (uint8_t)(cases[i].bits >> 8);
         }
@@ -211,7 +210,7 @@ static void halves(void)
     CHECK(read_file(gaussians, ROOM) == 0 && isnan(gaussians[0].rotation[0]));
 }
 
-/* Capacity beyond the Gaussians of a section may be missing in the file. */
+/* The file may omit the unused capacity of a section. */
 static void room_at_the_end(void)
 {
     make_file(1, 0);

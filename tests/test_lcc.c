@@ -58,7 +58,7 @@ static void find_bounds(const fxs_gaussian *g, size_t count, bounds *scale, boun
         }
 }
 
-/* The largest component is not stored and made positive. */
+/* The rotation code omits the largest component of a quaternion. */
 static uint32_t rotation_code(const float rotation[4])
 {
     uint32_t code = 0, greatest = 0;
@@ -103,7 +103,7 @@ static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
             word |= (uint32_t)code_of((double)g->sh[3 * k + i], b->low[i], b->high[i], most[i]) << shift[i];
         put(to, word, 4);
     }
-    put(to, 0xffffffff, 4);       /* pads the header to 64 bytes */
+    put(to, 0xffffffff, 4);       /* pads the index header to 64 bytes */
 }
 
 /* Scene axes are x right, y down, z front. The axes of .lcc are x right, y front, z up. */
@@ -138,7 +138,7 @@ static void make_meta(const char *type, int has_sh)
     say("]}");
 }
 
-/* Level 0 has all Gaussians. Level 1 has every fourth, except in the last cell. */
+/* Level 0 of a cell has all Gaussians. Level 1 has every fourth, except in the last cell. */
 static int is_in(const fxs_gaussian *g, size_t i, int cell, int level)
 {
     const int own = (g[i].position[0] > 0) + 2 * (g[i].position[2] > 0);
@@ -247,8 +247,7 @@ static double angle_between(const float a[4], const float b[4])
     return sqrt(fmax(0, 1 - dot * dot / (norm_a * norm_b)));
 }
 
-/* Tolerances are half a code's step. A rotation stores three codes of step sqrt(2) / 2046. The fourth component is
-   off by up to three times that step. A rotation of the scene mixes up to 7 SH coefficients. */
+/* Tolerances are half a code's step. A rotation of the scene mixes up to 7 SH coefficients. */
 static int is_as_made(const fxs_gaussian *g, const fxs_gaussian *from, int which, int has_sh)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity)), made_opacity = 1 / (1 + exp(-(double)from->opacity));
@@ -329,18 +328,18 @@ static void levels(void)
     }
 }
 
-/* Right, front, up become right, down, front. SH of degree 1: -y, z, -x become -y', z', -x'. */
+/* The axes right, front, up become right, down, front. SH of degree 1: -y, z, -x become -y', z', -x'. */
 static void axes(void)
 {
     const fxs_gaussian g = {.position = {1, -3, 2}, .scale = {-1, -2, -3}, .rotation = {1, 0, 0, 0}};
     write_scene(&g, 1, NULL, 0, 1);
-    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* the floats 1, 2, 3 */
+    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* little-endian floats 1, 2, 3 */
     CHECK(read_scene(NULL) == 1);
     CHECK(angle_between(out[0].rotation, g.rotation) < 0.0025);
     for (int i = 0; i < 3; i++)
         CHECK(fabsf(out[0].position[i] - g.position[i]) < 1e-6f && fabsf(out[0].scale[i] - g.scale[i]) < 1e-4f);
     memset(sh.bytes, 0, sh.size);
-    memcpy(sh.bytes, "\377\7", 2);   /* the first red coefficient is the maximum, all others are the minimum */
+    memcpy(sh.bytes, "\377\7", 2);   /* the first red SH coefficient is the maximum, all others are the minimum */
     sh_bounds[0] = (bounds){{0, 0, 0}, {0.5, 0, 0}};
     put_file("shcoef.bin", sh.bytes, sh.size);
     make_meta("", 1);

@@ -23,7 +23,7 @@ static const struct {
     {{.kind = FXS_LENS_FOV, .k = {.9}}, 140, 140, 80, 60},
     {{.kind = FXS_LENS_DIVISION, .k = {-.2}}, 140, 150, 80, 60},
     {{.kind = FXS_LENS_EUCM, .k = {.6, 1.1}}, 140, 150, 80, 60},
-    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},        /* a circle of 180 degrees fits into the picture */
+    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},
 };
 enum { LENSES = sizeof lenses / sizeof *lenses };
 

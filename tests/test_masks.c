@@ -128,7 +128,7 @@ static void greys(void)
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, disc[0]);
 }
 
-/* A pixel of a reduced picture counts if all contributing source pixels count. */
+/* A pixel of a reduced mask counts if all contributing source pixels count. */
 static void smaller(void)
 {
     for (int resolution = 1; resolution <= WIDTH; resolution++) {
@@ -220,7 +220,7 @@ static void bad_masks(void)
 
 #define MATRIX "\"transform_matrix\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"
 
-/* Without mask_path, masks are in the folder "masks" beside transforms.json, with names without images/. */
+/* Without mask_path in transforms.json, masks are in the folder "masks", with names without images/. */
 static void transforms(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -252,7 +252,7 @@ static void transforms(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* A mask and the alpha must both count a pixel. Transparent pixels of a mask are black. */
+/* A mask and the alpha of a photograph must both count a pixel. */
 static void alpha(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .background = {9, 9, 9}};

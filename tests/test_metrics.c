@@ -73,7 +73,7 @@ static void pictures_without_colours(void)
 
 static void colours_that_follow_from_each_other(void)
 {
-    double sums[5] = {0};          /* means of x, y, xx, xy, yy */
+    double sums[5] = {0};          /* means of x, y, x^2, x y, y^2 */
     for (uint64_t i = 0; i < PIXELS; i++) {
         uint8_t *at = drawn + 4 * i, *to = photograph + 4 * i;
         at[0] = random_level(i, 0, 120);
@@ -91,11 +91,11 @@ static void colours_that_follow_from_each_other(void)
 static void maps_are_cut(void)
 {
     for (int i = 0; i < 4 * PIXELS; i++) {
-        const int pixel = i / 4 % 4;    /* the picture has 0, 100, 200, 200; the photograph has 0, 255, 255, 255 */
+        const int pixel = i / 4 % 4;
         drawn[i] = (uint8_t)(pixel == 0 ? 0 : pixel == 1 ? 100 : 200);
         photograph[i] = (uint8_t)(pixel ? 255 : 0);
     }
-    /* The line 46.3636 + 115.9091 x / 100, clamped at 255. */
+    /* The best map is the line 46.3636 + 115.9091 x / 100, clamped at 255. */
     const double at[3] = {46.363636, 162.272727, 255};
     const double mean = (at[0] * at[0] + (255 - at[1]) * (255 - at[1]) + 2 * (255 - at[2]) * (255 - at[2])) / 4;
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / mean)) < 1e-4);
@@ -127,7 +127,7 @@ static void ignored_pixels_have_no_part(void)
     CHECK(fabs(affine - left()) > 1);
 }
 
-/* An ignored pixel in every 11 x 11 pixels leaves no whole window, so SSIM is undefined. */
+/* An ignored pixel in every 11 x 11 pixels leaves no whole SSIM window, so SSIM is undefined. */
 static void windows_without_ignored_pixels(void)
 {
     static uint8_t counts[PIXELS];

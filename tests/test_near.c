@@ -83,7 +83,6 @@ static double psnr_of(const uint8_t *a, const uint8_t *b)
     return metrics.psnr;
 }
 
-/* The camera is half a unit before the object, in units of the full size. The near plane is at 0.02 units. */
 static void check_size(double size, const uint8_t full[PIXELS * 4], uint8_t out[PIXELS * 4])
 {
     static const double up[3] = {0, -1, 0}, place[3] = {0.5, -0.9, -3.6}, target[3] = {0.2, -0.2, 0};

@@ -1,5 +1,5 @@
-/* Renders frames of several objects. They are compared with the reference renderer of the merged scene. Where the
-   integers agree, they must equal frames of a single scene. */
+/* Renders frames of several objects. Frames are compared with the reference renderer of the merged scene. Some must
+   equal frames of a single scene. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"
@@ -236,7 +236,7 @@ static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
-/* Rotates the scene by right angles, scales it by a power of two and moves it. The camera moves along. */
+/* Rotates the scene by right angles, scales the scene by a power of two and moves it. The camera moves along. */
 static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn[9], int shift)
 {
     const fxs_camera before = *camera;
@@ -263,7 +263,7 @@ static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn
     }
 }
 
-/* Depths grow with the object, so the frame has that many fewer depth bits. */
+/* Depths grow with the object's scale, so the frame has fewer depth bits. */
 static void test_carried_with_the_camera(void)
 {
     int drawn = 0;
@@ -617,7 +617,7 @@ static void test_tint_is_rounded(void)
     }
 }
 
-/* Scaled depths are right to two units of the last place, and clamp at the range of the keys. */
+/* Scaled depths are right to two units of the last place. */
 static void test_depths_are_scaled(void)
 {
     static const uint16_t position[3];
@@ -718,7 +718,7 @@ static void test_bad_objects(void)
     for (uint32_t i = 0; i < FXS_MAX_CROPS; i++)
         for (int axis = 0; axis < 3; axis++) {
             o->crop_count = i + 1;
-            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low is above high */
+            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low corner above high corner */
         }
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);

@@ -190,7 +190,7 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     }
 }
 
-/* Values agree within half a step plus the rounding of floats. */
+/* Packed values agree with the source within half a quantisation step. */
 static void check_packed(size_t count, int sh_degree)
 {
     fxs_scene scene = pack(count, sh_degree);
@@ -198,7 +198,7 @@ static void check_packed(size_t count, int sh_degree)
     worst_rotation = worst_step = 0;
     for (uint32_t i = 0; i < scene.count; i++)
         compare_gaussian(&scene, i, source_of(&scene, i, count));
-    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* the angle about the longest axis has 8 bits */
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
@@ -291,7 +291,7 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* The inner box holds two objects of 3 % and 1 % of the Gaussians, without floaters. */
+/* The box holds two objects of 3 % and 1 % of the Gaussians, and excludes floaters. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -316,7 +316,7 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Surroundings thin out to 100 times the object's size. The inner box stays within 4 times the object. */
+/* Surroundings thin out to 100 times the object's size. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -406,7 +406,7 @@ static void test_sh_steps_up_to_the_limit(void)
         }
 }
 
-/* Residuals of a palette are coded as odd numbers from -7 to 7. */
+/* Residuals of an SH palette are coded as odd numbers from -7 to 7. */
 static void test_every_residual_code_serves(void)
 {
     uint32_t uses[8] = {0}, all = 0;
@@ -487,7 +487,7 @@ static void test_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The share weighs each Gaussian by opacity times the area of its two largest axes. */
+/* The dropped share weighs each Gaussian by opacity times the area of its two largest axes. */
 static void test_share_of_what_is_dropped(void)
 {
     make_gaussians(100);
@@ -497,9 +497,9 @@ static void test_share_of_what_is_dropped(void)
         gaussians[i].scale[2] = -INFINITY;
     }
     gaussians[10].position[0] = NAN;
-    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* this Gaussian weighs 121 of 99 + 121 */
-    gaussians[20].opacity = -INFINITY;                                  /* this Gaussian weighs 0 */
-    gaussians[30].dc[2] = NAN;                                          /* this Gaussian weighs 1 */
+    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);
+    gaussians[20].opacity = -INFINITY;
+    gaussians[30].dc[2] = NAN;
     pack(100, 0);
     CHECK(report.packed == 97 && report.dropped.not_finite == 2 && report.dropped.transparent == 1);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
@@ -523,7 +523,7 @@ static double packed_scale(const fxs_scene *scene, uint32_t axis)
     return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
 }
 
-/* A thin axis is clamped to the range of the codes, and a large axis to the format's maximum. */
+/* Scales are clamped: a thin axis to the range of the codes, a large axis to the format's maximum. */
 static void test_axes_are_held(void)
 {
     static const float cases[][2][3] = {
@@ -660,7 +660,7 @@ static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degr
         note_loss(5, d->sh[k] - (double)g->sh[k]);
 }
 
-/* Compares the report's losses with values decoded by docs/format.md. */
+/* Compares the reported losses with losses of values decoded by docs/format.md. */
 static void check_loss(size_t count, int sh_degree)
 {
     fxs_scene s = pack(count, sh_degree);
@@ -702,7 +702,7 @@ static int is_near(double x, double expected)
     return fabs(x - expected) <= 2e-6 * fmax(1, fabs(expected));
 }
 
-/* Any changed byte is detected. */
+/* Any changed byte of the file is detected. */
 static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
 {
     static fxs_gaussian read[1000];
@@ -802,7 +802,7 @@ static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
     return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
 }
 
-/* A chunk gets the opacity code with the finest steps that covers its largest opacity. */
+/* Of several opacity codes, a chunk gets the finest that covers its largest opacity. */
 static void test_faint_chunks_get_fine_steps(void)
 {
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
@@ -821,7 +821,7 @@ static void test_faint_chunks_get_fine_steps(void)
     }
 }
 
-/* Each squared error is weighed by 1/opacity, so in a half-opaque chunk the faint half decides. */
+/* Squared opacity errors are weighed by 1/opacity, so in a half-opaque chunk the faint half decides. */
 static void test_faint_half_decides_on_the_law(void)
 {
     make_gaussians(256);
@@ -842,8 +842,7 @@ static void test_offsets_of_codes(void)
         }
 }
 
-/* A palette has the most entries that keep the scene within its bytes for each Gaussian. The minimum number costs
-   0.1 byte for each Gaussian, or 0.4 in scenes below 10,000. */
+/* An SH palette has the most entries that keep the scene within its bytes for each Gaussian. */
 static void check_entries(uint32_t count, enum fxs_profile which, int degree)
 {
     const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
@@ -929,7 +928,7 @@ static int matters(int mixture, double scale, double opacity)
     return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
 }
 
-/* Squared sum of the SH errors of a chunk from slot `first`. */
+/* Returns the squared sum of the SH errors of a chunk from Gaussian `first` on. */
 static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
 {
     double sums[9] = {0}, square = 0;
@@ -944,7 +943,7 @@ static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mi
     return square;
 }
 
-/* SH errors at one place cancel: the sum over a chunk is as small as the error of a few Gaussians. */
+/* The SH errors of neighbouring Gaussians cancel, so the sum over a chunk is small. */
 static void check_cancelling(int mixture, double most)
 {
     enum { COUNT = 8 * FXS_CHUNK };
@@ -976,7 +975,7 @@ static void test_errors_of_sh_cancel(void)
         check_cancelling(mixture, most[mixture]);
 }
 
-static int live, allocations, failing;      /* number of live blocks; index of the allocation that fails, from 0 */
+static int live, allocations, failing;      /* number of live memory blocks; index of the allocation that fails */
 
 static fxs_sh_loss code_chunks(unsigned cpu, const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                int8_t mean[48], unsigned char *records)
@@ -1071,7 +1070,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* into: for each source the index of its merged Gaussian. */
+/* into: for each source Gaussian the index of its merged Gaussian. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1170,7 +1169,7 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(MAX_COUNT);         /* scenes with fewer Gaussians have palettes of one entry for each stage */
+    make_gaussians(MAX_COUNT);         /* smaller scenes have minimal SH palettes */
     CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;

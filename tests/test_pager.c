@@ -32,7 +32,7 @@ static size_t memory_bytes;
 typedef struct bytes_source {
     const unsigned char *bytes;
     uint64_t rate;                     /* bytes per second; 0: unlimited */
-    long reads, fail_from, fail_count; /* reads number fail_from to fail_from + fail_count - 1 fail */
+    long reads, fail_from, fail_count; /* reads from number fail_from on fail, fail_count times */
     int failure;                       /* the error code of failing reads */
     int is_silent;                     /* 1: failing reads give no message */
     int is_back;                       /* 1: failing reads succeed from now on; set atomically */
@@ -198,7 +198,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* the reader keeps the replaced file open */
+        else                                                   /* the open file was replaced */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }
@@ -298,7 +298,7 @@ static void test_failures(void)
         const int error = fxs_pager_turn(pager, &state, &why);
         CHECK(error == (way == 0 ? 0 : way == 1 ? FXS_ERR_DEVICE : FXS_ERR_FILE));
         CHECK(!way || !strcmp(why.text, way == 1 ? "the line is cut" : "made.fxs: cannot be read"));
-        if (way == 1) {                                        /* the source works again */
+        if (way == 1) {
             __atomic_store_n(&s.is_back, 1, __ATOMIC_RELEASE);
             for (int i = 0; i < 50 && fxs_pager_turn(pager, &state, &why); i++)
                 nanosleep(&(struct timespec){0, 100000000}, 0);

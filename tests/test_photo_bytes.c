@@ -86,7 +86,7 @@ static void same_bytes(void)
     fxs_photos_free(&photos);
 }
 
-/* The reverse of the undistortion, as in `render --lens`. */
+/* Renders through a lens, the reverse of undistortion. */
 static void same_warps(void)
 {
     static const fxs_lens lenses[] = {

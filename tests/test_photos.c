@@ -161,7 +161,7 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
-    /* COLMAP 3.12 adds these files. images.bin still has all poses. */
+    /* COLMAP 3.12 adds rigs.bin and frames.bin. images.bin still has all poses. */
     put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
     put_file("c/sparse/0/frames.bin", "", 0);
     check_colmap("c");
@@ -169,7 +169,7 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* The points must equal those of the previous set without points. */
+/* The random points must equal those of the previous set without points. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -418,7 +418,7 @@ static const struct {
     const char *model;
     fxs_lens lens;                 /* lens parameters in the order of the COLMAP model */
     double fx, fy, cx, cy;
-    int widens;                    /* 1: the undistorted picture shows more than the photograph, 0: less */
+    int widens;                    /* 1: undistortion widens the view, 0: narrows the view */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -454,8 +454,7 @@ static fxs_lens lens_of(size_t number)
     return lens;
 }
 
-/* Formulas of OpenCV from "Camera Calibration and 3D Reconstruction" and its fisheye page, and of COLMAP from
-   src/colmap/sensor/models.h. */
+/* Lens formulas of OpenCV ("Camera Calibration and 3D Reconstruction") and of COLMAP (src/colmap/sensor/models.h). */
 static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
 {
     const double r = sqrt(x * x + y * y), t = atan(r), *k = l->k, *p = l->p, *s = l->s;
@@ -656,7 +655,7 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
-    fxs_fit_block block;           /* size of the photographs if the caller gives none */
+    fxs_fit_block block;
     if (CHECK(!fxs_fit_block_read(in_folder("b"), &options, NULL, 1, 1, &block, &message) && block.photos.fit_count))
         fxs_fit_block_free(&block);
     char said[256] = "";
@@ -718,8 +717,7 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for / give the same set and order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0". A real
-   \ in a name works too. */
+/* Names with \ for / give the same order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0". */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -790,7 +788,7 @@ static void nerfstudio(void)
           photos.points[0].position[1] == 2 && photos.points[1].colour[2] == 255 && photos.points[0].colour[0] == 4);
     say("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\nproperty short n\nproperty double y\n"
         "property float z\nend_header\n");
-    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* floats 2, 258, 3, -4 */
+    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);
     length += 22;
     const size_t whole = length;
     for (size_t i = whole - 25; i < whole; i++) {
@@ -906,7 +904,7 @@ static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* numbers of photographs if hold_out is 8 */
+        size_t fit, held_out;      /* numbers of photographs to fit and held out, with hold_out = 8 */
         char first, held;          /* first letters of the first photograph of each set */
     } files[] = {
         {"", 4, 1, '1', '0'},
@@ -993,7 +991,7 @@ static void nerfstudio_part_faults(void)
     }
 }
 
-/* The folder has names without endings and points in input.ply. */
+/* A folder of an Inria model has names without endings and points in input.ply. */
 static void inria(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -1027,7 +1025,7 @@ static void inria(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* Colour * alpha + background * (1 - alpha), before averaging, rounded once. */
+/* Transparent pixels become colour * alpha + background * (1 - alpha), before averaging, rounded once. */
 static void alpha(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 6, .background = {255, 128, 3}};

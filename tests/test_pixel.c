@@ -25,7 +25,7 @@ static int next(int x, int stride, int last)
     return x < last && last - x < stride ? last : x + stride;
 }
 
-/* round(a b / 2^15), with a b accumulated along the row in 64 bits. */
+/* Compares round(a b / 2^15) for all b, with a b accumulated in 64 bits. */
 static unsigned row_difference(int a)
 {
     unsigned difference = 0;

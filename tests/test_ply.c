@@ -187,7 +187,7 @@ static void every_type(void)
         }
 }
 
-/* The type `ushort` means half floats in a binary file. An infinite logit is read as 20. */
+/* The type `ushort` means half floats. An infinite logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -199,7 +199,7 @@ static void halves(void)
     enum { CASES = sizeof cases / sizeof *cases };
     fxs_gaussian gaussians[CASES + 1];
     for (int type = 0; type < 4; type++)
-        for (int wide = 0; wide < 2; wide++)   /* 1: positions are floats */
+        for (int wide = 0; wide < 2; wide++)   /* 1: positions have the type float */
             for (int encoding = LITTLE; encoding <= BIG; encoding++) {
                 size = 0;
                 put("ply\nformat %s 1.0\nelement vertex %d\n", encodings[encoding], CASES);
@@ -283,7 +283,7 @@ static void infinite_opacities(void)
 
 /* ---- Properties under other names ---- */
 
-/* Writes a single Gaussian with all properties 1, followed by further properties "type name". */
+/* Writes a .ply of one Gaussian with all properties 1, followed by further properties "type name". */
 static void put_with(const char *const *more, const double *values, int count, int encoding)
 {
     size = 0;
@@ -330,7 +330,8 @@ static void colours(void)
     check_fails("element vertex has no property f_dc_0");
 }
 
-/* sigma' = sqrt(sigma^2 + f^2). The opacity is multiplied by product(sigma) / product(sigma'). */
+/* The filter f widens to sigma' = sqrt(sigma^2 + f^2). The opacity is multiplied by product(sigma) /
+   product(sigma'). */
 static void filters(void)
 {
     static const char *const names[] = {"float f_dc_0", "float f_dc_1", "float f_dc_2", "float filter_3D"};
@@ -381,7 +382,7 @@ static void flat_gaussians(void)
     fxs_gaussian gaussians[ROWS + 1], expected;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         fill_properties(45);
-        properties[10] = "float other";   /* replaces scale_2, so that Gaussians are flat */
+        properties[10] = "float other";   /* renames scale_2, so that Gaussians are flat */
         make_file(encoding, CORE + 45, 0);
         put_file(size);
         if (!CHECK(read_file(gaussians, ROWS + 1) == 0 && info.count == ROWS && info.sh_degree == 3))

@@ -204,7 +204,7 @@ static float float_at(const unsigned char *bytes)
     return value;
 }
 
-/* f_rest is stored channel by channel. */
+/* f_rest of a .ply is stored channel by channel. */
 static void check_row(const unsigned char *row, const fxs_gaussian *g)
 {
     int wrong = 0;

@@ -27,7 +27,7 @@
 #include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
-enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: smallest count with a limit of the bytes */
+enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: minimum count for a size limit */
 typedef struct grade {
     double psnr, ssim;
 } grade;
@@ -74,7 +74,7 @@ typedef struct splat_list {
     uint32_t count;
 } splat_list;
 
-/* Returns 0 if the splat (projected Gaussian) touches no pixel. */
+/* Converts a splat (projected Gaussian). Returns 0 if the splat touches no pixel. */
 static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r)
 {
     double offset = -2 * log(r->opacity), cx = r->x - 0.5, cy = r->y - 0.5;
@@ -273,7 +273,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     const fxs_config config = {.size = sizeof(fxs_config), .run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    context.config.kernels = kernels_for(fxs_cpu_detect());   /* the fastest kernels give the same bytes */
+    context.config.kernels = kernels_for(fxs_cpu_detect());   /* fast kernels, which give the same bytes */
 #endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
@@ -415,7 +415,7 @@ static void quality_of_shared_scene(void)
 }
 
 static const struct {
-    uint64_t count;                     /* 0: the default number of the scene */
+    uint64_t count;                     /* number of Gaussians; 0: the scene's default */
     double tilt;
     const char *size;
 } variants[] = {{0, 0, ""}, {8192, 0, " 8192"}, {8192, 37.3, " 8192"}, {50000, 71.9, " 50000"},

@@ -37,7 +37,7 @@ static const struct { const char *name; int numbers; } properties[PROPERTIES] = 
     {"child_count", 1}, {"child_start", 1}, {"sh_label", 1}
 };
 
-/* Encodings with a range use the range -1 to 3. */
+/* Encodings with a value range use the range -1 to 3. */
 static double value_of(const char *encoding, int property, int row, int i)
 {
     const int code = code_of(property, row, i);
@@ -126,7 +126,7 @@ static int reads(uint64_t count)
     return CHECK(info.count == count && strcmp(info.format, "rad") == 0 && !info.antialiased);
 }
 
-/* Spark's formulas: an octahedral axis and an angle of 0 to pi. */
+/* Decodes a rotation by Spark's formulas: an octahedral axis and an angle of 0 to pi. */
 static void expected_rotation(int row, double q[4])
 {
     int code[3];
@@ -319,7 +319,7 @@ static void levels(void)
     open_options.level = 0;
 }
 
-/* Code 1.5 decodes to D = 3 and A = e^(8/e). The node is opaque and grows by A^(1/3). */
+/* Opacity code 1.5 decodes to D = 3 and A = e^(8/e). The node is opaque and grows by A^(1/3). */
 static void more_than_opaque(void)
 {
     static const int alone[1][2] = {{0, 0}};
@@ -342,7 +342,7 @@ static void bad_trees(void)
     }
 }
 
-/* A node with two parents is drawn once. A chain of any length has 255 levels. */
+/* A node with two parents is drawn once. A chain of nodes has at most 255 levels. */
 static void chains(void)
 {
     static int chain[600][2];

@@ -7,7 +7,7 @@
 #include "reference.h"
 
 #define PI 3.14159265358979323846
-#define SIZE 48   /* size in pixels of the pictures that the tests render from splats */
+#define SIZE 48   /* width and height of the rendered pictures in pixels */
 
 static int near(double value, double expected, double tolerance)
 {
@@ -129,7 +129,7 @@ static void test_alpha_limits(void)
     struct reference_splat s = round_splat(20.5, 4, 0.01, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(22, 20), 0.01 * exp(-0.5), 1e-15) && near(red_at(23, 20), 0, 0));
-    s.opacity = 0.00391;   /* alpha = 0.997 / 255, below the limit 1/255 */
+    s.opacity = 0.00391;   /* alpha is 0.997 / 255, below the limit 1/255 */
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0, 0));
     s.opacity = 0;
@@ -149,7 +149,7 @@ static void test_square_cutoff(void)
     CHECK(near(red_at(0, 8), exp(-5.12), 1e-15) && near(red_at(8, 0), exp(-5.12), 1e-15));
     CHECK(near(red_at(16, 8), 0, 0) && near(red_at(8, 16), 0, 0));
 
-    /* Moved by 3/4 pixel, floor(31.75 / 16) is still 1. Moved by a pixel, the square touches the next tile. */
+    /* A square moved by 3/4 pixel has floor(31.75 / 16) = 1. Moved by a pixel, the square touches the next tile. */
     s.x = 9.25;
     render(&s, 1, &black_square);
     CHECK(near(red_at(15, 8), exp(-3.125), 1e-15) && near(red_at(16, 8), 0, 0));
@@ -290,7 +290,7 @@ static void project_point(const fxs_file_view *view, const double *point, double
     pixel[1] = view->fy * c[1] / c[2] + view->cy;
 }
 
-/* v + 2 w (q x v) + 2 q x (q x v), for the unit quaternion w, q */
+/* Rotates v: v + 2 w (q x v) + 2 q x (q x v), for the unit quaternion w, q. */
 static void rotate(const double *quaternion, double v[3])
 {
     const double *q = quaternion + 1;

@@ -8,7 +8,7 @@
 
 enum { COUNT = 40, WIDTH = 64, HEIGHT = 48 };
 
-static uint8_t records[COUNT][32];              /* records of a .splat: position, sigma, RGBA, quaternion bytes */
+static uint8_t records[COUNT][32];              /* .splat records: position, sigma, RGBA, quaternion bytes */
 static uint8_t pixels[HEIGHT][WIDTH][4], again[HEIGHT][WIDTH][4];
 static fxs_message why;
 
@@ -107,7 +107,7 @@ static void wrong_arguments(void)
     fxs_request_init(&request, &object, 1);
     request.targets[0].colour = (fxs_image){pixels, 4 * WIDTH};
     CHECK(fxs_opened_camera(opened, WIDTH, HEIGHT, &request.cameras[0], &why) == 0);
-    request.cameras[0].width = 20000;                        /* the first request of this renderer */
+    request.cameras[0].width = 20000;
     CHECK(fxs_renderer_render(renderer, &request, NULL, &why) == FXS_ERR_SIZE);
     fxs_renderer_destroy(renderer);
     fxs_close(opened);

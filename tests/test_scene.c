@@ -268,7 +268,7 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Rotations have the first code, the last code and 0 only. */
+/* Rotation codes are the first code, the last code or 0. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);

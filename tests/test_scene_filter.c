@@ -49,7 +49,7 @@ static int open_filtered(void)
     return result;
 }
 
-/* Reads the file twice, `step` Gaussians a call. Returns the number of Gaussians. */
+/* Reads the filtered file twice, `step` Gaussians a call. Returns the number of Gaussians. */
 static long read_left(fxs_gaussian *out, long step)
 {
     long total = 0, n = step;
@@ -137,8 +137,7 @@ static int compare_levels(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-/* True if Gaussian i has neighbours `sigmas` from its centre along its longest axis. Gaussians with odd index are
-   rotated by 90 degrees. */
+/* True if Gaussian i has neighbours at `sigmas` times sigma along its longest axis. */
 static int has_neighbours(int i, double width, int sigmas)
 {
     const float *s = made[i].scale;
@@ -303,7 +302,7 @@ static void make_undrawable(void)
     made[6].position[0] = -INFINITY;
     made[7].opacity = INFINITY;
     CHECK(write_made(3));
-    made[7].opacity = 20;                /* the logit 20, which the reader makes opaque */
+    made[7].opacity = 20;                /* a logit of 20 counts as opaque */
 }
 
 static void undrawable(void)

@@ -41,7 +41,7 @@ static void make(int sh_degree)
         for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
             g->sh[k] = (float)random_between(-0.5, 0.5);
     }
-    wanted[5].opacity = -9;                  /* the colour must survive the opacity code 0 */
+    wanted[5].opacity = -9;                  /* a Gaussian with opacity code 0 keeps its colour */
 }
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
@@ -99,19 +99,17 @@ typedef struct tolerance {
     const char *ending, *format;
     double position, scale, rotation, opacity, dc, sh;   /* rotation tolerance: 1 - cosine of half the angle */
     int antialiased;
-    double finer;      /* the tolerance of the scale falls by this power of sigma, below sigma 1 / e */
+    double finer;      /* the scale tolerance falls by this power of sigma, below sigma 1 / e */
 } tolerance;
 
 static const tolerance formats[] = {
     {".ply", "ply", 0, 0, 1e-6, 0, 0, 0, 1, 0},
     {".glb", "gltf", 0, 1e-6, 1e-6, 1e-6, 0, 0, 0, 0},
     {".spz", "spz", 1e-6, 0.033, 1e-4, 0.002, 0.014, 0.004, 1, 0},
-    /* Half floats: steps of 4 to 8, and of 0.5 to 1 for opacities and colours. SH: half of 1/127 and of 1/4096. */
     {".rad", "rad", 0, 0.002, 1e-6, 0.00025, 0.0009, 0.0041, 0, 0},
-    /* 6.4 / 1023 / 2; 5 / 1023 / 2; 3 / 255 / 2; 8 / 256 / 2 and half of 1/4096 */
     {".compressed.ply", "compressed ply", 0.0032, 0.0025, 1e-5, 0.002, 0.006, 0.0159, 1, 0},
-    /* Positions are ln(1 + |x|) from -1.4 to 1.4, times 4.2. All other values use codebooks of 900 values. Scale
-       codebooks are finer by the cube root of sigma^1.25. The test's SH are noise, too much for a palette. */
+    /* Positions are stored as ln(1 + |x|). All other values use codebooks of 900 values. The test's SH are noise,
+       too much for a palette. */
     {".sog", "sog", 1e-4, 0.008, 1e-4, 0.002, 0.02, 1.02, 1, 1.25 / 3}
 };
 
@@ -162,7 +160,7 @@ static void sh_of_sog(void)
             const double off = (double)wanted[i].sh[k] - nearest(&wanted[i])->sh[k];
             squares += off * off;
         }
-    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* without SH the error would be 0.29 */
+    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* the error without any SH is 0.29 */
 }
 
 static void what_splat_cannot_hold(void)
@@ -187,7 +185,7 @@ static float float_at(size_t offset)
     return value;
 }
 
-/* Rows have 236 bytes after the JSON. Axes are y up. Rotations are x, y, z, w. */
+/* Each row of the .glb has 236 bytes. Axes are y up. Rotations are x, y, z, w. */
 static void bytes_of_glb(void)
 {
     make(3);
@@ -205,13 +203,13 @@ static void bytes_of_glb(void)
     CHECK(is_near(square, 1, 1e-6));
     CHECK(is_near((double)float_at(row + 12), exp((double)g->scale[0]), 1e-6));
     CHECK(is_near((double)float_at(row + 40), opacity_of(g), 1e-6) && float_at(row + 44) == g->dc[0]);
-    /* Degree 1 is y, z, x. Two of three coefficients change sign. */
+    /* SH of degree 1 are y, z, x. Two of three coefficients change sign. */
     CHECK(float_at(row + 56) == -g->sh[0] && float_at(row + 68) == g->sh[3] && float_at(row + 80) == -g->sh[6]);
     bytes[row] = 0;
     CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
 }
 
-/* Chunks of 72 bytes hold neighbours, so each box is smaller than the scene. */
+/* Each chunk header has 72 bytes. A chunk holds neighbours, so its box is smaller than the scene. */
 static void bytes_of_compressed_ply(void)
 {
     make(0);
@@ -402,7 +400,7 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* smaller than the error of 256 even steps */
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* the error is below that of 256 even steps */
     for (int i = 0; i < 5000; i++)     /* ten of the scales are large */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);

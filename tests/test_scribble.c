@@ -65,7 +65,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* the address is in no page of the scene */
+        signal(number, SIG_DFL);           /* the address is not in the scene */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -187,7 +187,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* The child process ends at a write outside the memory. */
+/* A write outside the memory ends the child process. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;
@@ -275,7 +275,7 @@ static void check_versions(enum call call)
         fxs_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
-        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs in plain C */
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* counting pairs always runs in plain C */
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
                 context.config.kernels = kernels_for(flag);

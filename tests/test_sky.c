@@ -245,7 +245,7 @@ static void mean_scale(const fxs_fit_stages *stages)
     }
 }
 
-/* At eight times the distance and size, the noise is eight times as long. */
+/* At eight times the distance and size, the random moves of a Gaussian are eight times as long. */
 static void noise(const fxs_fit_stages *stages)
 {
     float ways[2][4];

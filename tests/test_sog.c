@@ -10,7 +10,7 @@
 static fxs_message message;
 static fxs_scene_file_info info;
 
-/* Reads twice, a few Gaussians in each call. Returns the number of Gaussians, or -1 with a message. */
+/* Reads the scene twice, a few Gaussians in each call. Returns the number of Gaussians, or -1. */
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
 {
     fxs_scene_file *file;
@@ -264,7 +264,7 @@ static double value_of(const made_scene *m, int values, int channel, int code)
 
 static void expect_rotation(const made_scene *m, int i, float *rotation)
 {
-    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indices of w, x, y, z */
+    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
     int omitted = byte_of(m, QUATS, i, 3) - 252;
     double sum = 0;
     memset(rotation, 0, 4 * sizeof *rotation);
@@ -349,7 +349,7 @@ static void every_version_and_degree(void)
 
 static const made_scene plain = {2, 1, 5};
 
-/* PlayCanvas writes sizes and checksum after the data. In the local headers they are 0. */
+/* PlayCanvas writes the sizes and the checksum of a zip entry after its data. */
 static void zip_with_data_descriptors(void)
 {
     static uint8_t bytes[1 << 18], out[1 << 18];
@@ -424,7 +424,7 @@ static void tags(void)
     make(&plain);
     edit("{", "{\"model\":\"2dgs\",");
     put_folder("scene");
-    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever the code of the third scale is */
+    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever the third scale is */
     for (int i = 0; i < COUNT; i++) {
         fxs_gaussian expected;
         expect(&plain, i, &expected);
@@ -614,7 +614,7 @@ static void faulty_zip(void)
     check_fails("a.sog", "more than this file can hold");
 }
 
-static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* last: the environment */
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* last: environment */
 
 #define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
 
@@ -808,7 +808,7 @@ static void lcc2(void)
         put_file("scene.lcc2", text, length);
         check_fails("scene.lcc2", faults[i].words);
     }
-    remove(in_folder("l/sky.sog"));    /* the scene is valid without the environment */
+    remove(in_folder("l/sky.sog"));
     put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
     CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
     put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);

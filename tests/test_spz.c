@@ -29,7 +29,7 @@ static void fill(int version, int degree)
     s.arrays[1][1] = 255;
 }
 
-/* Returns 0 in builds without the library of the container. */
+/* Returns 0 in builds without the library that compresses the .spz. */
 static int make(int container)
 {
     static uint8_t plain[MAX_FILE];
@@ -91,7 +91,7 @@ static void expected_rotation(int i, double q[4])
     q[largest] = sqrt(fmax(rest, 0));
 }
 
-/* sign: signs of x, y, z. */
+/* sign: expected signs of x, y, z. */
 static void check_gaussians(const double sign[3])
 {
     const fxs_gaussian *g = out;
@@ -350,7 +350,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* entry of the rotations in the table of arrays */
+        uint8_t *last = bytes + 32 + 4 * 16;     /* table entry of the array of rotations */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);
@@ -548,7 +548,7 @@ static void asked_axes(void)
     uint8_t record[16];
     for (uint32_t system = 3; system <= 6; system += 3)
         for (int axes = FXS_AXES_OF_FILE; axes <= FXS_AXES_RDF; axes++) {
-            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* axes of the options: RDF, then LUB */
+            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* axis systems RDF and LUB */
             fill(3, 3);
             s.flags = 2;
             s.extensions = record;

@@ -205,7 +205,7 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     project_chunks(scene);
 }
 
-/* Projects all chunks within 255 times their depth of the axis. */
+/* Projects all chunks within 255 times their depth of the camera's axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
     CHECK(one_view_init(&all.view, scene, camera, options) == 0);
@@ -286,7 +286,7 @@ static double alpha_of(double opacity, double level)
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* Returns 0 within 2 % of the splat's edge. */
+/* Returns the alpha error at a pixel, 0 near the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -406,8 +406,7 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
     return 0;
 }
 
-/* Culled Gaussians must be invisible. In pictures of a few pixels, Gaussians farther from the axis than 64 times
-   their depth are culled too. */
+/* Culled Gaussians must be invisible. In pictures of a few pixels, Gaussians far from the axis are culled too. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);
@@ -796,7 +795,8 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* The first back end must give the same bytes. The second gets the depth order. The third returns its error. */
+/* The first back end must give the same bytes. The second gets the splats in order of depth. The third returns its
+   error. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -844,7 +844,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(!context.config.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
-    /* Counters include the whole of each tile, even outside the picture. */
+    /* The statistics count whole tiles, even outside the picture. */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
     check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
@@ -957,8 +957,7 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* The memory layout counts as stage project. Lists of macro tiles (2x2 tiles) and of tiles count as stage
-           bin. */
+        /* Memory layout counts as time of stage project. All lists of tiles count as time of stage bin. */
         CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 2 + t[FXS_BLEND]);
         CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
@@ -983,8 +982,7 @@ static void aim(fxs_camera *camera, int axis, double focal, double slope)
     *(axis ? &camera->cy_q12 : &camera->cx_q12) = (int32_t)ldexp(-slope * focal, 12);
 }
 
-/* Radius at Mahalanobis distance 3 in pixels, for a sphere of sigma 2^log2_sigma. The slope in the Jacobian is
-   clamped to the field of view plus 30 %. */
+/* Radius at Mahalanobis distance 3 in pixels, for a sphere of sigma 2^log2_sigma. */
 static double reach_of(const fxs_view *view, const fxs_camera *camera, const beside *b, int axis)
 {
     double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
@@ -1079,8 +1077,7 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The bound on the radius of a sphere is tightest with x/z at the Jacobian's limit and a length equal to the
-   bounding power of two. */
+/* The bound on the radius of a sphere is tightest with x/z at the Jacobian's limit. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1098,8 +1095,6 @@ static void test_chunks_at_the_bound_of_their_reach(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* A unit of the chunk's position covers the most pixels at the longest focal length on one axis and slope 60 on the
-   other axis. */
 static void test_chunks_of_the_coarsest_units(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1268,7 +1263,7 @@ static void test_render_refuses_cameras(void)
     free(good.memory);
 }
 
-/* near 0 means 0.2. At the far end of the range the picture is empty. */
+/* near 0 means 0.2. At the largest near plane the picture is empty. */
 static void test_near_range(void)
 {
     static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};

@@ -18,7 +18,7 @@ typedef struct pair {
     fxs_camera cameras[2];
     fxs_options options;
     enum fxs_format format;
-    ptrdiff_t stride;              /* stride of two pictures side by side in bytes */
+    ptrdiff_t stride;              /* stride in bytes of two pictures side by side */
     size_t bytes;
     fxs_stats stats;
 } pair;

@@ -83,7 +83,7 @@ static int draw_strips(bench *b)
     return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
-/* room: memory above the minimum, in sixteenths of the memory for a whole frame. */
+/* room: memory above the minimum, in sixteenths of the memory of a whole frame. */
 static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;
@@ -109,8 +109,7 @@ static void bench_free(bench *b)
     free(b->packed.data);
 }
 
-/* Renders without a callback, with a callback that never stops, and with stops at each call. Returns the number of
-   calls. */
+/* Renders with stops at each call of the stop callback. Returns the number of calls. */
 static int stop_everywhere(bench *b, draw_fn *draw)
 {
     asked a = {0, 0};

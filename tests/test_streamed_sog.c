@@ -108,8 +108,8 @@ static void has_the_middle(const sums *s, double off)
     }
 }
 
-/* Means are weighted by optical depth and by opacity. At the coarsest level opacity saturates, so only optical depth
-   is compared. */
+/* The means of a level are weighted by optical depth and by opacity. At the coarsest level opacity saturates, so
+   only optical depth is compared. */
 static void coarser_levels(void)
 {
     long before = COUNT;
@@ -138,7 +138,7 @@ static double number(const cJSON *object, const char *name, int i)
     return (i < 0 ? item : cJSON_GetArrayItem(item, i))->valuedouble;
 }
 
-/* Checks a node and its children. Returns the number of leaves. */
+/* Checks a node of the JSON tree and its children. Returns the number of leaves. */
 static int check_node(const cJSON *node, const double low[3], const double high[3])
 {
     const cJSON *bound = cJSON_GetObjectItemCaseSensitive(node, "bound"), *child;

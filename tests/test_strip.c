@@ -72,7 +72,7 @@ static void bench_free(bench *b)
     free(b->strip.pixels);
 }
 
-/* Returns the result of the picture in strips. */
+/* Returns the result of rendering in strips. */
 static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camera, void *memory, size_t whole,
                      size_t bytes, fxs_stats *stats)
 {

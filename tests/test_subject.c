@@ -79,7 +79,7 @@ static double reach_of(const fxs_gaussian *g, const double middle[3])
     return sqrt(square) + exp((double)fmaxf(fmaxf(g->scale[0], g->scale[1]), g->scale[2]));
 }
 
-/* A fit of 20 steps quantises values in the last two. */
+/* A fit of 20 steps quantises values in its last two steps. */
 static void cropped(uint32_t steps)
 {
     static const double middle[3] = {2, -3, 5};

@@ -131,7 +131,7 @@ static brute brute_pixel(const uint32_t *row, uint32_t count, int x, int y, uint
 
 static struct {
     double largest;                /* largest relative error of a mean depth */
-    long pixels, hidden;           /* numbers of pixels: with a mean depth, with a hidden splat */
+    long pixels, hidden;           /* numbers of pixels with a mean depth and with a hidden splat */
 } tally;
 
 static int same_mean(const brute *b, uint32_t mean, int bits)
@@ -255,7 +255,7 @@ static int draw(const scenario *s, const fxs_targets *targets)
     return draw_in(&plain, s, bytes_of(&plain, s), targets, 0);
 }
 
-/* Random depths equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
+/* Makes random depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
 static uint32_t *random_occluder(const scenario *s, int bits)
 {
     const int pixels = s->camera.width * s->camera.height;
@@ -479,7 +479,7 @@ static void test_captured_against_reference(void)
         SKIP("the scenes are not here");
 }
 
-/* A slanted wall as depths along the pixels' rays. Every 37th pixel is FXS_NOTHING. */
+/* Makes the depths of a slanted wall. Every 37th pixel is FXS_NOTHING. */
 static void make_wall(const fxs_camera *camera, double through, uint32_t *depths, double *in_doubles)
 {
     const fxs_file_view view = view_of(camera);
@@ -674,7 +674,7 @@ static unsigned char *colour_of(const scenario *s, enum fxs_format format, const
     return pixels;
 }
 
-/* The 16-bit colour determines the sum of weights. The sum determines the 8-bit colour. */
+/* True if each 8-bit colour follows from its 16-bit colour. */
 static int same_wide(const uint16_t *wide, const uint8_t *rgba)
 {
     int same = 1;

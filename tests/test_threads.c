@@ -27,7 +27,7 @@ typedef struct frame {
 static frame frames[FRAMES];
 static fxs_context shared;
 
-/* Returns true if the pixels are the expected pixels. fill: stores the pixels as expected. */
+/* Returns true if the pixels are as expected. fill: 1 stores the pixels as expected. */
 static int draw(const fxs_context *context, frame *f, int fill)
 {
     unsigned char *pixels = fill ? f->expected : calloc(1, sizeof f->expected);

@@ -193,7 +193,7 @@ static void same_as_its_content(void)
     CHECK(read_scene("tileset.json") == 20 && memcmp(out, alone, 20 * sizeof *out) == 0);
 }
 
-/* The tileset's (x, y, z) with z up is read as (-x, -z, -y). */
+/* A point (x, y, z) of the tileset with z up is read as (-x, -z, -y). */
 static int is_at(const fxs_gaussian *g, double x, double y, double z)
 {
     const int is_there = fabs((double)g->position[0] + x) < 1e-5 && fabs((double)g->position[1] + z) < 1e-5 &&
@@ -206,7 +206,6 @@ static int is_at(const fxs_gaussian *g, double x, double y, double z)
 #define MOVE(x, y, z) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," #x "," #y "," #z ",1],"
 #define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* rotates by 90 degrees around z and scales by 2 */
 
-/* Gaussian 1 lies at (number, 0.25, -1) in glTF, which is (number, 1, 0.25) with z up. */
 static void transforms(void)
 {
     put_glb("1.glb", 1, 2);
@@ -266,7 +265,7 @@ static const char good[] =
 
 static void faulty_tilesets(void)
 {
-    static const char *const cases[][3] = {   /* the old text, the new text, the expected message */
+    static const char *const cases[][3] = {   /* a text of the file, its replacement, the expected message */
         {"\"1.1\"", "\"2.0\"", "tileset.json: not 3D Tiles 1"}, {"\"1.1\"", "1.1", "not 3D Tiles 1"},
         {"\"asset\"", "\"assets\"", "not 3D Tiles 1"}, {"\"root\"", "\"rood\"", "a tile that is not an object"},
         {"\"version\"", "\"gltfUpAxis\":\"X\",\"version\"", "a \"gltfUpAxis\" that is neither Y nor Z"},

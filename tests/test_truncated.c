@@ -75,7 +75,7 @@ static long of_ply(const struct made_file *f, size_t length)
     return fault(length < 3 ? "not a scene file" : length < ply_header(f) ? "no end_header" : text);
 }
 
-/* A cut within the last number is undetectable. The shorter number is read. */
+/* A cut within the last number of an ASCII .ply is undetectable. */
 static long of_ascii_ply(const struct made_file *f, size_t length)
 {
     size_t last = f->size - 2;
@@ -114,7 +114,8 @@ static void put_zeros(int encoding, int count, int width)
             put("0 ");
 }
 
-/* The header gives only a lower bound of the size. encoding: 0 ASCII, 1 little-endian, 2 big-endian. */
+/* The header of a .ply with lists gives only a lower bound of the size. encoding: 0 ASCII, 1 little-endian, 2
+   big-endian. */
 static void make_lists_ply(int encoding)
 {
     static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -148,7 +149,7 @@ static long of_splat(const struct made_file *f, size_t length)
     return length && length % 32 == 0 ? (long)length / 32 : fault("not a scene file of a known format");
 }
 
-/* SH degree 1 and three sections of one Gaussian. A compressed section has one bucket. */
+/* The .ksplat has SH degree 1 and three sections of one Gaussian. */
 static void make_compressed_ksplat(int level)
 {
     const size_t gaussian = level == 0 ? 44 + 36 : level == 1 ? 24 + 18 : 24 + 9;
@@ -186,14 +187,14 @@ static long of_ksplat(const struct made_file *f, size_t length)
                  : "of 3: the file ends before its last Gaussian");
 }
 
-/* A file without its 12-byte extension is complete too. */
+/* An .spz without its 12-byte extension is complete too. */
 static long of_plain_spz(const struct made_file *f, size_t length)
 {
     return length == f->size - 12 ? GAUSSIANS : FXS_ERR_FILE;
 }
 
 #ifdef FXS_WITH_CJSON
-/* Whole index cells and environment Gaussians are valid. The scene has two cells of one Gaussian. */
+/* An .lcc is valid with whole index cells and whole environment Gaussians. */
 static long of_lcc(const struct made_file *f, size_t length)
 {
     static char text[128];
@@ -222,7 +223,7 @@ static long of_zip(const struct made_file *f, size_t length)
 #endif
 #endif
 
-/* The exact length lets a sanitizer detect reads beyond the end. */
+/* Allocates exactly the file's length, so that a sanitizer detects reads beyond the end. */
 static void *file_of(const char *name, size_t *length)
 {
     struct stat about;
@@ -445,7 +446,7 @@ static long read_saved_fit(const char *name)
     return error;
 }
 
-/* A truncated checksum is reported as a wrong checksum. */
+/* A checkpoint with a truncated checksum is reported as damaged. */
 static long of_saved_fit(const struct made_file *f, size_t length)
 {
     return fault(length < 4 ? "not a saved fit" : length < f->size - 8 ? "it ends early" : "damaged");
@@ -455,7 +456,7 @@ static const struct row {
     const char *name;
     void (*make)(void);
     long (*read)(const char *name);
-    long (*result)(const struct made_file *f, size_t length);        /* result of the reader for f cut to length */
+    long (*result)(const struct made_file *f, size_t length);        /* expected result for a file cut to `length` */
 } rows[] = {
     {"ply", make_ply, read_scene, of_ply},
     {"ply in ASCII", make_ascii_ply, read_scene, of_ascii_ply},

@@ -65,7 +65,7 @@ static void test_orbit_stops_at_the_poles(void)
         fxs_file_view view = a_view();
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
-        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
+        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* the camera moves along -up */
         CHECK(near(view.rotation[1], 0));
     }
 }
@@ -300,7 +300,7 @@ static void test_graph_shows_the_times(void)
     fxs_frame_times_add(&times, &(fxs_stats){.nanoseconds = {[FXS_PROJECT] = 5000000}});
     CHECK(near(times.stage[0][FXS_PROJECT], 5) && near(times.stage[1][FXS_BLEND], 8) && near(times.frame, 0));
     fxs_draw_frame_times(&picture, &times, 1, &fxs_dark, 0);
-    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* the graph has 112 pixels for 20 ms */
+    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;
     CHECK(column_of(&picture, right, 0x4f8ff0ff) == 28);
     CHECK(column_of(&picture, right - 2, 0xf0705aff) + column_of(&picture, right - 2, 0xb07ee8ff) == 84);
     CHECK(abs(column_of(&picture, right - 2, 0xf0705aff) - 45) <= 1);
@@ -324,7 +324,7 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-/* The variable that names the folder of the list of recent scenes. */
+/* The environment variable with the folder of the list of recent scenes. */
 #ifdef _WIN32
 #define KEPT_BELOW "APPDATA"
 #else
@@ -379,7 +379,7 @@ static int open_file(viewer *v, const frame_options *options, const char *path, 
     return viewer_open(v, &all, screenshot, 0);
 }
 
-/* Runs viewer steps until all requested work is done. */
+/* Runs the viewer until all requested work is done. */
 static void settle(viewer *v)
 {
     do
@@ -750,7 +750,7 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
-/* Returns -1 if the file does not exist. */
+/* Returns the size of a file, or -1 if the file does not exist. */
 static long size_of(const char *path, char line[80])
 {
     FILE *file = fopen(path, "r");
@@ -954,7 +954,7 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* the number of visible chunks is below the budget */
+    viewer_follow_rate(&v, 10000000, 5000);                 /* fewer chunks are visible than the budget allows */
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
