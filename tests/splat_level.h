@@ -1,5 +1,4 @@
-/* Computes the level of a splat (projected Gaussian) at any pixel with the renderer's per-pixel formula, without
-   tiles or lists. */
+/* Computes level = -2 ln(alpha) of a splat (projected Gaussian) at any pixel, without tiles or lists. */
 #ifndef SPLAT_LEVEL_H
 #define SPLAT_LEVEL_H
 

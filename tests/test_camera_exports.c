@@ -191,7 +191,7 @@ static void csv(void)
     write_csv(4);
     fxs_view_list list = read_list("e/cameras.csv");
     check_poses(&list, WIDE, HIGH, middle, focal);
-    check_poses(&list, HIGH, WIDE, upright, focal);        /* both scale with the longer side */
+    check_poses(&list, HIGH, WIDE, upright, focal);        /* focal length and centre scale with the longer side */
     check_poses(&list, 2 * WIDE, 2 * HIGH, twice, 2 * focal);
     for (size_t i = 0; i < list.count; i++)
         check_lens(&list.views[i].lens, 4, 0, 0);
@@ -317,7 +317,7 @@ static void metashape_components(void)
 }
 #endif
 
-/* Undistorted photographs match COLMAP's convention to the pixel. */
+/* Undistorted photographs of all formats match COLMAP's convention to the pixel. */
 static void photographs(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 3};

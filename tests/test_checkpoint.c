@@ -165,7 +165,7 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
-/* The fitted exposures start at log2(exposure) / 2.2 minus the mean. */
+/* The exposures of a fit start at log2(exposure) / 2.2 minus the mean of all photographs. */
 static void begins_with_known_exposures(void)
 {
     static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};

@@ -674,7 +674,7 @@ static void frames_lose(void)
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
         }
         for (long n = 0; n < of_frame && !check_faults; n++) {
-            for (int again = 0; again < 2; again++) {      /* the first loop has all buffers allocated */
+            for (int again = 0; again < 2; again++) {
                 picture_clear(&b);
                 lose_after(n, losses[k]);
                 const int error = fxs_compute_render(c, &request, copies, memory, 0, &why);
@@ -731,7 +731,7 @@ static void refusals(void)
     fxs_compute_limit(c, 1000);
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
     fxs_compute_limit(c, 0);
-    part_bytes = 1000;                     /* smaller than a chunk of the scene */
+    part_bytes = 1000;                     /* an upload limit below the size of a chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
     request.options.stop = yes;

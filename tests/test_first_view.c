@@ -102,7 +102,7 @@ static void check_view(const turned *t, const char *name, int turning)
                covered, largest);
 }
 
-/* Haze and mountains hide the ground, so these scenes are not levelled. */
+/* Scenes are not levelled if haze or mountains hide the ground. */
 static void upright_with_something_to_see(void)
 {
     for (int i = 0; i < NAMES; i++) {

@@ -23,7 +23,7 @@ typedef struct scene {
     fxs_fit_camera camera;
     double variables[MOST][VARIABLES], background[3];
     enum fxs_fit_exposure exposure;
-    double gain[FXS_FIT_GAIN];     /* log exposure, red and blue; or the change of an affine map */
+    double gain[FXS_FIT_GAIN];     /* log exposure, red and blue factors; or an affine colour map */
     double pose[FXS_FIT_POSE];
     int has_pose;
     double rotation[9], eye[3];    /* pose of the camera after the correction */
@@ -414,7 +414,7 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* Each step of a pose goes against the gradient and is as long as its learning rate. */
+/* Each step of a camera pose goes against the gradient and is as long as its learning rate. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
@@ -691,7 +691,7 @@ static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, flo
     return project_red(stages, logit, depth, 0);
 }
 
-/* Levels end at Mahalanobis distance 3 or alpha 1/255. */
+/* Splats end at Mahalanobis distance 3 or alpha 1/255. */
 static void test_project_cuts(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -732,8 +732,8 @@ static void test_no_colour(void)
     }
 }
 
-/* The bound of a scale comes from the nearest camera that sees the Gaussian. A margin around the picture counts as
-   seen. */
+/* The bound of a Gaussian's scale comes from the nearest camera that sees the Gaussian. A margin around the picture
+   counts as seen. */
 static void test_bounds_of_scales(void)
 {
     enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };

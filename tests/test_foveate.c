@@ -162,7 +162,7 @@ static fxs_stats render_counted(const fxs_scene *scene, const fxs_camera *camera
     return stats;
 }
 
-/* Returns the number of Gaussians drawn. *all: that number without a hidden part. */
+/* Returns the number of Gaussians drawn. *all: the number drawn without a hidden part. */
 static uint32_t check_hidden(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              uint32_t *all)
 {

@@ -32,7 +32,7 @@ static const golden cases[] = {
      RGBA8, OPTIONS(MAHALANOBIS, 3, 17, 19, 27)},
     /* Stage shade: SH degree 1 of 3. */
     {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, RGBA8, OPTIONS(MAHALANOBIS, 1, 0, 0, 0)},
-    /* Stages bin and blend: the square of Kerbl et al. instead of the ellipse. */
+    /* Stages bin and blend: the square cut-off of Kerbl et al. instead of the elliptical cut-off. */
     {"knot-square", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 120, 68, 0,
      RGBA8, OPTIONS(SQUARE, 3, 17, 19, 27)},
     /* Stage project: opacity compensated for the dilation, Gaussians smaller than a pixel. */

@@ -462,7 +462,7 @@ static void bad_jpeg(void)
     check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
-    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* changes the chroma sampling to 3 x 2 and 2 x 1 */
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* changes the chroma subsampling factors to 3 x 2 and 2 x 1 */
     check_unreadable("a.jpg", "Fractional sampling not implemented");
     put_changed_jpeg(0xc0, 9, "\4", 1);
     check_unreadable("a.jpg", "Bogus marker length");

@@ -1,5 +1,5 @@
-/* Renders frames of several objects. Frames are compared with the reference renderer of the merged scene. Some must
-   equal frames of a single scene. */
+/* Compares frames of several objects with the reference renderer of the merged scene. Some must equal frames of a
+   single scene. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"

@@ -198,7 +198,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* the open file was replaced */
+        else                                                   /* the reader still has the old file open */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }

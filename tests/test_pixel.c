@@ -68,7 +68,7 @@ static void test_coordinate(void)
     CHECK(wrong == 0);
 }
 
-/* The level is coordinate^2 + base. The level may be half a unit off and saturates at the top. */
+/* Counts wrong results of level = coordinate^2 + base. A level may be half a unit off and saturates at the top. */
 static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int base_q11)
 {
     int64_t wrong = 0;

@@ -224,7 +224,7 @@ typedef struct aspect {
 
 static const double tilt_axis[3] = {0.48, -0.36, 0.8};
 
-/* Distances are relative to the distance at which the sphere of the inner bounds fills the picture. */
+/* View distances are relative to the distance at which the scene's bounding sphere fills the picture. */
 static int views_around(subject *s, const aspect *a)
 {
     const double distance[VIEWS] = {a->close, 0.6, 1.2, 0.5}, turn[VIEWS] = {0, -23, 11, 63}, degree = acos(-1) / 180;

@@ -1,4 +1,4 @@
-/* Tests the reference renderer against closed forms that are derived by other means. */
+/* Tests the double-precision reference renderer against closed formulas. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

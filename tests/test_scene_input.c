@@ -309,7 +309,8 @@ static void count_comes_first(void)
 
 #endif
 
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: index of the stopped call; -1: none */
+static struct { int calls, stops_at; double done; } progress;   /* stops_at: index of the progress call that stops;
+                                                                   -1: none */
 
 static int note_progress(void *argument, double done)
 {

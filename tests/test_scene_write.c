@@ -385,7 +385,7 @@ static void books(void)
         values[i] = (float)((i % 200) * (i % 200));
     CHECK(fxs_book_learn(book, values, 5000, 0) == 0);
     for (int i = 0; i < 200; i++)
-        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* a codebook holds 200 values exactly */
+        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* a codebook has a place for each of 200 values */
     double squares = 0;
     for (int i = 0; i < 5000; i++)
         values[i] = (float)(random_between(-1, 1) * random_between(0, 1) * random_between(0, 1));

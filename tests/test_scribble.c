@@ -1,5 +1,5 @@
-/* Tests a scene that changes while it is rendered. Only the memory and the pixels may be written. The pages of the
-   scene are protected, so that the scene can change at a chosen access to a page. */
+/* Tests a scene that changes while it is rendered. Rendering may write only to its memory and the pixels. The pages
+   of the scene are protected, so that the scene can change at a chosen access to a page. */
 #define _DEFAULT_SOURCE
 #include <signal.h>
 #include <sys/mman.h>
@@ -65,7 +65,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* the address is not in the scene */
+        signal(number, SIG_DFL);           /* not an address in the scene */
         return;
     }
     const uint64_t touch = watch.touches++;

@@ -385,7 +385,7 @@ static void zip_with_data_descriptors(void)
     check_scene("a.sog", &plain);
 }
 
-/* Old writers store null as a codebook's first value. The reader extrapolates from the other values. */
+/* Old writers store null as the first value of a codebook. The reader extrapolates from the other values. */
 static void null_in_codebook(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -614,7 +614,7 @@ static void faulty_zip(void)
     check_fails("a.sog", "more than this file can hold");
 }
 
-static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* last: environment */
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last is the environment */
 
 #define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
 

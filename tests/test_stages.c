@@ -286,7 +286,7 @@ static double alpha_of(double opacity, double level)
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* Returns the alpha error at a pixel, 0 near the splat's edge. */
+/* Returns the alpha error at a pixel, or 0 near the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -378,7 +378,7 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* The chunk is 40 units wide. A coordinate step is 0.005 pixels at the near plane for f = 4000. */
+/* The quantisation step of positions is 0.005 pixels at the near plane for f = 4000. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -604,8 +604,8 @@ static struct {
     int64_t missed, wrapped, in_cut_off;
 } lists;
 
-/* A pixel is covered if its level is within the limit. With the square cut-off, the pixel's tile must also be in the
-   square. */
+/* A pixel is covered if level = -2 ln(alpha) is within the limit. With the square cut-off, the pixel's tile must
+   also be in the square. */
 static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 {
     const fxs_splat *s = &all.splats[slot];
@@ -996,7 +996,7 @@ static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, 
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* repeats because the radius depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* iterates because the radius depends on the slope */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }
@@ -1077,7 +1077,7 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The bound on the radius of a sphere is tightest with x/z at the Jacobian's limit. */
+/* The bound on a sphere's radius in pixels is tightest with x/z at the limit of the Jacobian's clamp. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1124,7 +1124,8 @@ static void test_chunks_across_the_near_plane(void)
         const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
-        for (int axis = 0; axis < 3; axis++) {               /* the corner of the box that is nearest to the camera */
+        for (int axis = 0; axis < 3; axis++) {               /* corner of the chunk's box that is nearest to the
+                                                                camera */
             const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
             const int forward = camera.rotation_q30[6 + axis] > 0;
             s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;

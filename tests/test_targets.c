@@ -313,7 +313,7 @@ static void print_shares(const char *what, shares *s)
            rest, 100 * s->ties / fmax(1, s->with));
 }
 
-/* A transmittance within 1/1024 of 1/2 is a tie. */
+/* Pixels are ties where the transmittance is within 1/1024 of 1/2. */
 static void check_median(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};
@@ -333,7 +333,7 @@ static void check_median(const picture *p, const reference_world *r)
     CHECK(s.wrong <= 0.001);
 }
 
-/* Two largest weights within 1/1024 of each other are a tie. */
+/* Pixels are ties where the two largest weights are within 1/1024 of each other. */
 static void check_id(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};

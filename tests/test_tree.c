@@ -85,7 +85,7 @@ static void check_shape(const fxs_scene *scene)
         CHECK(leaves[i] > leaves[i + 1] || (leaves[i] == leaves[i + 1] && first[i] < first[i + 1]));
 }
 
-/* A child node with a larger gain than its parent would be refined too late. */
+/* Nodes are refined in descending order of their gain, so a child must not have a larger gain than its parent. */
 static void check_gains(const fxs_scene *scene)
 {
     for (uint32_t i = 0; i + 1 < scene->chunk_count; i++) {
