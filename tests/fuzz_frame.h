@@ -156,7 +156,7 @@ static void fuzz_wild_object(fxs_object *object)
     case 6: object->crops = NULL; break;
     case 7: object->scene = NULL; break;
     }
-    if (object->crop_count > 2)                /* above the limit, so the missing crops are never read */
+    if (object->crop_count > 2)                /* too many crops are refused before they are read */
         object->crop_count += FXS_MAX_CROPS;
 }
 

@@ -40,7 +40,7 @@ static void test_logarithm(void)
         const float x = number(i % 254 - 126, 0);
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
     }
-    /* The logarithm near 1 has no cancellation. */
+    /* Near x = 1 the logarithm has no cancellation. */
     for (int i = 0; i < 5000; i++) {
         const float x = 1 + number(-2 - i % 22, i & 1024);
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);

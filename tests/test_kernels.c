@@ -363,7 +363,7 @@ static void make_view(void)
 /* ---- The stages project and shade ------------------------------------------------------------------------------ */
 
 static uint64_t visible_total;
-static uint64_t zooms;                 /* bit i: some Gaussian was visible with plane_zeros i - 22 */
+static uint64_t zooms;                 /* bit i: a Gaussian was visible at zoom plane_zeros = i - 22 */
 
 static void count_visible(uint32_t count, int veils)
 {

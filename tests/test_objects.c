@@ -718,7 +718,7 @@ static void test_bad_objects(void)
     for (uint32_t i = 0; i < FXS_MAX_CROPS; i++)
         for (int axis = 0; axis < 3; axis++) {
             o->crop_count = i + 1;
-            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low corner above high corner */
+            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low corner above high corner of a box */
         }
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);

@@ -316,7 +316,7 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Surroundings thin out to 100 times the object's size. */
+/* Sparse surroundings reach to 100 times the object's size. They must not enlarge the scene's inner box. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -1070,7 +1070,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* into: for each source Gaussian the index of its merged Gaussian. */
+/* into: index of the merged Gaussian for each source Gaussian. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {

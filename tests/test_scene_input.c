@@ -309,8 +309,7 @@ static void count_comes_first(void)
 
 #endif
 
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: index of the progress call that stops;
-                                                                   -1: none */
+static struct { int calls, stops_at; double done; } progress;   /* stops_at: call that stops; -1: none */
 
 static int note_progress(void *argument, double done)
 {

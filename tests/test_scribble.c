@@ -65,7 +65,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* not an address in the scene */
+        signal(number, SIG_DFL);           /* the address is outside the scene */
         return;
     }
     const uint64_t touch = watch.touches++;

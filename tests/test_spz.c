@@ -468,8 +468,7 @@ static void read_and_written(void)
     }
 }
 
-/* Positions have the most fractional bits that hold the largest coordinate, up to 24. Below 12 bits, one coordinate
-   in a hundred may be out of range. */
+/* The number of fractional bits is the largest that holds the largest coordinate, up to 24. */
 static void chosen_bits(void)
 {
     static const struct { float largest, second; int bits; uint32_t beyond; } cases[] = {

@@ -1124,8 +1124,7 @@ static void test_chunks_across_the_near_plane(void)
         const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
-        for (int axis = 0; axis < 3; axis++) {               /* corner of the chunk's box that is nearest to the
-                                                                camera */
+        for (int axis = 0; axis < 3; axis++) {               /* the corner nearest to the camera */
             const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
             const int forward = camera.rotation_q30[6 + axis] > 0;
             s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;
