@@ -1,18 +1,18 @@
-/* A minimal test harness. RUN(test) counts a test as failed if a CHECK in it failed, and as skipped if it called
-   SKIP. RUN_AS does the same under another name. */
+/* A minimal test harness. RUN(test) counts a test function as failed if a CHECK in the function failed, and as
+   skipped after SKIP. */
 #ifndef CHECK_H
 #define CHECK_H
 
 #include <stdio.h>
 #include <stdlib.h>
 
-static int check_passed, check_failed, check_skipped;   /* tests */
-static int check_faults, check_skips;                   /* in the running test */
+static int check_passed, check_failed, check_skipped;
+static int check_faults, check_skips;                   /* numbers of failed checks and of skips in the running test */
 
 #define CHECK(condition) \
     ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))
 
-/* Leaves the test, with the reason why it cannot run here. */
+/* Leaves the test function and prints the reason. */
 #define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
 
 #define RUN(test) RUN_AS(#test, test())
@@ -26,14 +26,14 @@ static int check_faults, check_skips;                   /* in the running test *
         fflush(stdout); \
     } while (0)
 
-/* Memory aligned to 64 bytes; release it with free. */
+/* Allocates memory aligned to 64 bytes, released with free. */
 static inline void *check_aligned(size_t bytes)
 {
     void *memory = 0;
     return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
 }
 
-/* Prints the last line of a test program, which tests/run.sh sums up. Returns the exit status. */
+/* Prints the totals of a test program. Returns the exit status. */
 static int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);

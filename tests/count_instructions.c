@@ -1,13 +1,13 @@
-/* A qemu plugin (TCG plugin API, version 1) that counts the instructions executed in given functions: qemu-aarch64
- * -plugin file=count_instructions.so,NAME=START-END,... prints "NAME COUNT" for each at the end. A NAME may have
- * several ranges. Addresses are hexadecimal, as nm prints them. */
+/* A qemu plugin (TCG plugin API, version 1) that counts the instructions executed in given functions. qemu-aarch64
+   -plugin file=count_instructions.so,NAME=START-END,... prints "NAME COUNT" for each NAME. A NAME may have several
+   address ranges. Addresses are hexadecimal. */
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* From qemu-plugin.h, which Debian does not package. */
+/* Declarations from qemu-plugin.h, which Debian does not package. */
 typedef uint64_t qemu_plugin_id_t;
 struct qemu_plugin_tb;
 struct qemu_plugin_insn;

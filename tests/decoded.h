@@ -1,4 +1,4 @@
-/* Decodes a packed scene by docs/format.md, independently of the library. */
+/* Decodes a packed scene by docs/format.md. Shares no code with the library. */
 #ifndef DECODED_H
 #define DECODED_H
 
@@ -45,9 +45,8 @@ typedef struct decoded {
     int axis_bits;
 } decoded;
 
-enum { FIELDS = 11 };                  /* positions, scales, the rotation word, colours, opacity */
+enum { FIELDS = 11 };                  /* 3 positions, 3 scales, the rotation word, 3 colours, opacity */
 
-/* Codes of a Gaussian in the profile small, widened to those of default. */
 static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {
     uint32_t a, b, c, d = rows[3072 + at];

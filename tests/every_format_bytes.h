@@ -1,4 +1,4 @@
-/* A small scene in every format and container, as files in memory. */
+/* Builds a small scene in every supported file format, as files in memory. */
 #ifndef EVERY_FORMAT_BYTES_H
 #define EVERY_FORMAT_BYTES_H
 
@@ -21,11 +21,9 @@
 
 enum { GAUSSIANS = 3, MAX_FILES = 24 };
 
-/* The scene is opened by the first file. */
 static struct made_file { char name[32]; uint8_t data[1 << 14]; size_t size; } files[MAX_FILES];
 static int file_count;
 
-/* Adds a file with the content of `bytes`. */
 static inline void add_file(const char *name)
 {
     struct made_file *f = &files[file_count++];
@@ -35,7 +33,6 @@ static inline void add_file(const char *name)
     size = 0;
 }
 
-/* Writes the files into a folder, with the subfolders in their names. */
 static inline void write_made(const char *folder)
 {
     char full[160];
@@ -53,7 +50,6 @@ static inline void write_made(const char *folder)
     }
 }
 
-/* Removes the files; the folder stays. */
 static inline void remove_made(const char *folder)
 {
     char full[160];
@@ -67,16 +63,12 @@ static inline void remove_made(const char *folder)
     }
 }
 
-/* Nonzero finite floats. */
 static inline void put_floats(int count)
 {
     for (int i = 1; i <= count; i++)
         put_float((float)i / 8);
 }
 
-/* ---- One file -------------------------------------------------------------------------------------------------- */
-
-/* The header of a .ply without its last line: 14 floats a Gaussian, after an optional other property. */
 static inline void put_ply_header(const char *encoding, const char *before)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -148,7 +140,7 @@ static inline void fill_spz(spz_bytes *s, int version)
 
 static inline void make_plain_spz(void)
 {
-    static const uint8_t extension[] = {3, 0, 0xbe, 0xad, 4, 0, 0, 0, 6, 0, 0, 0};   /* right, down, front */
+    static const uint8_t extension[] = {3, 0, 0xbe, 0xad, 4, 0, 0, 0, 6, 0, 0, 0};
     spz_bytes s;
     fill_spz(&s, 3);
     s.flags = 2;
@@ -179,13 +171,12 @@ static inline void make_zstd_spz(void)
 }
 #endif
 
-/* ---- glTF ------------------------------------------------------------------------------------------------------ */
-
 #ifdef FXS_WITH_CJSON
 
 enum { GLTF_FLOATS = 14 * GAUSSIANS };
 
-/* Two primitives: floats in buffer 0, and an .spz of `spz` bytes at an offset of buffer `where`. */
+/* Writes glTF's JSON for two primitives: floats in buffer 0, and an .spz of `spz` bytes at `offset` of buffer
+   `where`. */
 static inline void put_gltf_json(const char *first_buffer, size_t first_size, int where, size_t offset, size_t spz)
 {
     static const struct { const char *name, *type; int components; } attributes[] = {
@@ -228,14 +219,13 @@ static inline void make_glb(void)
     add_file("a.glb");
 }
 
-/* One buffer in base64, with all floats 1; one in another file. */
 static inline void make_gltf(void)
 {
     char uri[64 + GLTF_FLOATS / 3 * 16] = "\"uri\":\"data:application/octet-stream;base64,";
     spz_bytes s;
     fill_spz(&s, 3);
     for (int i = 0; i < GLTF_FLOATS / 3; i++)
-        strcat(uri, "AACAPwAAgD8AAIA/");   /* 1, 1, 1 */
+        strcat(uri, "AACAPwAAgD8AAIA/");
     strcat(uri, "\",");
     size_t spz_size = spz_plain(&s, bytes);
     put_gltf_json(uri, 4 * GLTF_FLOATS, 1, 0, spz_size);
@@ -244,7 +234,6 @@ static inline void make_gltf(void)
     add_file("b1.bin");
 }
 
-/* A tileset with the .glb, and a nested tileset with the .gltf. */
 static inline void make_tileset(void)
 {
     put("{\"asset\":{\"version\":\"1.1\"},\"geometricError\":9,\"root\":{\"refine\":\"ADD\",\"content\":{\"uri\":"
@@ -262,7 +251,6 @@ static inline void make_tileset(void)
     }
 }
 
-/* Columns of floats, with SH degree 1. */
 static inline void put_rad_columns(int count)
 {
     static const struct { const char *name; int numbers; } columns[] = {
@@ -288,7 +276,6 @@ static inline void make_rad(void)
 }
 
 #ifdef FXS_WITH_ZLIB
-/* All other nodes are children of the root. */
 static inline void make_rad_tree(void)
 {
     rad_begin(1);
@@ -304,7 +291,6 @@ static inline void make_rad_tree(void)
     add_file("a.rad");
 }
 
-/* The chunks are in separate files. */
 static inline void make_rad_chunks(void)
 {
     rad_begin(1);
@@ -329,7 +315,7 @@ static inline void make_rad_chunks(void)
 }
 #endif
 
-/* Two cells with one Gaussian each, a third Gaussian in the environment; SH degree 3. */
+/* Writes two cells with a Gaussian each and a third Gaussian in the environment. */
 static inline void make_lcc(void)
 {
     put("{\"totalLevel\":1,\"attributes\":[{\"name\":\"scale\",\"min\":[1,2,3],\"max\":[4,5,6]},{\"name\":\"shcoef\",");
@@ -352,7 +338,6 @@ static inline void make_lcc(void)
 #endif
 
 #ifdef FXS_WITH_ZIP
-/* Removes the files from `first` on, and puts them into `bytes` as a zip. */
 static inline void zip_files(int first)
 {
     char name[] = "/tmp/test_zip_XXXXXX";
@@ -370,8 +355,6 @@ static inline void zip_files(int first)
     file_count = first;
 }
 #endif
-
-/* ---- SOG ------------------------------------------------------------------------------------------------------- */
 
 #ifdef WITH_SOG
 
@@ -418,7 +401,6 @@ static inline void make_streamed_sog(void)
 }
 
 #ifdef FXS_WITH_ZIP
-/* The files of add_sog in one zip. */
 static inline void make_sog_zip(void)
 {
     add_sog("");
@@ -428,8 +410,6 @@ static inline void make_sog_zip(void)
 #endif
 
 #endif
-
-/* ---- gsplat ---------------------------------------------------------------------------------------------------- */
 
 #ifdef WITH_GSPLAT
 
@@ -468,7 +448,7 @@ static inline void put_gsplat_meta(int has_sh)
     add_file("meta.json");
 }
 
-/* The header of a .npy array, padded to a multiple of 64 bytes. */
+/* Writes the header of a .npy array, padded to a multiple of 64 bytes. */
 static inline void put_npy(const char *type, const char *order, const char *shape)
 {
     put("%cNUMPY", 0x93);
@@ -478,7 +458,7 @@ static inline void put_npy(const char *type, const char *order, const char *shap
     put("%*s\n", (int)(127 - size), "");
 }
 
-/* is_by_column: the palette in Fortran order, as numpy writes a transposed array. */
+/* is_by_column: 1 stores the palette in Fortran order, as numpy writes a transposed array. */
 static inline void add_gsplat_sh(int is_by_column)
 {
     const int first = file_count;
@@ -527,8 +507,6 @@ static inline void make_gsplat(void)
 }
 
 #endif
-
-/* ---- All ------------------------------------------------------------------------------------------------------- */
 
 static const struct made_format { const char *name; void (*make)(void); int is_several; } formats[] = {
     {"ply", make_ply, 0}, {"compressed ply", make_compressed_ply, 0}, {"splat", make_splat, 0},

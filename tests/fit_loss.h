@@ -1,4 +1,5 @@
-/* The loss of the fit in doubles: SSIM of Wang et al. 2004, windows of 11x11, sigma 1.5, zeros outside the picture. */
+/* Computes the loss of the fit in doubles. SSIM follows Wang et al. 2004: windows of 11x11 pixels, sigma 1.5, zeros
+   outside the picture. */
 #ifndef FIT_LOSS_H
 #define FIT_LOSS_H
 
@@ -16,7 +17,7 @@ static inline void fit_window(double window[FIT_WINDOW])
         window[i] /= sum;
 }
 
-/* SSIM from a window's means of a, b, a^2, b^2 and ab. */
+/* Returns SSIM from the means of a, b, a^2, b^2 and ab over a window. */
 static inline double fit_similarity(const double m[5])
 {
     const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
@@ -24,7 +25,7 @@ static inline double fit_similarity(const double m[5])
     return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) / ((m[0] * m[0] + m[1] * m[1] + c1) * (variances + c2));
 }
 
-/* Convolves all five with the window along one axis: neighbours are `step` apart, lines are `size` pixels long. */
+/* Convolves five channels along one axis. Neighbouring pixels are `step` apart; a line has `size` pixels. */
 static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int pixels, int step, int size,
                                    const double *window)
 {
@@ -38,9 +39,9 @@ static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int
     }
 }
 
-/* The sum over the pixels of one channel (the photograph's samples are three bytes apart) of 0.8 |a - b| + 0.2 (1 -
-   SSIM). Pixels masked with 0 (mask may be null) count as outside of the picture. is_cut: where the photograph is
-   white, a brighter picture has no loss. */
+/* Sums 0.8 |a - b| + 0.2 (1 - SSIM) over one channel. The photograph's samples are three bytes apart. Pixels with
+   mask 0 count as outside of the picture; mask may be null. is_cut: 1 gives no loss where the photograph is white
+   and the picture is brighter. */
 static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int is_cut,
                               int width, int height)
 {

@@ -1,4 +1,4 @@
-/* Shared by the tests of the fit: random numbers, small cameras, a list of the stages' versions. */
+/* Random numbers, small cameras and kernel versions for the tests of the fit. */
 #ifndef FIT_SCENE_H
 #define FIT_SCENE_H
 
@@ -25,7 +25,8 @@ static inline double fit_uniform(double low, double high)
     return low + (high - low) * (double)(fit_random() >> 11) * 0x1p-53;
 }
 
-/* The distinct versions of the stages for this processor, plain C first. Returns their number, at most FIT_VERSIONS. */
+/* Lists the distinct versions of the stages for this processor, plain C first. Returns their number, at most
+   FIT_VERSIONS. */
 enum { FIT_VERSIONS = 5 };
 static const unsigned fit_cpus[FIT_VERSIONS] = {0, FXS_CPU_SSE41, FXS_CPU_AVX2, FXS_CPU_AVX512, FXS_CPU_NEON};
 static inline int fit_versions(const fxs_fit_stages *versions[FIT_VERSIONS])
@@ -39,7 +40,7 @@ static inline int fit_versions(const fxs_fit_stages *versions[FIT_VERSIONS])
     return count;
 }
 
-/* A camera turned about two axes by Pythagorean angles. */
+/* Makes a camera that is rotated about two axes by angles with rational sines and cosines. */
 static inline fxs_fit_camera fit_camera(int32_t width, int32_t height, float focal)
 {
     static const double c[2] = {0.96, 24.0 / 25}, s[2] = {0.28, 7.0 / 25};

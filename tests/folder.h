@@ -1,4 +1,4 @@
-/* A temporary folder for a test, files in it, and text built for such a file. */
+/* Creates a temporary folder for a test and writes files into the folder. */
 #ifndef FOLDER_H
 #define FOLDER_H
 
@@ -13,7 +13,7 @@
 
 static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 
-/* A path in the folder; valid until the second call after this one. */
+/* Returns a path in the folder. The second next call overwrites the path. */
 static inline const char *in_folder(const char *name)
 {
     static char path[2][1024];
@@ -35,7 +35,7 @@ static inline void put_file(const char *name, const void *data, size_t size)
 static char text[1 << 16];
 static size_t length;
 
-/* Appends to the text. */
+/* Appends formatted text to the content of the next file. */
 static inline void say(const char *format, ...)
 {
     va_list arguments;
@@ -44,7 +44,6 @@ static inline void say(const char *format, ...)
     va_end(arguments);
 }
 
-/* The body of main: runs `tests` with the folder, then removes it. */
 static inline int in_a_folder(void (*tests)(void))
 {
     char command[64];

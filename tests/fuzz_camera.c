@@ -1,5 +1,5 @@
-/* Fuzzes the camera readers. Byte 0 picks the format; bytes 1 and 2 give the size of the first file of a COLMAP or
-   Bundler model. Each view becomes a camera; its lens is undone and drawn through. */
+/* Fuzzes the readers of camera files. Byte 0 of an input picks the format. Bytes 1 and 2 give the size of the first
+   of two files. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Fuzzes the resuming of a fit, with magic numbers, photographs' hash and checksum corrected. A fit that resumes runs
-   two more steps, in plain C for inputs with an odd number of words. Its parameters must be finite and it must pack. */
+/* Fuzzes the resuming of a fit from a checkpoint with correct checksum. A resumed fit runs two more steps. Its
+   parameters must be finite and must pack to a scene. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@ enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 56, PRINT_BYTES = 8, END = 12 };
 static uint8_t pixels[3 * SIDE * SIDE];
 static fxs_fit_photo photo;
 static fxs_fit_options options;
-static uint8_t whole[1 << 14];          /* a saved fit */
+static uint8_t whole[1 << 14];
 static size_t whole_size;
 static char path[] = "/tmp/fixsplat-fuzz-XXXXXX";
 

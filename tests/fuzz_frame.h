@@ -1,5 +1,5 @@
-/* Shared by the rendering fuzz targets: builds a packed scene in several objects, cameras, options and targets from
-   an input's bytes. Memory and pictures lie in zones between poisoned guards, where any access ends the program. */
+/* Builds a packed scene, objects, cameras, options and targets from the bytes of a fuzz input. Memory and pictures
+   lie in zones between poisoned guards. Any access to a guard ends the program. */
 #ifndef FUZZ_FRAME_H
 #define FUZZ_FRAME_H
 
@@ -14,19 +14,19 @@
 #include "fastest.h"
 
 enum {
-    FUZZ_GUARD = 1 << 20,          /* bytes before and after a zone */
+    FUZZ_GUARD = 1 << 20,          /* size of the guard on either side of a zone */
     FUZZ_ROOM = 4 << 20,
-    FUZZ_CONTROL = 20,             /* bytes at the start of an input */
-    FUZZ_EDIT = 6,                 /* bytes of an edit of a generated scene */
+    FUZZ_CONTROL = 20,
+    FUZZ_EDIT = 6,
     FUZZ_OBJECTS = 3,
-    FUZZ_IMAGES = 5,               /* output images */
-    FUZZ_OCCLUDER = 3,             /* zone of the occluder */
+    FUZZ_IMAGES = 5,
+    FUZZ_OCCLUDER = 3,
     FUZZ_ZONES = 4,
     FUZZ_LEVELS = 5
 };
 
 typedef struct fuzz_frame {
-    unsigned char *data;           /* the packed scene; release with free */
+    unsigned char *data;           /* the packed scene; released with free */
     size_t bytes;
     fxs_scene scene;
     fxs_camera cameras[2];
@@ -34,19 +34,19 @@ typedef struct fuzz_frame {
     enum fxs_format format;
     fxs_object objects[FUZZ_OBJECTS];
     fxs_crop crops[FUZZ_OBJECTS][2];
-    uint32_t count;                /* of objects */
+    uint32_t count;
     unsigned images;               /* bit i: image i is a target */
     int depth_bits, occluded, upside_down, wrong_stride;
-    fxs_context levels[FUZZ_LEVELS];   /* plain C first, then each instruction set of this processor */
+    fxs_context levels[FUZZ_LEVELS];
     int level_count;
-    uint32_t scribble;             /* for fuzz_scribble.c */
-    size_t picture;                /* bytes of all targets of an eye */
+    uint32_t scribble;
+    size_t picture;
 } fuzz_frame;
 
 /* One zone for each use: memory, left picture, right picture, occluder. */
 static _Alignas(64) unsigned char fuzz_zones[FUZZ_ZONES][FUZZ_GUARD + FUZZ_ROOM + FUZZ_GUARD];
 
-/* The start of a zone with `bytes` accessible bytes; null if the zone is too small. */
+/* Returns the start of a zone with `bytes` accessible bytes. Returns null if the zone is too small. */
 static unsigned char *fuzz_room(int zone, size_t bytes)
 {
     static size_t open[FUZZ_ZONES] = {FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM};
@@ -66,7 +66,7 @@ static uint32_t fuzz_word(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Edits a generated scene: each edit selects a part of the file and an offset, and writes 1 to 8 equal bytes. */
+/* Each edit selects a part of the file and an offset, and writes 1 to 8 equal bytes. */
 static void fuzz_edit(fuzz_frame *f, size_t headers, const uint8_t *edits, size_t size)
 {
     for (; size >= FUZZ_EDIT; edits += FUZZ_EDIT, size -= FUZZ_EDIT) {
@@ -80,7 +80,6 @@ static void fuzz_edit(fuzz_frame *f, size_t headers, const uint8_t *edits, size_
     }
 }
 
-/* Takes the scene from the input's bytes, or generates it from a seed and edits it. Returns 0 if it does not open. */
 static int fuzz_scene(fuzz_frame *f, const uint8_t *control, const uint8_t *rest, size_t size)
 {
     fxs_message message;
@@ -101,7 +100,6 @@ static int fuzz_scene(fuzz_frame *f, const uint8_t *control, const uint8_t *rest
     return fxs_scene_open(&f->scene, f->data, f->bytes) == 0;
 }
 
-/* A random camera, sometimes with invalid numbers. */
 static void fuzz_camera(fxs_camera *camera, const uint8_t *control)
 {
     random_camera(camera);
@@ -139,7 +137,6 @@ static void fuzz_options(fuzz_frame *f, const uint8_t *control)
     memcpy(f->options.background, control + 1, sizeof f->options.background);
 }
 
-/* Sets one of an object's fields to an arbitrary value, or none. */
 static void fuzz_wild_object(fxs_object *object)
 {
     switch (next() % 12) {
@@ -152,8 +149,7 @@ static void fuzz_wild_object(fxs_object *object)
     case 6: object->crops = NULL; break;
     case 7: object->scene = NULL; break;
     }
-    if (object->crop_count > 2)                /* beyond FXS_MAX_CROPS, so that the missing crops are refused by
-                                                  count */
+    if (object->crop_count > 2)                /* too many crops are refused before they are read */
         object->crop_count += FXS_MAX_CROPS;
 }
 
@@ -201,8 +197,6 @@ static void fuzz_world(fuzz_frame *f, unsigned control)
         f->cameras[0].projection = f->cameras[1].projection = FXS_ORTHOGRAPHIC;
 }
 
-/* ---- Targets ----------------------------------------------------------------------------------------------------- */
-
 static void fuzz_images(fuzz_frame *f, unsigned control)
 {
     const int pixel_bytes[FUZZ_IMAGES] = {fxs_pixel_bytes(f->format), 1, 4, 4, 8};
@@ -220,7 +214,7 @@ static void fuzz_images(fuzz_frame *f, unsigned control)
         depths[i] = next() % 4 ? (uint32_t)next() >> next() % 32 : FXS_NOTHING;
 }
 
-/* The targets of an eye, consecutive in its zone and filled with one value, so that unwritten pixels compare equal. */
+/* Returns the targets of an eye. Equal initial bytes make unwritten pixels compare equal. */
 static fxs_targets fuzz_targets(const fuzz_frame *f, int eye)
 {
     fxs_targets t;
@@ -255,7 +249,7 @@ static void fuzz_levels(fuzz_frame *f)
         }
 }
 
-/* Returns 0 if the input has no scene that opens. Call free(f->data) in either case. */
+/* Returns 0 if no scene of the input opens. The caller releases f->data in either case. */
 static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
 {
     memset(f, 0, sizeof *f);
@@ -298,7 +292,7 @@ static size_t fuzz_frame_bytes(const fuzz_frame *f, fxs_frame_memory *memory)
     return fxs_frame_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height, memory);
 }
 
-/* The least memory that fxs_render states for this view; after another error, the least for any view. */
+/* Returns the minimum memory of a frame of this view in bytes. */
 static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_frame_memory *memory)
 {
     fxs_stats stats = {.visible = 0};

@@ -1,5 +1,5 @@
-/* Fuzzes rendering: a packed scene, damaged or not, in several objects, for one eye and two, in full and in minimum
-   memory, with picking and counted pairs. Every kernel set of this processor must match plain C. */
+/* Fuzzes rendering of a packed scene, valid or damaged, in mono and in stereo, in full and in minimum memory. Every
+   kernel set of this processor must match plain C. */
 #include "one_scene.h"
 #include "fuzz_frame.h"
 
@@ -40,7 +40,6 @@ static void count(const fuzz_frame *f, size_t bytes, const result *expected, uin
         abort();
 }
 
-/* Picked pixels must match an id target. */
 static void pick(const fuzz_frame *f, size_t bytes)
 {
     fxs_targets targets = fuzz_targets(f, 0);
@@ -90,9 +89,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             render_stereo(&f, &f.levels[level], all, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
-        if (first.error != FXS_ERR_TARGET) {       /* counting has no targets */
+        if (first.error != FXS_ERR_TARGET) {
             count(&f, all, &first, pairs);
-            count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);   /* not in slices */
+            count(&f, memory.rows > least ? memory.rows : least, &first, pairs_in_bands);
         }
         if (memcmp(pairs, pairs_in_bands, sizeof pairs) != 0)
             abort();

@@ -1,5 +1,5 @@
-/* Fuzzes .glb files in a valid container, so mutations reach the content. Two bytes give the size of the JSON; the JSON
-   and the binary chunk follow. */
+/* Fuzzes .glb files with a valid container. Two bytes of an input give the size of the JSON. The JSON and the binary
+   chunk follow. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +22,6 @@ static size_t make_glb(const uint8_t *data, size_t size, uint8_t *out)
     return 28 + left;
 }
 
-/* Adds the Gaussians read to *total. Returns the last result. */
 static long read_some(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

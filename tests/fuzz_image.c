@@ -28,7 +28,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         unsigned sum = 0;
         for (size_t i = 0; i < 4 * (size_t)width * (size_t)height; i += 509)
             sum += rgba[i];
-        if (width < 1 || height < 1 || sum == UINT32_MAX ||      /* reads every byte */
+        if (width < 1 || height < 1 || sum == UINT32_MAX ||
             exif.orientation < 1 || exif.orientation > 8 || !(exif.exposure >= 0 && exif.exposure < 1e14) ||
             strchr(exif.lens, '\n'))
             abort();

@@ -1,5 +1,5 @@
-/* Fuzzes the packer: Gaussians with arbitrary floats pack to a scene that opens. Byte 0 gives the profile, the SH
-   degree and whether levels of detail are built; the records of a .ply follow. */
+/* Fuzzes the packer. Gaussians with arbitrary floats must pack to a scene that opens. Byte 0 gives the profile, the
+   SH degree and whether levels of detail are built. Records of a .ply follow. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Fuzzes the pager: a scene with levels of detail, damaged or not, in a small pool, from a source that fails, corrupts
-   bytes or states a wrong size. A sound scene is drawn like the whole once no chunk is missing. */
+/* Fuzzes the pager, which loads the chunks of a scene on demand. The source of the chunks may fail, corrupt bytes or
+   state a wrong size. Once no chunk is missing, an intact scene must render like the whole scene. */
 #include <fixsplat/pager.h>
 #include <fixsplat/internal/message.h>
 
@@ -13,7 +13,7 @@ enum { CONTROL = 12, FRAMES = 3, TURNS = 40, WAIT_NS = 2000000 };
 typedef struct fuzz_source {
     const unsigned char *bytes;
     size_t there, claimed;
-    uint32_t reads, fails_each, lies_each;   /* reads; every n-th one fails or lies, 0: none */
+    uint32_t reads, fails_each, lies_each;   /* every n-th read fails or returns wrong bytes; 0: none */
     int closed;
 } fuzz_source;
 
@@ -36,7 +36,7 @@ static void close_part(void *argument)
     ((fuzz_source *)argument)->closed++;
 }
 
-/* Returns the error of fxs_render. Sets *missing, 0 on failure. */
+/* Returns the error code of fxs_render. Sets *missing to the number of missing chunks, 0 on failure. */
 static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *camera, const fxs_options *options,
                 unsigned char *pixels, size_t *picture, uint32_t *missing)
 {
@@ -61,14 +61,11 @@ static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *came
     return error;
 }
 
-/* Only frames with limits can be compared: without them the whole scene has no cut, and a random tree's nodes do not
-   bound their children. */
 static int has_cut(const fxs_scene *scene, const fxs_options *options)
 {
     return options->detail_q8 || (options->budget && options->budget < scene->count);
 }
 
-/* Renders with a still camera until no chunk is missing, then compares with the whole scene, if given. */
 static void look(fxs_pager *pager, const fxs_scene *whole, int turns)
 {
     static unsigned char pixels[2][FUZZ_ROOM / 4];
@@ -123,7 +120,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_frame f = {.data = made.data, .bytes = made.bytes};
     fxs_file_seal(f.data, f.bytes);
     fuzz_edit(&f, (size_t)(made.scene.rows - made.data), data + CONTROL, size - CONTROL);
-    if (data[0] & 16)                      /* damage with valid checksums */
+    if (data[0] & 16)                      /* damaged bytes with valid checksums */
         fxs_file_seal(f.data, f.bytes);
     fuzz_source s = {.bytes = f.data, .there = f.bytes, .claimed = f.bytes, .reads = data[0] & 32 ? 4096 : 0};
     switch (data[2] % 8) {

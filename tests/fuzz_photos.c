@@ -1,5 +1,5 @@
-/* Fuzzes the reading of photographs. Bits 0, 1 and 5 of byte 0 pick the layout; three sizes of two bytes split the rest
-   into cameras, images, points and a photograph. Every pixel and point is read. */
+/* Fuzzes the reading of photographs for a fit. Bits 0, 1 and 5 of byte 0 pick the layout. Three sizes of two bytes
+   split the input into cameras, images, points and a photograph. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -14,7 +14,6 @@ enum { FILES = 4 };
 
 static char folder[] = "/tmp/fixsplat-fuzz-XXXXXX";
 
-/* By layout: cameras, images, points, a photograph. */
 static const char *const names[][FILES] = {
     {"cameras.bin", "images.bin", "points3D.bin", "images/a"},
     {"cameras.txt", "images.txt", "points3D.txt", "images/a"},
@@ -63,7 +62,7 @@ static void check_photo(const fxs_fit_photo *photo)
         sum += photo->pixels[i];
     for (int i = 0; i < v->width * v->height && photo->mask; i++)
         sum += photo->mask[i];
-    if (sum == UINT32_MAX)         /* reads every byte */
+    if (sum == UINT32_MAX)
         abort();
 }
 

@@ -1,6 +1,5 @@
-/* Fuzzes a scene that changes while it is rendered or its pairs are counted. The writer is a thread or, for
-   reproducible findings, the renderer's clock. Any picture or error will do; memory beyond the caller's stays
-   untouched. */
+/* Fuzzes a scene that changes during rendering. A thread writes into the scene, or for reproducible findings the
+   renderer's clock does. Any picture or error is accepted. Memory beyond the caller's must stay untouched. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -10,11 +9,11 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The scene being overwritten. `original` and `other` are two valid scenes of the same layout. */
+/* `original` and `other` are valid scenes of the same layout. */
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
-    size_t bytes, headers;         /* headers: bytes of file and chunk headers, at the start */
+    size_t bytes, headers;
     const unsigned char *original, *other;
     uint32_t how;
 } target;
@@ -26,12 +25,12 @@ static uint32_t scribble_random(uint32_t *seed)
     return *seed ^= *seed << 5;
 }
 
-/* Overwrites a random range: with one scene's bytes, which keep headers in range, or up to 64 equal bytes. */
+/* Overwrites a random range with bytes of a valid scene, or with up to 64 equal bytes. */
 static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
     const size_t first = target.how & 1 ? 192 : 0, end = target.how & 2 ? target.headers : target.bytes;
-    if (end == first)                  /* a scene without chunks */
+    if (end == first)
         return;
     const size_t at = first + scribble_random(seed) % (end - first);
     size_t count = (size_t)1 << (what >> 4) % 20;
@@ -42,7 +41,6 @@ static void scribble(uint32_t *seed)
         memset(target.data + at, (int)(what >> 24), count < 64 ? count : 64);
 }
 
-/* A clock, called between chunks and stages, that sometimes overwrites the scene. */
 static uint64_t scribbling_clock(void *seed)
 {
     if (scribble_random(seed) % 4 == 0)
@@ -108,8 +106,7 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                    fuzz_room(0, least), least, &picked));
 }
 
-/* A scene of the same layout: chunk headers may be reversed, and in some chunks all but the first few Gaussians have
-   opacity 0. */
+/* Chunk headers may be reversed. In some chunks only the first few Gaussians have a nonzero opacity. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
     unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);

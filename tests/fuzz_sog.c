@@ -1,6 +1,5 @@
-/* Fuzzes scenes in several files: a zipped .sog, SOG as files and streamed, a tileset, an .lcc, and gsplat's folder
-   with parts 0 to 6 as images. Two bytes give each part's size; an empty environment is absent. A scene is read twice
-   with the same result. */
+/* Fuzzes scenes in several files: SOG, tilesets, .lcc and gsplat's folders. Two bytes of an input give the size of
+   each file. A scene is read twice and must give the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,7 +51,6 @@ static int open_beside(void *argument, const char *name, fxs_scene_input *input)
     return -1;
 }
 
-/* Adds the Gaussians read to *total. Returns the last result. */
 static long read_all(fxs_scene_file *file, uint64_t *total)
 {
     static fxs_gaussian gaussians[100];

@@ -1,5 +1,4 @@
-/* Fuzzes .spz in memory. The data after byte 0 are gzipped if it is odd, because mutations would break gzip's checksum.
-   A scene is read twice with the same result. */
+/* Fuzzes .spz files. If byte 0 is odd, the target gzips the data itself, so that the gzip checksum is valid. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +7,6 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A message is one line that begins with the file's name. */
 static void check_message(const fxs_message *message)
 {
     if (strncmp(message->text, "fuzz: ", 6) != 0 || strchr(message->text, '\n'))

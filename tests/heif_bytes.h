@@ -1,12 +1,12 @@
-/* A photograph of 24 x 20 pixels by libheif and x265, quality 90: pixel x, y is 40 + 7 x, 200 - 6 y, 60 + 3 x + 4 y.
-   It states a rotation of 90 degrees clockwise and BT.601 full range. Its EXIF data: orientation 6, 1/60 s, f/2.8,
-   ISO 400, 4.25 mm. */
+/* A HEIF photograph of 24 x 20 pixels by libheif and x265 at quality 90. The pixel at x, y has the colour (40 + 7 x,
+   200 - 6 y, 60 + 3 x + 4 y) in BT.601 full range. The file states a rotation of 90 degrees clockwise. EXIF states
+   orientation 6, 1/60 s, f/2.8, ISO 400 and 4.25 mm. */
 #ifndef HEIF_BYTES_H
 #define HEIF_BYTES_H
 
 #include <stdint.h>
 
-enum { HEIF_WIDTH = 20, HEIF_HEIGHT = 24 };      /* after the rotation */
+enum { HEIF_WIDTH = 20, HEIF_HEIGHT = 24 };      /* size after the rotation of the picture */
 
 static const uint8_t turned_heif[1123] = {
     0, 0, 0, 28, 102, 116, 121, 112, 104, 101, 105, 99, 0, 0, 0, 0, 109, 105, 102, 49, 104, 101, 105, 99, 109, 105, 97,

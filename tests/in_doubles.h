@@ -1,4 +1,4 @@
-/* Converts the renderer's input to doubles, for the reference. */
+/* Converts the renderer's input to doubles for the reference renderer. */
 #ifndef IN_DOUBLES_H
 #define IN_DOUBLES_H
 
@@ -34,7 +34,6 @@ static inline struct reference_object object_in_doubles(const fxs_object *object
     return o;
 }
 
-/* Decodes Gaussian `index` by src/include/fixsplat/internal/packed.h, in the default profile. */
 static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
     const unsigned char *rows = fxs_rows(scene, index / FXS_CHUNK);

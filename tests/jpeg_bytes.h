@@ -1,5 +1,6 @@
-/* Photographs of 24 x 20 pixels by libjpeg-turbo, quality 85: pixel x, y is 40 + 7 x, 200 - 6 y, 60 + 3 x + 4 y; in
-   the grey one 40 + 7 x. The others have chroma at half size; the progressive one has restart markers. */
+/* JPEG photographs of 24 x 20 pixels by libjpeg-turbo at quality 85. The pixel at x, y has the colour (40 + 7 x, 200
+   - 6 y, 60 + 3 x + 4 y), or the grey level 40 + 7 x. Colour photographs have chroma at half size. The progressive
+   photograph has restart markers. */
 #ifndef JPEG_BYTES_H
 #define JPEG_BYTES_H
 

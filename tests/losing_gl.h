@@ -1,5 +1,5 @@
-/* OpenGL ES functions that fail from a chosen call on, as after a lost context or without device memory: they return
- * and write nothing, and glGetError gives the reason. */
+/* OpenGL ES functions that fail from a chosen call on, as after a lost context or without device memory. A failing
+   function writes nothing, and glGetError returns the reason. */
 #ifndef LOSING_GL_H
 #define LOSING_GL_H
 
@@ -8,9 +8,9 @@
 
 #include "kernels/compute/gl31.h"
 
-enum { CONTEXT_LOST = 0x0507 };            /* from OpenGL ES 3.2 */
+enum { CONTEXT_LOST = 0x0507 };
 
-static long calls_left = LONG_MAX;         /* until they fail */
+static long calls_left = LONG_MAX;         /* number of OpenGL calls that still succeed */
 static GLenum loss;
 static struct {
     fxs_gl gl;
@@ -58,14 +58,13 @@ LOSING_VALUE(const GLubyte *, GetString, (GLenum a), (a), 0)
 LOSING_VALUE(const GLubyte *, GetStringi, (GLenum a, GLuint b), (a, b), 0)
 LOSING_VALUE(void *, MapBufferRange, (GLenum a, GLintptr b, GLsizeiptr c, GLbitfield d), (a, b, c, d), 0)
 
-/* Unmaps the buffer even after the loss, since the real context still works. */
+/* Unmaps the buffer even after the simulated loss, because the real context still works. */
 static GLboolean GL_APIENTRY losing_UnmapBuffer(GLenum target)
 {
     const GLboolean good = real.gl.UnmapBuffer(target);
     return is_lost() ? GL_FALSE : good;
 }
 
-/* Looks up the functions of a context, with the failing ones substituted. */
 static inline fxs_gl_function losing_load(fxs_gl_load_fn *load, void *context, const char *name)
 {
 #define LOSES(name) {"gl" #name, (fxs_gl_function)losing_##name}
@@ -90,13 +89,11 @@ static inline fxs_gl_function losing_load(fxs_gl_load_fn *load, void *context, c
     return load(context, name);
 }
 
-/* True if a call may return this error after the loss. */
 static inline int is_loss(int error)
 {
     return error == FXS_ERR_DEVICE || (loss == GL_OUT_OF_MEMORY && error == FXS_ERR_MEMORY);
 }
 
-/* Makes calls fail after the first `calls`. */
 static inline void lose_after(long calls, GLenum why)
 {
     calls_left = calls;

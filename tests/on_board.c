@@ -1,5 +1,5 @@
-/* Runs a test as a board's program: the functions that newlib needs, with port/cortexm's start and console. Built with
- * -Dmain=test_main; the test gets no arguments. */
+/* Runs a test program on a microcontroller. Defines the functions that newlib needs. The test is built with
+   -Dmain=test_main and gets no arguments. */
 #include <errno.h>
 #include <malloc.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
-/* POSIX functions that the test programs use, for Windows builds; included in front of each program (make/test.mk). */
+/* Substitutes for POSIX functions in test programs for Windows. The compiler includes this header before each
+   program. */
 #ifndef ON_WINDOWS_H
 #define ON_WINDOWS_H
 
@@ -17,7 +18,7 @@
 #define setenv(name, value, replace) _putenv_s(name, value)
 #define unsetenv(name) _putenv_s(name, "")
 
-/* A substitute for mkdtemp: _mktemp has only 26 names for a process id, and an earlier process may have used them. */
+/* _mktemp has only 26 names for a process id, which an earlier process may have used up. */
 static inline char *mkdtemp(char *name)
 {
     char *end = name + strlen(name) - strlen("XXXXXX");
@@ -29,8 +30,8 @@ static inline char *mkdtemp(char *name)
     return NULL;
 }
 
-/* Aligned blocks for free: the pointer that malloc returned and a 64-bit mark lie before the block. free_block,
-   which replaces free, recognises the mark; a plain block has it only by chance. */
+/* Aligned blocks that free accepts. The pointer from malloc and a 64-bit mark lie before an aligned block.
+   free_block replaces free and looks for the mark. */
 #define ALIGNED_MARK 0x7a11ed0b10c5ba5eu
 
 static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
@@ -47,14 +48,13 @@ static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
 
 static inline void free_block(void *memory)
 {
-    uint64_t *volatile where = memory;         /* volatile: keeps the compiler from assuming no memory before the
-                                                  block */
+    uint64_t *volatile where = memory;         /* volatile: memory before the block exists */
     uint64_t *block = where;
     free(block && (uintptr_t)block % 64 == 0 && block[-1] == ALIGNED_MARK ? (void *)(uintptr_t)block[-2] : memory);
 }
 #define free free_block
 
-/* Replaces an existing `to`. `to` may differ from `from` in case only. */
+/* Replaces an existing file. The two names may differ in case only. */
 static inline int rename_over(const char *from, const char *to)
 {
     if (!rename(from, to))
@@ -64,7 +64,6 @@ static inline int rename_over(const char *from, const char *to)
 }
 #define rename rename_over
 
-/* Runs "rm -r FOLDER" or "rm -rf FOLDER". */
 static inline int run_shell(const char *command)
 {
     char line[256];

@@ -1,4 +1,4 @@
-/* Frames of one unplaced scene into one picture, as most tests draw them. */
+/* Renders a single scene without placement into a single picture. */
 #ifndef ONE_SCENE_H
 #define ONE_SCENE_H
 
@@ -21,7 +21,6 @@ static inline fxs_targets one_target(enum fxs_format format, void *pixels, ptrdi
     return targets;
 }
 
-/* Collects the arguments in a request. */
 static inline fxs_request request_for(const fxs_object *objects, uint32_t count, const fxs_options *options,
                                       uint32_t eyes, const fxs_camera *cameras, const fxs_targets *targets)
 {
@@ -92,7 +91,7 @@ static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *came
     return count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
 }
 
-/* Both pictures have the same stride. */
+/* The pictures of both eyes have the same stride. */
 static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
                                     const fxs_options *options, enum fxs_format format, void *memory,
                                     size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)

@@ -1,6 +1,5 @@
-/* A packed scene built by a test. packed_scene_make zeroes all but the given values; the test fills in headers in
- * this processor's byte order, and rows as bytes or by fxs_little_16 and fxs_little_32; then it calls
- * packed_scene_finish. */
+/* Builds a packed scene by hand. packed_scene_make zeroes all but the given values. The test then fills in the
+   headers in native byte order and the rows in little-endian. packed_scene_finish opens the scene. */
 #ifndef PACKED_SCENE_H
 #define PACKED_SCENE_H
 
@@ -10,16 +9,16 @@
 #include "check.h"
 
 typedef struct packed_scene {
-    unsigned char *data;           /* release with free */
+    unsigned char *data;
     size_t bytes;
     fxs_packed_header *header;
     fxs_chunk *chunks;
-    int8_t *palette;               /* null without one */
+    int8_t *palette;               /* null: the scene has no SH palette */
     unsigned char *rows;
-    fxs_scene scene;               /* opened on `data` */
+    fxs_scene scene;
 } packed_scene;
 
-/* Converts the headers between this processor's byte order and a packed scene's. */
+/* Converts the headers between native byte order and little-endian. */
 static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
 {
     for (uint32_t i = 0; i < chunk_count; i++)
@@ -27,7 +26,7 @@ static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
     fxs_packed_header_turn(s->header);
 }
 
-/* Converts the headers, which must not be read afterwards, and opens the scene. */
+/* Opens the finished scene. The test must not read the headers afterwards. */
 static inline int packed_scene_finish(packed_scene *s)
 {
     packed_scene_turn(s, s->header->chunk_count);

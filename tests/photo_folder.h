@@ -1,4 +1,4 @@
-/* Shared by the tests of photographs: writes pictures and COLMAP models into a folder, and reads it. */
+/* Writes pictures and COLMAP models into a folder and reads the folder as photographs of a fit. */
 #ifndef PHOTO_FOLDER_H
 #define PHOTO_FOLDER_H
 
@@ -11,7 +11,7 @@
 static fxs_message message;
 static fxs_photos photos;
 
-/* FNV-1a, continued from `hash` (start with 2166136261). */
+/* Continues an FNV-1a hash. The start value is 2166136261. */
 static inline uint32_t hash_on(uint32_t hash, const void *data, size_t size)
 {
     const uint8_t *bytes = data;
@@ -38,7 +38,7 @@ static inline void make_folder(const char *name)
     CHECK(!mkdir(in_folder(name), 0777));
 }
 
-/* A .ppm of `width` x `height` pixels; rgb null: noise. */
+/* rgb: null writes a picture of noise. */
 static inline void put_ppm(const char *name, int width, int height, const uint8_t *rgb)
 {
     static uint8_t bytes[1 << 17];
@@ -48,7 +48,6 @@ static inline void put_ppm(const char *name, int width, int height, const uint8_
     put_file(name, bytes, size);
 }
 
-/* Reads a folder, after freeing the photographs read before. */
 static inline int read_photos(const char *name, const fxs_photos_options *options)
 {
     fxs_photos_free(&photos);
@@ -59,7 +58,6 @@ static inline int read_photos(const char *name, const fxs_photos_options *option
     return error;
 }
 
-/* Expects an error, with `words` in its message. */
 static inline void check_refused(const char *name, const fxs_photos_options *options, int error, const char *words)
 {
     const int got = read_photos(name, options);

@@ -1,5 +1,5 @@
 #include "scene_writer.h"
-/* A procedural scene, written as .ply, then read and packed as by a user. */
+/* Generates a procedural scene, writes a .ply, and reads and packs the file. */
 #ifndef PROCEDURAL_SCENE_H
 #define PROCEDURAL_SCENE_H
 
@@ -11,7 +11,7 @@
 #include <fixsplat/internal/message.h>
 #include "tools/command/procedural.h"
 
-/* *report may be null. Returns 0 and a *packed for fxs_packed_scene_free, or -1 and a message. */
+/* Returns 0 and a scene to be freed with fxs_packed_scene_free. Returns -1 on failure. report may be null. */
 static inline int procedural_scene_make(const char *name, uint64_t count, int antialiased, fxs_packed_scene *packed,
                                         fxs_pack_report *report, fxs_message *m)
 {

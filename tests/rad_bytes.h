@@ -1,4 +1,4 @@
-/* Builds .rad files from given columns. */
+/* Builds .rad files from given columns of numbers. */
 #ifndef RAD_BYTES_H
 #define RAD_BYTES_H
 
@@ -11,7 +11,7 @@ enum { RAD_COLUMNS = 16, RAD_CHUNKS = 8, RAD_COLUMN_ROOM = 1 << 15 };
 
 static struct rad_column {
     const char *property, *encoding;
-    const char *more;                  /* more JSON members, such as ",\"min\":0" */
+    const char *more;                  /* further JSON members of the column, such as ",\"min\":0" */
     uint8_t bytes[RAD_COLUMN_ROOM];
     size_t size;
 } rad_columns[RAD_COLUMNS];
@@ -27,7 +27,7 @@ static inline void rad_begin(int compressed)
     rad_compressed = compressed;
 }
 
-/* Makes a column of the bytes written since `size` was 0. */
+/* Makes a column of all bytes written since the last column. */
 static inline void rad_add_column(const char *property, const char *encoding, const char *more)
 {
     struct rad_column *c = &rad_columns[rad_column_count++];
@@ -60,7 +60,6 @@ static inline void rad_pad(void)
         put_u8(0);
 }
 
-/* Makes a chunk of the columns added. */
 static inline void rad_add_chunk(int base, int count)
 {
     size_t payload = 0;
@@ -88,7 +87,7 @@ static inline void rad_add_chunk(int base, int count)
     size = 0;
 }
 
-/* Puts the whole file into `bytes`; `more` is added to the header's JSON, such as ",\"maxSh\":1". */
+/* Puts the whole .rad into `bytes`. more: further JSON members of the header, such as ",\"maxSh\":1". */
 static inline void rad_end(int count, int chunk_size, const char *more)
 {
     put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%d,\"chunkSize\":%d,\"allChunkBytes\":%zu%s,\"chunks\":[",

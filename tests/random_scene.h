@@ -1,4 +1,4 @@
-/* Random packed scenes and cameras, for tests that draw many small frames. */
+/* Makes random packed scenes and random cameras. */
 #ifndef RANDOM_SCENE_H
 #define RANDOM_SCENE_H
 
@@ -53,7 +53,7 @@ static void fill_chunk(const packed_scene *s, uint32_t c)
         chunk->sh_mean[i] = (int8_t)between(-128, 127);
 }
 
-/* A scene of 1 to `most` Gaussians. Release its data with free. */
+/* The scene has 1 to `most` Gaussians. The caller releases its data with free. */
 static packed_scene random_scene(enum fxs_profile profile, int32_t most)
 {
     int degree = between(0, 3);
@@ -70,7 +70,7 @@ static packed_scene random_scene(enum fxs_profile profile, int32_t most)
     return s;
 }
 
-/* A rotation about one axis by a Pythagorean angle, which integers hold exactly enough. */
+/* Makes a camera that is rotated about one axis by an angle with a rational sine and cosine. */
 static void random_camera(fxs_camera *camera)
 {
     static const int32_t triples[][3] = {{1, 0, 1}, {3, 4, 5}, {5, 12, 13}, {8, 15, 17}, {-7, 24, 25}, {-20, 21, 29}};
@@ -92,13 +92,11 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = (int64_t)between(-4194304, 4194304) * 4096;
 }
 
-/* Near plane: 2^-20 to 8 units. */
 static inline void random_near(fxs_camera *camera)
 {
     camera->near_q32 = (int64_t)between(4096, 8191) << between(0, 22);
 }
 
-/* A camera of either projection, and random options. */
 static inline void random_view(fxs_camera *camera, fxs_options *options)
 {
     random_camera(camera);

@@ -1,15 +1,15 @@
-/* Random packed scenes with trees of any shape and any keys, and their cuts computed by the processor. */
+/* Makes random packed scenes with level-of-detail trees of any shape. Computes their cuts: the tree nodes that a
+   frame draws. Nodes are refined in the order of their keys. */
 #ifndef RANDOM_TREE_H
 #define RANDOM_TREE_H
 
 #include "random_scene.h"
 #include "src/core/cut.h"
 
-/* Nodes over `leaves` leaves in any order; children are later nodes or leaves. `deep`: a chain. `alike`: equal keys
-   at equal distance. */
+/* deep: 1 builds a chain of nodes. alike: 1 gives all nodes equal keys at equal distance. */
 static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int alike)
 {
-    uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;     /* open child slots: 2 * node + child */
+    uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;
     if (!open)
         abort();
     for (uint32_t i = 0; i < leaves - 1; i++) {
@@ -35,7 +35,7 @@ static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int 
     free(open);
 }
 
-/* A scene of `leaves` chunks, at least 2, with a tree. Release its data with free. */
+/* The scene has `leaves` chunks, at least 2. The caller releases its data with free. */
 static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves, int deep, int alike)
 {
     const int degree = between(0, 2);
@@ -72,7 +72,6 @@ static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves
     return tree;
 }
 
-/* A random camera and random limits, for scenes of `chunks` chunks. */
 static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t chunks)
 {
     random_view(camera, options);
@@ -88,7 +87,7 @@ static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t
     options->detail_q8 = between(0, 2) ? 0 : (uint32_t)between(1, 1 << between(1, 16));
 }
 
-/* The cut of a frame, computed by the processor. Returns its chunks (release with free), null if no cut is needed. */
+/* Computes the cut of a frame on the CPU. Returns the drawn chunks, released with free. Null: no object needs a cut. */
 static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                                   const fxs_options *options, uint32_t *drawn)
 {

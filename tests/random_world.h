@@ -1,4 +1,4 @@
-/* Frames of several objects into every target, drawn by the renderer and by the reference. */
+/* Renders frames of several objects into every target, by the library's renderer and by the reference renderer. */
 #ifndef WORLD_H
 #define WORLD_H
 
@@ -14,9 +14,7 @@
 
 enum { WORLD_OBJECTS = 128, WORLD_GUARD = 0xa5 };
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
-/* A packed scene, and the Gaussians that the reference draws for it. */
+/* A packed scene, and unpacked Gaussians for the reference renderer. */
 typedef struct part {
     fxs_packed_scene packed;
     fxs_pack_report report;
@@ -32,7 +30,6 @@ static inline void part_free(part *p)
     p->gaussians = 0;
 }
 
-/* Keeps the Gaussians unpacked for the reference. */
 static inline int part_make(part *p, const char *name, uint64_t count)
 {
     fxs_message m = {.text = ""};
@@ -47,7 +44,6 @@ static inline int part_make(part *p, const char *name, uint64_t count)
     return 1;
 }
 
-/* Loads a captured scene. Returns 0 if its file is missing. */
 static inline int part_load(part *p, const char *name)
 {
     char path[512];
@@ -69,7 +65,6 @@ static inline int part_load(part *p, const char *name)
     return CHECK(!error && !fxs_scene_open(&p->scene, p->packed.data, p->packed.bytes));
 }
 
-/* Replaces the reference's Gaussians by the decoded packed ones, in packed order. */
 static inline void part_unpack(part *p)
 {
     free(p->gaussians);
@@ -78,8 +73,6 @@ static inline void part_unpack(part *p)
     for (size_t i = 0; i < p->count; i++)
         p->gaussians[i] = decode(&p->scene, (uint32_t)i);
 }
-
-/* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 typedef struct world {
     const part *parts[WORLD_OBJECTS];
@@ -96,7 +89,6 @@ static inline fxs_object *world_add(world *w, const part *p)
     return object;
 }
 
-/* Rotates by `angle` radians about an axis, then scales and moves. */
 static inline void object_place(fxs_object *object, const double axis[3], double angle, double scale,
                                 const double translation[3])
 {
@@ -112,9 +104,6 @@ static inline void object_place(fxs_object *object, const double axis[3], double
     object->scale_q32 = (int64_t)ldexp(scale, 32);
 }
 
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
-
-/* All targets of a picture, with unpadded rows, in one block of memory. */
 typedef struct picture {
     int width, height;
     size_t bytes;
@@ -173,7 +162,7 @@ static inline fxs_id picture_id(const picture *p, int i)
     return ((const fxs_id *)p->targets.id.pixels)[i];
 }
 
-/* Renders in the memory of a whole frame, with a guard behind it. */
+/* Renders with the memory of an undivided frame and checks a guard behind the memory. */
 static inline int world_render(const fxs_context *context, const world *w, const fxs_camera *camera,
                                const fxs_options *options, const fxs_targets *targets, fxs_stats *stats)
 {
@@ -186,8 +175,6 @@ static inline int world_render(const fxs_context *context, const world *w, const
     free(memory);
     return error;
 }
-
-/* ---- The reference ----------------------------------------------------------------------------------------------- */
 
 static inline int in_crop(const fxs_crop *crop, const float position[3])
 {
@@ -209,7 +196,6 @@ static inline int is_kept(const fxs_object *object, const float position[3])
     return kept && !left_out;
 }
 
-/* The reference's picture and trace of a world, with the ids of its splats. */
 typedef struct reference_world {
     struct reference_splat *splats;
     fxs_id *ids;
@@ -254,7 +240,7 @@ static inline void reference_world_free(reference_world *r)
     free(r->rgb);
 }
 
-/* PSNR of an RGBA8 picture; *drawn: share of pixels with a transmittance below 1/2. */
+/* Returns the PSNR of an RGBA8 picture in dB. *drawn: share of pixels with a transmittance below 1/2. */
 static inline double world_psnr(const picture *p, const reference_world *r, double *drawn)
 {
     struct fxs_metrics metrics = {0};
@@ -269,15 +255,13 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
     return metrics.psnr;
 }
 
-/* ---- Versions of the stages -------------------------------------------------------------------------------------- */
-
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
 #include <fixsplat/internal/parts.h>
 
 enum { WORLD_VERSIONS = 6 };
 
-/* Plain C, then each instruction set of this processor alone. Returns their number. */
+/* Lists plain C kernels, then each instruction set of this processor alone. Returns the number of kernel sets. */
 static inline int world_versions(fxs_kernels versions[WORLD_VERSIONS])
 {
     int count = 0;

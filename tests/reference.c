@@ -1,22 +1,22 @@
-/* The reference renderer in doubles (reference.h): EWA projection with the original's clamp and dilation. Splats are
-   sorted by depth, and each is blended front to back over its whole pixel box, without tile lists. */
+/* The reference renderer in doubles: EWA projection with the clamp and dilation of Kerbl et al. 2023. Splats
+   (projected Gaussians) are sorted by depth and blended front to back, without tile lists. */
 #include "reference.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define NEAR_DEFAULT 0.2
-#define DILATION 0.3             /* pixels^2 */
+#define DILATION 0.3
 #define ALPHA_MAX 0.99
 #define TRANSMITTANCE_MIN 1e-4
-#define TILE 16                  /* pixels */
+#define TILE 16
 
 static double dot(const double *u, const double *v)
 {
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* NaN becomes low. */
+/* Clamps a value; NaN becomes `low`. */
 static double clamp(double value, double low, double high)
 {
     return value >= high ? high : value > low ? value : low;
@@ -39,7 +39,7 @@ static int gaussian_is_valid(const fxs_gaussian *g)
         && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
 }
 
-/* Rotation matrix of the normalised quaternion w, x, y, z. */
+/* Rotation matrix of the quaternion w, x, y, z of any length. */
 static void rotation_matrix(const float *rotation, double m[3][3])
 {
     double q[4], length = 0;
@@ -54,16 +54,15 @@ static void rotation_matrix(const float *rotation, double m[3][3])
     m[2][0] = 2 * (x * z - w * y), m[2][1] = 2 * (y * z + w * x), m[2][2] = 1 - 2 * (x * x + y * y);
 }
 
-/* The row of an orthographic camera: focal * axis. */
+/* Row of the projection matrix of an orthographic camera: focal * axis. */
 static void parallel_row(double focal, const double *axis, double row[3])
 {
     for (int i = 0; i < 3; i++)
         row[i] = focal * axis[i];
 }
 
-/* One row of J W, with J the derivative of focal * x / z + centre: focal/z (axis - slope * forward). The slope x/z
-   is clamped to the image widened by 30 % of half its size on each side, since the linear approximation diverges
-   beyond. */
+/* Row of J W, with J the derivative of focal * x / z + centre: focal / z * (axis - slope * forward). The slope x/z
+   is clamped to the image widened by 15 % of its size on each side. The linear approximation diverges beyond. */
 static void jacobian_row(double focal, double centre, int size, double slope, double z, const double *axis,
                          const double *forward, double row[3])
 {
@@ -85,7 +84,7 @@ static void turn_back(const double m[9], const double v[3], double out[3])
         out[i] = m[i] * v[0] + m[3 + i] * v[1] + m[6 + i] * v[2];
 }
 
-/* Sigma' = J W O R S (J W O R S)^T, with J W given as two rows and O the object's rotation and scale. */
+/* Sigma' = J W O R S (J W O R S)^T. The rows of J W are given. O is the rotation and scale of the object. */
 static void project_covariance(const fxs_gaussian *g, const struct reference_object *object, double jw[2][3],
                                struct reference_splat *out)
 {
@@ -109,7 +108,7 @@ static double determinant(const struct reference_splat *s)
     return s->a * s->c - s->b * s->b;
 }
 
-/* Real spherical harmonics of degrees 1 to 3 in the unit direction d, Condon-Shortley signs. */
+/* Real spherical harmonics of degrees 1 to 3 in the unit direction d, with Condon-Shortley signs. */
 static void sh_basis(const double *d, double basis[15])
 {
     double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -130,7 +129,7 @@ static void sh_basis(const double *d, double basis[15])
     basis[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* max(0, 0.5 + SH) tint, in the direction from the camera in the object's frame. */
+/* max(0, 0.5 + SH) * tint, with SH in the direction from the camera in the object's frame. */
 static void shade(const fxs_gaussian *g, const struct reference_object *object, const double *from_camera, int degree,
                   double colour[3])
 {
@@ -148,7 +147,7 @@ static void shade(const fxs_gaussian *g, const struct reference_object *object, 
     }
 }
 
-/* ceil(3 sqrt(lambda_max)), with the eigenvalue computed as in the original. */
+/* ceil(3 sqrt(lambda_max)), with the eigenvalue computed as in Kerbl et al. */
 static int square_radius(const struct reference_splat *s)
 {
     double mid = (s->a + s->c) / 2, det = determinant(s);
@@ -156,7 +155,7 @@ static int square_radius(const struct reference_splat *s)
     return (int)fmin(ceil(3 * sqrt(lambda)), 1 << 30);
 }
 
-/* The largest squared distance that counts: opacity exp(-d2 / 2) >= 1/255 is d2 <= 2 ln(255 opacity). */
+/* alpha >= 1/255 means d2 <= 2 ln(255 opacity), with d2 the squared Mahalanobis distance. */
 static double distance_limit(const struct reference_splat *s, enum reference_cutoff cutoff)
 {
     double limit = 2 * log(255 * s->opacity);
@@ -170,7 +169,7 @@ static int clamp_index(double value, int size)
     return (int)clamp(value, 0, size);
 }
 
-/* The pixels of one axis that the Gaussian may reach; none if a negative limit makes reach NaN. */
+/* A negative limit makes the radius NaN and gives an empty span. */
 static struct span pixel_span(double centre, double variance, int radius, int size, double limit,
                               enum reference_cutoff cutoff)
 {
@@ -263,7 +262,7 @@ struct canvas {
     const struct reference_options *options;
     const struct reference_splat *splats;
     double *transmittance, *rgb;
-    struct reference_trace *trace;   /* or null */
+    struct reference_trace *trace;
 };
 
 static void trace_pixel(const struct canvas *canvas, const struct reference_splat *s, size_t i, double before,
@@ -285,7 +284,7 @@ static void trace_pixel(const struct canvas *canvas, const struct reference_spla
     t->largest_margin[i] = 1 - second / t->most[i];
 }
 
-/* A pixel that stops blends its background at once; its transmittance becomes 0. */
+/* A pixel that becomes opaque blends its background at once and sets its transmittance to 0. */
 static void blend_pixel(const struct canvas *canvas, const struct reference_splat *s, double alpha, size_t i)
 {
     double before = canvas->transmittance[i], after = before * (1 - alpha);
@@ -305,7 +304,7 @@ static void blend_pixel(const struct canvas *canvas, const struct reference_spla
 static void blend_splat(const struct canvas *canvas, const struct reference_splat *s)
 {
     double det = determinant(s), limit = distance_limit(s, canvas->options->cutoff);
-    double xx = s->c / det, xy = -2 * s->b / det, yy = s->a / det;   /* d2 = xx dx^2 + xy dx dy + yy dy^2 */
+    double xx = s->c / det, xy = -2 * s->b / det, yy = s->a / det;
     struct span columns, rows;
     pixel_box(s, canvas->width, canvas->height, canvas->options->cutoff, &columns, &rows);
     for (int row = rows.first; row < rows.end; row++) {
@@ -320,7 +319,7 @@ static void blend_splat(const struct canvas *canvas, const struct reference_spla
     }
 }
 
-/* Ties go to the lower address, which is the lower index. */
+/* Splats of equal depth are sorted by address, which is the order of their indices. */
 static int compare_depth(const void *left, const void *right)
 {
     const struct reference_splat *l = *(const struct reference_splat *const *)left;
@@ -373,7 +372,7 @@ int reference_trace_splats(const struct reference_splat *splats, size_t count, i
                            const struct reference_options *options, struct reference_trace *trace, double *rgb)
 {
     size_t pixels = (size_t)width * (size_t)height;
-    const struct reference_splat **order = calloc(count + 1, sizeof *order);   /* + 1: an empty list is no failure */
+    const struct reference_splat **order = calloc(count + 1, sizeof *order);
     struct canvas canvas = { width, height, options, splats, calloc(pixels + 1, sizeof(double)), rgb, trace };
     int status = canvas.transmittance && order ? 0 : -1;
     if (status == 0) {

@@ -1,6 +1,6 @@
-/* The reference for image quality: a double-precision renderer of unquantised Gaussians, after Kerbl et al. 2023,
-   "3D Gaussian Splatting for Real-Time Radiance Field Rendering", and Zwicker et al. 2001, "EWA Volume Splatting".
-   It shares no code with the library's renderer. */
+/* A double-precision renderer of unquantised Gaussians, the reference for image quality. The method follows Kerbl et
+   al. 2023, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", and Zwicker et al. 2001, "EWA Volume
+   Splatting". No code is shared with the library's renderer. */
 #ifndef REFERENCE_H
 #define REFERENCE_H
 
@@ -11,32 +11,31 @@
 #include <fixsplat/scene.h>
 
 enum reference_cutoff {
-    REFERENCE_MAHALANOBIS,   /* distance squared <= 9 */
-    REFERENCE_SQUARE         /* all 16x16 tiles touched by the square centre +- radius, as in the original */
+    REFERENCE_MAHALANOBIS,   /* pixels with a squared Mahalanobis distance <= 9 */
+    REFERENCE_SQUARE         /* pixels of all 16x16 tiles that the square centre +- radius touches */
 };
 
 struct reference_options {
     enum reference_cutoff cutoff;
-    int sh_degree;            /* higher degrees are ignored */
-    int antialiased;          /* 1: opacity compensates the dilation */
+    int sh_degree;
+    int antialiased;          /* 1: lower the opacity to compensate for the dilation */
     double background[3];
 };
 
-/* One projected Gaussian. */
 struct reference_splat {
-    double x, y;         /* centre, pixels; pixel centres at +0.5 */
-    double a, b, c;      /* covariance [[a, b], [b, c]], pixels^2, dilation included; positive definite */
-    double opacity;      /* after compensation, 0 to 1 */
+    double x, y;         /* centre in pixels; pixel centres lie at +0.5 */
+    double a, b, c;      /* covariance [[a, b], [b, c]] in pixels^2, with dilation; positive definite */
+    double opacity;      /* opacity from 0 to 1, after compensation for the dilation */
     double colour[3];
-    double depth;        /* z in camera axes */
-    int radius;          /* ceil(3 sigma_max), pixels; used by REFERENCE_SQUARE only */
+    double depth;
+    int radius;          /* radius in pixels: ceil(3 sigma_max) */
 };
 
-/* Placement of Gaussians: world = translation + scale * rotation * position; SH turn along. */
+/* world = translation + scale * rotation * position. SH coefficients rotate with the object. */
 struct reference_object {
-    double rotation[9];  /* rows; orthonormal */
+    double rotation[9];  /* rotation matrix, row by row */
     double translation[3], scale;
-    double opacity, tint[3];   /* factors */
+    double opacity, tint[3];
 };
 
 /* Returns 1, or 0 if the Gaussian is culled: not finite, without rotation, not beyond the near plane, or below alpha
@@ -44,7 +43,7 @@ struct reference_object {
 int reference_project(const fxs_gaussian *gaussian, const fxs_view *view, const struct reference_options *options,
                       struct reference_splat *out);
 
-/* The same for a Gaussian of an object. */
+/* Projects a Gaussian of a placed object. Returns like reference_project. */
 int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
                              const fxs_view *view, const struct reference_options *options,
                              struct reference_splat *out);
@@ -53,33 +52,32 @@ int reference_project_object(const fxs_gaussian *gaussian, const struct referenc
 int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_view *view,
                      const struct reference_options *options, double *rgb);
 
-/* The same for projected Gaussians in any order; sorts them front to back by depth, ties by index. */
+/* Renders projected Gaussians after sorting them by depth, then by index. */
 int reference_render_splats(const struct reference_splat *splats, size_t count, int width, int height,
                             const struct reference_options *options, double *rgb);
 
 #define REFERENCE_NONE ((size_t)-1)
 
-/* Other targets of a picture. A splat is given by its index in the list; REFERENCE_NONE: no splat. */
+/* Further targets of a picture. Splats are given by their index. REFERENCE_NONE: no splat. */
 struct reference_trace {
-    const double *occluder;    /* depths; splats behind it add nothing. May be null */
+    const double *occluder;    /* depths that hide splats behind them; may be null */
     double *mean;              /* sum of weight * depth / sum of weights; infinite if all weights are 0 */
-    double *weight;            /* sum of weights */
-    size_t *median;            /* the splat at which the transmittance falls below 1/2 */
-    double *median_margin;     /* smallest distance of the transmittance from 1/2 after any splat */
-    size_t *largest;           /* the splat of the largest weight; the first of equals */
-    double *most;              /* the largest weight */
-    double *largest_margin;    /* relative gap between the largest and the next weight */
+    double *weight;
+    size_t *median;            /* index of the splat at which the transmittance falls below 1/2 */
+    double *median_margin;     /* smallest |transmittance - 1/2| after any splat */
+    size_t *largest;           /* index of the splat with the largest weight */
+    double *most;
+    double *largest_margin;    /* relative gap between the largest and the second largest weight */
 };
 
-/* Allocates the arrays for a picture, except occluder, which becomes null. Returns 0, or -1 if memory runs out. */
+/* Allocates the arrays and sets occluder to null. Returns 0, or -1 if memory runs out. */
 int reference_trace_init(struct reference_trace *trace, int width, int height);
 void reference_trace_free(struct reference_trace *trace);
 
-/* reference_render_splats, which also fills in *trace. */
 int reference_trace_splats(const struct reference_splat *splats, size_t count, int width, int height,
                            const struct reference_options *options, struct reference_trace *trace, double *rgb);
 
-/* Clamps to 0..1 and rounds to the nearest of 0..255; alpha 255. */
+/* Converts levels from 0..1 to 0..255, clamped and rounded to nearest. Alpha is 255. */
 void reference_to_rgba8(const double *rgb, int width, int height, uint8_t *rgba);
 
 #endif

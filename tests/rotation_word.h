@@ -1,4 +1,5 @@
-/* Decodes the rotation word of a packed scene by docs/format.md. */
+/* Decodes the 32-bit rotation word of a packed Gaussian by docs/format.md. The word stores the axes of the Gaussian
+   by two numbers X and Y. */
 #ifndef ROTATION_WORD_H
 #define ROTATION_WORD_H
 
@@ -6,7 +7,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* The number of bits of X and of Y, from three scale codes of 10 bits. */
+/* Returns the number of bits of X and of Y, from the Gaussian's three scale codes of 10 bits. */
 static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scale_step_q24)
 {
     int32_t fall[3];
@@ -23,13 +24,13 @@ static inline int axis_bits_of_word(int is_small, uint32_t scale_word, uint32_t 
     return axis_bits(is_small, scale, scale_step_q24);
 }
 
-/* The upper 16 bits in two's complement, divided by 2^15. */
+/* Converts the upper 16 bits, a signed number, divided by 2^15. */
 static inline double in_units(uint32_t word)
 {
     return (word >> 16) / 32768.0 - (word >> 31 ? 2 : 0);
 }
 
-/* axis[i]: the direction of axis i. Returns X^2 + Y^2. */
+/* Sets axis[i] to the direction of axis i. Returns X^2 + Y^2. */
 static inline double word_axes(double axis[3][3], uint32_t word, int bits)
 {
     const double x = in_units(word), y = in_units(word << bits), u = in_units(word << 2 * bits), square = x * x + y * y;
@@ -45,7 +46,7 @@ static inline double word_axes(double axis[3][3], uint32_t word, int bits)
     return square;
 }
 
-/* The quaternion w, x, y, z with the axes as columns of its matrix; its largest component is positive. */
+/* Computes the quaternion w, x, y, z of the matrix with the axes as columns. */
 static inline void word_quaternion(double q[4], uint32_t word, int bits)
 {
     double a[3][3];
@@ -63,8 +64,8 @@ static inline void word_quaternion(double q[4], uint32_t word, int bits)
         q[i] = of[most][i] / (2 * sqrt(squares[most]));
 }
 
-/* The angle in degrees between the axes of a word and of a quaternion; opposite directions count as equal. order[i]:
-   the quaternion's axis for axis i of the word. */
+/* Returns the angle in degrees between the axes of a word and of a quaternion. order[i]: the quaternion's axis for
+   axis i of the word. */
 static inline double angle_of_word(uint32_t word, int bits, const float rotation[4], const int order[3])
 {
     const double w = (double)rotation[0], x = (double)rotation[1], y = (double)rotation[2], z = (double)rotation[3];

@@ -1,4 +1,4 @@
-/* Builds a scene file byte by byte, and reads it. */
+/* Builds a scene file byte by byte in memory and reads the file. */
 #ifndef SCENE_BYTES_H
 #define SCENE_BYTES_H
 
@@ -14,7 +14,7 @@
 
 enum { MAX_FILE = 1 << 21 };
 
-static const char path[] = "made/scene";   /* for messages only */
+static const char path[] = "made/scene";   /* a file name for messages */
 static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
@@ -26,7 +26,7 @@ static inline const char *scenes_folder(void)
     return getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
 }
 
-/* ---- Making it ---- */
+/* ---- Building a scene file ---- */
 
 static inline void put(const char *format, ...)
 {
@@ -72,17 +72,15 @@ static inline void put_float(float value)
     size += 4;
 }
 
-/* Limits the file to the first `length` bytes. */
 static inline void put_file(size_t length)
 {
     file_size = length;
 }
 
-/* ---- A file that a writer of the library makes ---- */
+/* ---- Files made by the library's writers ---- */
 
 static char written[] = "/tmp/fixsplat_written_XXXXXX";
 
-/* Creates the empty file to write to. */
 static inline void make_written(void)
 {
     int descriptor = mkstemp(written);
@@ -90,7 +88,6 @@ static inline void make_written(void)
         abort();
 }
 
-/* Reads the written file back as the file under test. */
 static inline void take_written(void)
 {
     FILE *stream = fopen(written, "rb");
@@ -99,9 +96,9 @@ static inline void take_written(void)
         fclose(stream);
 }
 
-/* ---- Reading it ---- */
+/* ---- Reading a scene file ---- */
 
-/* Reads the file to its end twice, with batches of two sizes. Returns 0, or the error with its message. */
+/* Reads the file twice, with batches of two sizes. Returns 0, or the error code of the reader. */
 static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
 {
     fxs_scene_file *file;
@@ -121,7 +118,7 @@ static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
     return count < 0 ? (int)count : 0;
 }
 
-/* The first `length` bytes must fail, with a message of the path, a colon and `text`. */
+/* Expects that the first `length` bytes of the file fail with a message that contains `text`. */
 static inline void check_cut_fails(size_t length, const char *text)
 {
     static fxs_gaussian gaussians[1024];
@@ -141,14 +138,14 @@ static inline int is_near(double a, double b, double tolerance)
     return fabs(a - b) <= tolerance * (1 + fabs(b));
 }
 
-/* ---- Real files ---- */
+/* ---- Comparison of real files ---- */
 
 static inline double opacity_of(const fxs_gaussian *g)
 {
     return 1 / (1 + exp(-(double)g->opacity));
 }
 
-/* Cosine of half the angle between two rotations; q and -q count as equal. */
+/* Returns the cosine of half the angle between two rotations. The quaternions q and -q count as equal. */
 static inline double rotation_match(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     double dot = 0, norm_a = 0, norm_b = 0;
@@ -172,7 +169,6 @@ static inline int is_same(const fxs_gaussian *a, const fxs_gaussian *b, double t
     return same;
 }
 
-/* Two files of the folder of scenes must hold the same Gaussians. */
 static inline void check_same_scenes(const char *name, const char *other, double tolerance)
 {
     static fxs_gaussian gaussians[2][1000];

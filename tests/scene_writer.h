@@ -1,4 +1,4 @@
-/* Opens a writer of scene files by the format's name. */
+/* Opens a writer of scene files by the name of the format. */
 #ifndef SCENE_WRITER_H
 #define SCENE_WRITER_H
 

@@ -1,5 +1,4 @@
-/* The simplest renderer with the library's per-pixel math: the level of a splat at any pixel, without tiles, lists
-   or rows. */
+/* Computes level = -2 ln(alpha) of a splat (projected Gaussian) at any pixel, without tiles or lists. */
 #ifndef SPLAT_LEVEL_H
 #define SPLAT_LEVEL_H
 
@@ -7,7 +6,7 @@
 
 #include <fixsplat/internal/stage.h>
 
-/* u or v of a pixel before truncation to 32 bits: the value with these low bits that is nearest to `about`. */
+/* Returns the Q24 value with the given low 32 bits that is nearest to `about`. */
 static inline int64_t unwrap_q24(uint32_t low_bits, int64_t about_q24)
 {
     return about_q24 + (int32_t)(low_bits - (uint32_t)about_q24);
@@ -18,7 +17,6 @@ static inline int coordinate(int64_t q24)
     return fxs_coordinate_q13((int)(q24 < INT32_MIN ? INT32_MIN : q24 > INT32_MAX ? INT32_MAX : q24));
 }
 
-/* The level of a splat at a pixel, at any distance. */
 static inline int splat_level(const fxs_splat *s, const fxs_bounds *b, int x, int y)
 {
     int64_t dx_q14 = ((int64_t)x << 14) - b->cx_q14, dy_q14 = ((int64_t)y << 14) - b->cy_q14;
@@ -29,8 +27,7 @@ static inline int splat_level(const fxs_splat *s, const fxs_bounds *b, int x, in
     return fxs_level_q11(coordinate(u_q24), fxs_row_level_q11(coordinate(v_q24), s->offset_q11));
 }
 
-/* True if the pixel's tile is in the square of Kerbl et al.: tiles floor((c - r) / 16) up to, but not including,
-   floor((c + r + 15) / 16). */
+/* Kerbl et al. 2023 list a splat in tiles floor((c - r) / 16) to floor((c + r + 15) / 16) - 1. */
 static inline int splat_has_tile(const fxs_bounds *b, int x, int y)
 {
     double cx = ldexp(b->cx_q14, -14), cy = ldexp(b->cy_q14, -14), radius = b->square_radius;

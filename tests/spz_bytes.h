@@ -18,7 +18,7 @@ typedef struct spz_bytes {
     int version, count, degree, fractional_bits, flags;
     const uint8_t *extensions;
     size_t extensions_size;
-    uint8_t arrays[SPZ_ARRAYS][1 << 10];   /* positions, alphas, colours, scales, rotations, SH */
+    uint8_t arrays[SPZ_ARRAYS][1 << 10];   /* arrays: positions, alphas, colours, scales, rotations, SH */
 } spz_bytes;
 
 static inline size_t spz_array_size(const spz_bytes *s, int array)
@@ -47,7 +47,6 @@ static inline uint8_t *spz_put_header(const spz_bytes *s, uint8_t *to)
     return to;
 }
 
-/* Versions 1 to 3, uncompressed. Returns the size. */
 static inline size_t spz_plain(const spz_bytes *s, uint8_t *out)
 {
     uint8_t *to = spz_put_header(s, out);
@@ -77,7 +76,6 @@ static inline size_t spz_gzip(const uint8_t *data, size_t length, uint8_t *out, 
 #endif
 
 #ifdef FXS_WITH_ZSTD
-/* Version 4. */
 static inline size_t spz_zstd(const spz_bytes *s, uint8_t *out, size_t room)
 {
     int streams = 0;

@@ -1,4 +1,4 @@
-/* Rendering allocates nothing after set-up, on one thread or several; malloc and its kin are counted. */
+/* Checks that rendering allocates no memory after set-up, on any number of threads. */
 #include <stdlib.h>
 #include <string.h>
 

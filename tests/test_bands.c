@@ -1,5 +1,5 @@
-/* Frames in less memory than fxs_frame_bytes: bands and slices give the same bytes down to the minimum of the view, on
- * any number of threads. One byte less is refused without writing. */
+/* Renders in less memory than fxs_frame_bytes: in bands of tile rows, and in depth slices of a tile row. The bytes
+   must be equal down to the minimum memory of the view. One byte less is refused and nothing is written. */
 #include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
@@ -10,7 +10,6 @@
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };
 
-/* The view, its frame rendered in full memory, and a buffer for another. */
 static struct {
     fxs_scene scene;
     fxs_object object;
@@ -19,11 +18,11 @@ static struct {
     enum fxs_format format;
     fxs_stats stats;
     uint64_t evaluated, blended;
-    size_t bytes;                          /* of the picture */
+    size_t bytes;
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, sliced;            /* frames in several bands; frames with slices */
+static uint64_t banded, sliced;            /* numbers of frames in several bands and of frames in slices */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -32,7 +31,6 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
-/* Renders in exactly `bytes` bytes, and checks guard bytes after them. */
 static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
 {
     unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
@@ -46,7 +44,6 @@ static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
     return error;
 }
 
-/* Pairs can be counted in bands but not in slices. */
 static void check_pairs(size_t least, size_t rows)
 {
     for (size_t short_of = 0; short_of < 2; short_of++) {
@@ -85,7 +82,6 @@ static size_t frame_bytes(const fxs_context *context, fxs_frame_memory *memory)
     return fxs_frame_bytes(context, &drawn.object, 1, drawn.camera.width, drawn.camera.height, memory);
 }
 
-/* Returns the least memory without sliced tile rows; 0 if all splats fitted. */
 static size_t rows_of(const fxs_context *context, const fxs_frame_memory *memory)
 {
     fxs_stats stats;
@@ -147,8 +143,7 @@ static void draw_random(int height)
     draw();
 }
 
-/* Checks a random view of up to `most` Gaussians, `height` pixels high (0: random), with 1, 2 and 4 threads, plain C
-   and the best kernels. */
+/* Renders a random view with 1, 2 and 4 threads, in plain C and with the fastest kernels. */
 static void check_case(uint64_t seed, int32_t most, int height)
 {
     state = seed * 0x1234567u;
@@ -179,7 +174,6 @@ static void test_same_bytes(void)
     CHECK(banded > 100 && sliced > 50);
 }
 
-/* One to 19 tile rows, with partial ones at the edge. */
 static void test_same_bytes_of_tall_pictures(void)
 {
     banded = sliced = 0;
@@ -189,7 +183,6 @@ static void test_same_bytes_of_tall_pictures(void)
     CHECK(banded > 100 && sliced > 50);
 }
 
-/* Enough chunks for blocks of 32 or more. */
 static void test_same_bytes_of_larger_scenes(void)
 {
     banded = sliced = 0;
@@ -199,12 +192,10 @@ static void test_same_bytes_of_larger_scenes(void)
     CHECK(banded > 10 && sliced > 10);
 }
 
-/* ---- Splats in known tile rows ----------------------------------------------------------------------------------- */
-
 enum { ROWS = 6 };
 
-/* A picture one tile wide and ROWS high. Chunk c has counts[c][r] Gaussians in tile row r, at depth 2^log2 units (log2:
-   0 or 16) in an object of scale 2^log2. */
+/* The picture is one tile wide and ROWS tiles high. Chunk c has counts[c][r] Gaussians in tile row r, at a depth of
+   2^log2 units. log2 is 0 or 16. */
 static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int log2)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, chunks * FXS_CHUNK, 0);
@@ -218,7 +209,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
         s.chunks[c].scale_step_q24 = 0;
         for (int i = 0; i < 3; i++) {
             s.chunks[c].origin_q32[i] = i < 2 ? 0 : (int64_t)1 << (32 + log2);
-            s.chunks[c].step_q32[i] = i < 2 ? 1u << (26 + log2 / 4) : 0;   /* a pixel */
+            s.chunks[c].step_q32[i] = i < 2 ? 1u << (26 + log2 / 4) : 0;
         }
         for (int row = 0; row < ROWS; row++)
             for (int k = 0; k < counts[c][row]; k++, at++) {
@@ -226,7 +217,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
                 codes[FXS_CHUNK + at] = (uint16_t)(16 * row + 8);
                 colours[at] = ((uint32_t)next() & 0xffffff) | 60u << 24;
             }
-        memset(packed_scene_rows(&s, c) + FXS_ROW_ROTATION, 0, 4 * FXS_CHUNK);   /* identity */
+        memset(packed_scene_rows(&s, c) + FXS_ROW_ROTATION, 0, 4 * FXS_CHUNK);
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
     drawn.object = one_object(&drawn.scene);
@@ -239,7 +230,6 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
     return s;
 }
 
-/* Covers every number of splats pending before a block's last chunk, which is projected whole. */
 static void test_blocks_of_any_number_of_splats(void)
 {
     fxs_context context;
@@ -253,7 +243,6 @@ static void test_blocks_of_any_number_of_splats(void)
         }
 }
 
-/* The memory below which slices begin depends on the fullest tile row alone. */
 static void test_rows_are_of_one_tile_row(void)
 {
     size_t rows[2];
@@ -275,7 +264,6 @@ static void test_rows_are_of_one_tile_row(void)
     CHECK(rows[0] == rows[1]);
 }
 
-/* Depths from 2^32 units on share the largest key; the last slice must include it. */
 static void test_slices_beyond_every_depth(void)
 {
     fxs_context context;

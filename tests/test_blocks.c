@@ -1,5 +1,5 @@
-/* Blocks of a fit cover every place exactly once and have nearly equal numbers of points, for any order of the
-   points. */
+/* Tests the division of a large fit into blocks. Blocks must cover every place exactly once and have nearly equal
+   numbers of points. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,7 +19,7 @@ static float random_place(float size)
     return ((float)(state >> 8) / 8388608.0f - 1) * size;
 }
 
-/* Points in 20 x 2 x 10 units, a camera at z = -30 that sees them all, and one that faces away. */
+/* Points fill a box of 20 x 2 x 10 units. One camera at z = -30 sees all points; the other camera faces away. */
 static void set_up(void)
 {
     for (int i = 0; i < POINTS; i++)

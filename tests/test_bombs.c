@@ -1,6 +1,6 @@
-/* Decompression bombs: small scene files that demand much are refused within little time and memory, with a message.
-   Honest small files are read; data are decompressed once. `test_bombs --write FOLDER` keeps the files. */
-#define _DEFAULT_SOURCE   /* wait4 */
+/* Small scene files that demand much time or memory (decompression bombs) must be refused quickly, with a message.
+   `test_bombs --write FOLDER` keeps the files. */
+#define _DEFAULT_SOURCE
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -29,9 +29,7 @@ static void write_file(const char *name, const void *data, size_t length)
     }
 }
 
-/* ---- Parts of bombs -------------------------------------------------------------------------------------------- */
-
-/* A lossless WebP of one colour: five prefix codes of one symbol each, so a pixel takes no bits. */
+/* Five prefix codes of one symbol each make a WebP pixel take no bits. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
 {
     uint64_t bits = (uint64_t)(width - 1) | (uint64_t)(height - 1) << 14 | (uint64_t)1 << 28;
@@ -62,7 +60,6 @@ static void put_meta(int count, const char *const names[5])
 
 static const char *const one_name[5] = {"a", "a", "a", "a", "a"}, *const five_names[5] = {"a", "b", "c", "d", "e"};
 
-/* A zip with `bytes` as meta.json and `images` copies of an image. */
 static void write_sog(const char *name, int images, const void *image, size_t length)
 {
     int code;
@@ -77,7 +74,6 @@ static void write_sog(const char *name, int images, const void *image, size_t le
     size = 0;
 }
 
-/* A gzipped .spz with all-zero Gaussians. */
 static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
 {
     spz_bytes s;
@@ -97,7 +93,6 @@ static size_t flat_spz(int count, int degree, uint8_t *out, size_t room)
     return length;
 }
 
-/* A .glb with nodes that place meshes in turn, one for each .spz in the binary chunk. */
 static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_size[], int count)
 {
     size_t at = 0;
@@ -130,11 +125,9 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
     return size;
 }
 
-/* ---- Bombs ----------------------------------------------------------------------------------------------------- */
+enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };
 
-enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };   /* a byte for at most 256 Gaussians */
-
-/* One entry serves as all images; zero padding after it deflates to almost nothing. */
+/* A single zip entry serves as all images. Zero padding after the image deflates to almost nothing. */
 static void make_padded_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -146,7 +139,7 @@ static void make_padded_sog(const char *name)
     free(image);
 }
 
-/* One entry for each image, with images twice as large as needed. */
+/* Each image is a zip entry of twice the needed size. */
 static void make_large_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -158,7 +151,6 @@ static void make_large_sog(const char *name)
     free(image);
 }
 
-/* A meta.json that inflates to millions of values. */
 static void make_json_sog(const char *name)
 {
     enum { LENGTH = 16 << 20 };
@@ -194,7 +186,7 @@ static void go_through_links(char *name, int i)
     strcpy(name + 32, "s/meta.json");
 }
 
-/* A streamed scene that names the scene of one Gaussian in s/ 65,536 times. */
+/* The streamed scene names a scene of one Gaussian 65,536 times. */
 static void write_streamed_sog(const char *name, void name_of(char *name, int i))
 {
     uint8_t image[40];
@@ -238,7 +230,6 @@ static void make_linked_sog_bomb(const char *name)
     write_streamed_sog(name, go_through_links);
 }
 
-/* Separate scenes that share five images, one of them a million bytes. */
 static void make_shared_images(const char *name)
 {
     enum { SCENES = 63, EACH = 1000000 };
@@ -269,7 +260,7 @@ static void make_shared_images(const char *name)
     free(image);
 }
 
-/* A .gltf with one file of a million bytes, which starts with an .spz, as all its buffers. */
+/* All buffers of a .gltf are a single file that begins with an .spz. */
 static void make_shared_buffer(const char *name)
 {
     uint8_t *spz = calloc(PADDED, 1);
@@ -299,16 +290,14 @@ static void make_shared_buffer(const char *name)
     size = 0;
 }
 
-/* Gzip at 1032 to 1; packing needs still more memory for each Gaussian. */
+/* Gzip compresses by the factor 1032. Packing needs yet more memory for each Gaussian. */
 static void make_inflating_spz(const char *name)
 {
     write_file(name, bytes, flat_spz(4000000, 3, bytes, MAX_FILE));
 }
 
-/* A property of a .rad: `width` zero bytes for each node. */
 typedef struct zero_column { const char *property, *encoding; int width; } zero_column;
 
-/* Deflates `count` zeros. Returns their size. */
 static size_t put_deflated(uint8_t *out, size_t room, size_t count)
 {
     uint8_t *zeros = calloc(count, 1);
@@ -365,7 +354,6 @@ static void make_inflating_rad(const char *name)
     write_rad(name, 4000000, columns, "");
 }
 
-/* The largest count that is always allowed, with SH degree 3. */
 static void make_wide_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f32", 12}, {"alpha", "f32", 4}, {"rgb", "f32", 12},
@@ -374,7 +362,6 @@ static void make_wide_rad(const char *name)
     write_rad(name, 1000000, columns, ",\"maxSh\":3");
 }
 
-/* A palette far larger than the scene. */
 static void make_palette_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f16", 6}, {"alpha", "r8", 1}, {"rgb", "r8", 3},
@@ -383,7 +370,7 @@ static void make_palette_rad(const char *name)
     write_rad(name, 4, columns, ",\"maxSh\":1,\"shCodeCount\":2000000000");
 }
 
-/* Each node names all later ones as its children. */
+/* Each node names all later nodes as its children. */
 static void make_tangled_rad(const char *name)
 {
     enum { NODES = 5000 };
@@ -415,7 +402,6 @@ static void make_instances_glb(const char *name)
     size = 0;
 }
 
-/* Rows of 14 zeros, except a quaternion of 1 0 0 0. */
 static void make_exponents_ply(const char *name)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -432,7 +418,7 @@ static void make_exponents_ply(const char *name)
 }
 
 static const struct bomb {
-    const char *name, *line;   /* line: part of the message; NULL: the file is read */
+    const char *name, *line;   /* line: expected part of the error message; null: the file is readable */
     void (*make)(const char *name);
 } bombs[] = {
     {"padded.sog", "268402689 Gaussians or more in 1", make_padded_sog},
@@ -453,7 +439,6 @@ static const struct bomb {
 
 enum { BOMBS = sizeof bombs / sizeof *bombs };
 
-/* Runs in a separate process, so its memory does not count as the reader's. */
 static void make_bomb(const struct bomb *b)
 {
     int status;
@@ -466,9 +451,7 @@ static void make_bomb(const struct bomb *b)
     CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
 }
 
-/* ---- Cost of an import ----------------------------------------------------------------------------------------- */
-
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* seconds: of processor time; of wall time */
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };
@@ -491,7 +474,6 @@ static int import(const char *name, fxs_message *said)
     return result;
 }
 
-/* Runs in a separate process with limits. */
 static void import_measured(const struct bomb *b)
 {
     const struct rlimit most = {(rlim_t)4 << 30, (rlim_t)4 << 30};
@@ -530,8 +512,6 @@ static void every_bomb_ends(void)
     }
 }
 
-/* ---- Limits ---------------------------------------------------------------------------------------------------- */
-
 static int open_limited(const char *name, uint64_t max_gaussians, uint64_t max_memory)
 {
     fxs_scene_file *file;
@@ -549,7 +529,6 @@ static int says(const char *words)
     return strstr(message.text, words) && !strchr(message.text, '\n');
 }
 
-/* Small files with many Gaussians, within all limits. */
 static void small_ones_pass(void)
 {
     uint8_t image[40];
@@ -576,9 +555,7 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-/* ---- Data are decompressed once -------------------------------------------------------------------------------- */
-
-static struct { uint64_t read, from; int opened; } taken;   /* bytes read from offset `from` on; further files opened */
+static struct { uint64_t read, from; int opened; } taken;   /* read: number of bytes read from offset `from` on */
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -603,7 +580,7 @@ static int open_counted(void *argument, const char *name, fxs_scene_input *input
 enum { PASSES = 3, MOST_READ = 4096 };
 static fxs_gaussian pass_read[PASSES][MOST_READ];
 
-/* Rewinds and reads PASSES times, with equal results, and sets `taken`. Returns the Gaussians of a pass, or -1. */
+/* Reads the scene PASSES times and sets `taken`. Returns the number of Gaussians, or -1. */
 static long read_passes(uint64_t max_memory, uint64_t from)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = max_memory};
@@ -622,7 +599,7 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     return count;
 }
 
-/* Two .spz, placed in turn. With memory for both each is read once; the minimum memory holds one. */
+/* The minimum memory holds only one of two .spz files. */
 static void spz_is_inflated_once(void)
 {
     enum { NODES = 20, EACH = 100, PAYLOAD = 20 * EACH };
@@ -641,7 +618,7 @@ static void spz_is_inflated_once(void)
     uint64_t least = 1 << 10;
     while (least < 1 << 20 && read_passes(least, at) < 0 && CHECK(says("--import-memory")))
         least += 1 << 8;
-    CHECK(taken.read > sizes[0] + sizes[1]);   /* the minimum has room for one */
+    CHECK(taken.read > sizes[0] + sizes[1]);
     CHECK(read_passes(least, at) == NODES * EACH && memcmp(kept, pass_read[0], sizeof kept) == 0);
 }
 
@@ -659,7 +636,6 @@ static void files_are_loaded_once(void)
     CHECK(read_passes(least, 0) == count);
 }
 
-/* Two spellings of a name mean one file. */
 static void same_name_is_one_file(void)
 {
     file_count = 0;

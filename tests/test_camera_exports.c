@@ -1,11 +1,11 @@
-/* Exported cameras of other programs: equal cameras in each convention, faults, truncated files. */
+/* Tests the readers of cameras that photogrammetry programs export: each convention, faulty files, truncated files. */
 #include "photo_folder.h"
 #include "src/fit/blocks.h"
 #include "src/camera/camera_internal.h"
 
 enum { CAMERAS = 9, WIDE = 64, HIGH = 48 };
 
-/* heading, pitch and roll in degrees; east, north, up */
+/* heading, pitch and roll of a camera in degrees, then its position east, north, up */
 static const double poses[CAMERAS][6] = {
     {0, 0, 0, 0, 0, 0}, {90, 90, 0, 1, 2, 3}, {-180, 45, 180, -4, 5, 0.5}, {271.5, -30, 91, 3, -2, 1},
     {359, 179, -179.5, 0.25, 1.5, -7}, {-33.25, 87.5, 14.75, 0.3, -0.4, 1.9}, {720.5, 12, -270, 8, 9, 10},
@@ -15,7 +15,7 @@ static const double poses[CAMERAS][6] = {
 static const double focal = 70, middle[2] = {31, 25.5};
 static const double k[4] = {-0.12, 0.04, -0.01, 0.003}, p[2] = {0.004, -0.003};
 
-/* Camera to world, with columns right, up and back: Rz(-heading) Rx(pitch) Ry(roll). */
+/* Camera-to-world matrix with columns right, up and back: Rz(-heading) Rx(pitch) Ry(roll). */
 static void turned(const double pose[6], double m[9])
 {
     const double d = acos(-1) / 180, h = -pose[0] * d, a = pose[1] * d, b = pose[2] * d;
@@ -29,7 +29,7 @@ static void turned(const double pose[6], double m[9])
         m[i] = zx[i / 3 * 3] * y[i % 3] + zx[i / 3 * 3 + 1] * y[3 + i % 3] + zx[i / 3 * 3 + 2] * y[6 + i % 3];
 }
 
-/* World to camera, with rows right, down and forward. */
+/* World-to-camera matrix with rows right, down and forward. */
 static void rows_of(const double pose[6], double r[9])
 {
     double m[9];
@@ -41,9 +41,7 @@ static void rows_of(const double pose[6], double r[9])
     }
 }
 
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
-
-/* lens: number of coefficients of k */
+/* lens: number of radial coefficients of the lens */
 static void write_csv(int lens)
 {
     say("#cameras %d\r\n#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\r\n", CAMERAS);
@@ -58,7 +56,6 @@ static void write_csv(int lens)
     put_text("e/cameras.csv");
 }
 
-/* The principal point is the centre. Both points lie in front of a camera. */
 static void write_bundler(int lens)
 {
     say("# Bundle file v0.3\n%d 2\n", CAMERAS + 1);
@@ -84,11 +81,10 @@ static void write_bundler(int lens)
 
 #ifdef FXS_WITH_EXPAT
 
-static double away;                /* shift of a chunk along x */
+static double away;                /* shift of a Metashape chunk along x */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
-/* Writes cameras in a chunk that is turned, moved and scaled. `owner` states the transform: "component", "chunk" or ""
-   (none). */
+/* owner: the XML element that states the transform, "component", "chunk" or "" (none). */
 static void write_metashape(const char *owner, const char *type, const char *calibration)
 {
     const int whole = *owner != 0, component = !strcmp(owner, "component");
@@ -138,8 +134,6 @@ static void write_metashape(const char *owner, const char *type, const char *cal
 }
 #endif
 
-/* ---- Equal cameras ----------------------------------------------------------------------------------------------- */
-
 static fxs_view_list read_list(const char *name)
 {
     static char path[512];
@@ -150,7 +144,6 @@ static fxs_view_list read_list(const char *name)
     return list;
 }
 
-/* Checks the cameras. Pictures without a size in the file get this one. */
 static void check_poses(const fxs_view_list *list, int width, int height, const double centre[2], double focal_of)
 {
     if (!CHECK(list->count == CAMERAS))
@@ -174,8 +167,7 @@ static void check_poses(const fxs_view_list *list, int width, int height, const 
     }
 }
 
-/* Compares with written-out formulas: Brown's series of `coefficients` terms with tangential terms, at (x, y) or the
-   fisheye's point. */
+/* Brown's lens formula: a radial series of `coefficients` terms, then tangential terms. */
 static void check_lens(const fxs_lens *lens, int coefficients, int fisheye, double skew)
 {
     for (double x = -0.6; x < 0.7; x += 0.3)
@@ -199,7 +191,7 @@ static void csv(void)
     write_csv(4);
     fxs_view_list list = read_list("e/cameras.csv");
     check_poses(&list, WIDE, HIGH, middle, focal);
-    check_poses(&list, HIGH, WIDE, upright, focal);        /* f and the principal point scale with the longer side */
+    check_poses(&list, HIGH, WIDE, upright, focal);        /* focal length and centre scale with the longer side */
     check_poses(&list, 2 * WIDE, 2 * HIGH, twice, 2 * focal);
     for (size_t i = 0; i < list.count; i++)
         check_lens(&list.views[i].lens, 4, 0, 0);
@@ -249,7 +241,7 @@ static void bundler(void)
         CHECK(!rename(from, in_folder("moved")));
     }
     remove(in_folder("moved"));
-    say("a set 5\n");                                     /* a name that ends in a number */
+    say("a set 5\n");                                     /* the name of this camera ends in a number */
     put_text("e/x.list.txt");
     say("# Bundle file v0.3\n1 0\n9 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n");
     put_text("e/x.out");
@@ -275,7 +267,7 @@ static void metashape(void)
         fxs_view_list_free(&list);
     }
     for (int far = 0; far < 2; far++) {
-        away = far ? 4e6 : 60000;      /* 4e6 counts as geocentric: the translation is dropped */
+        away = far ? 4e6 : 60000;      /* positions from 4e6 on count as geocentric and lose their offset */
         write_metashape("component", "frame", LENS);
         fxs_view_list list = read_list("e/cameras.xml");
         CHECK(list.moved == far);
@@ -295,7 +287,6 @@ static void metashape(void)
     fxs_view_list_free(&list);
 }
 
-/* Both components lose the same offset, even if only one counts as geocentric. */
 static void metashape_components(void)
 {
     static const struct { double places[2], origin; } sets[] = {
@@ -326,9 +317,7 @@ static void metashape_components(void)
 }
 #endif
 
-/* ---- Photographs ------------------------------------------------------------------------------------------------- */
-
-/* Photographs match COLMAP's convention to the pixel, cameras within rounding. */
+/* Undistorted photographs of all formats match COLMAP's convention to the pixel. */
 static void photographs(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 3};
@@ -382,7 +371,6 @@ static void photographs(void)
     fxs_photos_free(&first);
 }
 
-/* Bundler models contain points; other exports have them in a separate file. */
 static void points(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -408,17 +396,16 @@ static void points(void)
     remove(in_folder("e/points.ply"));
     CHECK(!remove(in_folder("e/cameras.txt")) && !remove(in_folder("e/images.txt")));
     remove(in_folder("e/cameras.xml"));
-    CHECK(!read_photos("e", &options) && photos.points_are_random);                 /* from the .csv in the folder */
+    CHECK(!read_photos("e", &options) && photos.points_are_random);
     remove(in_folder("e/images/3.ppm"));
     check_refused("e", &options, FXS_ERR_FILE, "3.ppm: No such file or directory (a photograph of ");
     CHECK(strstr(message.text, "cameras.csv; skip_bad, --skip-bad, leaves such out)") != NULL);
     check_refused("e/bundle.out", &options, FXS_ERR_FILE, "bundle.out; skip_bad, --skip-bad, leaves such out)");
     put_ppm("e/images/3.ppm", WIDE, HIGH, NULL);
     remove(in_folder("e/cameras.csv"));
-    CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* from bundle.out */
+    CHECK(!read_photos("e", &options) && photos.point_count == 2);
 }
 
-/* A block needs sizes in the file, not only in the photographs. */
 static void blocks(void)
 {
     static const char *const files[] = {"e/cameras.csv", "e/bundle.out"};
@@ -438,8 +425,6 @@ static void blocks(void)
 
 #ifdef FXS_WITH_EXPAT
 
-/* A chunk on the Earth does not match points in a file; without points it can be fitted. Photographs with a path of
-   another machine are found by name. */
 static void on_earth(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -463,7 +448,6 @@ static void on_earth(void)
 }
 #endif
 
-/* Far from the origin single precision cannot resolve a scene. */
 static void far_away(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -477,8 +461,6 @@ static void far_away(void)
             check_refused("e/cameras.csv", &options, FXS_ERR_FILE, "4000020 units from the origin and 20 from each");
     }
 }
-
-/* ---- Faults ------------------------------------------------------------------------------------------------------ */
 
 static void check_fault(const char *name, const char *content, const char *words)
 {
@@ -603,7 +585,6 @@ static void metashape_faults(void)
 }
 #endif
 
-/* A file truncated anywhere gives cameras or a message. */
 static void check_cut(const char *name)
 {
     static char whole[1 << 16];

@@ -1,4 +1,4 @@
-/* Camera files: one camera in every format, faults, real files. */
+/* Tests the readers of camera files: the same camera in every format, faulty files, real files. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/scene.h>
@@ -72,8 +72,7 @@ static void check_fault(const char *name, const char *words)
         free(views);
 }
 
-/* The camera in every format: rotated by 0.7 about (1, 2, 3), by Rodrigues' formula R = cos I + sin [k] + (1 - cos) k
-   k^T. */
+/* The rotation is 0.7 radians about (1, 2, 3), by Rodrigues' formula R = cos I + sin [k] + (1 - cos) k k^T. */
 
 static const double centre[3] = {1.25, -0.375, 2.0625};
 static double rotation[9], quaternion[4], translation[3];
@@ -109,8 +108,6 @@ static void check_camera(const char *name, const char *view_name, double cx, dou
         CHECK(fabs(views->position[i] - centre[i]) < 1e-9);
     free(views);
 }
-
-/* COLMAP binary models */
 
 static unsigned char bytes[4096];
 static size_t size;
@@ -217,7 +214,6 @@ static void colmap_txt(void)
     check_fault("", "image 0: not nine numbers and a name");
 }
 
-/* Checks if the first view is marked as bent by its lens; its pinhole camera is always read. */
 static void check_bends(const char *name, int bends)
 {
     fxs_view *views;
@@ -372,8 +368,7 @@ static void put_inria(void)
              centre[0], centre[1], centre[2], r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
 }
 
-/* A frame with the camera's matrix and the members `own`. */
-static double stretch[3] = {1, 1, 1};    /* of the columns */
+static double stretch[3] = {1, 1, 1};
 
 static void put_transforms(const char *top, const char *own)
 {
@@ -401,7 +396,6 @@ static void inria(void)
     }
 }
 
-/* A principal point outside the picture, and an orthographic camera. */
 static void inria_extended(void)
 {
     fxs_view *views;
@@ -490,7 +484,6 @@ static void inria_faults(void)
     }
 }
 
-/* A rotation within 1e-3 is made orthonormal. */
 static void inria_orthonormalised(void)
 {
     fxs_view *views;
@@ -525,7 +518,7 @@ static void transforms(void)
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
     for (int i = 0; i < 3; i++)
-        stretch[i] = 0.037;            /* one scale for all columns is accepted */
+        stretch[i] = 0.037;            /* a common scale of all columns of the matrix is accepted */
     put_transforms(top, "");
     check_camera("transforms.json", "b.jpg", 320, 240);
     stretch[1] = 0.04;
@@ -537,7 +530,6 @@ static void transforms(void)
     stretch[0] = stretch[1] = stretch[2] = 1;
 }
 
-/* A default camera of Blender looks along -z with y up. */
 static void blender(void)
 {
     static const double axes[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
@@ -623,7 +615,6 @@ static void real_cameras(void)
         return;
     CHECK(!strcmp(views[0].name, "20240212_003919.jpg") && views[96].width == 1200 && views[96].height == 900);
     CHECK(fabs(views[0].rotation[6] - 0.18865072947177312) < 1e-12 && fabs(views[0].fy - 993.6739021830649) < 1e-12);
-    /* the plush lies near the origin, in front of every camera */
     for (int i = 0; i < 97; i++)
         CHECK(views[i].rotation[6] * -views[i].position[0] + views[i].rotation[7] * -views[i].position[1] +
               views[i].rotation[8] * -views[i].position[2] > 0);
@@ -640,7 +631,6 @@ static void without_cjson(void)
 
 #endif
 
-/* Messages must not pass on control characters from a file. */
 static void control_characters_in_messages(void)
 {
     static const struct {
@@ -677,7 +667,7 @@ static void camera_from_view(void)
         CHECK(camera.position_q32[i] == (int64_t)(view.position[i] * 4294967296.0));
 }
 
-/* Matrices of glFrustum and glOrtho for left, right, bottom, top, near, far; far 0 means infinity. */
+/* Computes the matrix of glFrustum or glOrtho from left, right, bottom, top, near, far. far = 0 means infinity. */
 static void make_projection(double m[16], int flat, const double at[6])
 {
     const double wide = at[1] - at[0], high = at[3] - at[2], deep = at[5] - at[4], near = at[4], far = at[5];
@@ -692,7 +682,7 @@ static void make_projection(double m[16], int flat, const double at[6])
     m[15] = flat;
 }
 
-/* From the rotated camera at `centre`; OpenGL's eye has y up and z back. */
+/* OpenGL's camera has y up and z back. */
 static void make_view_matrix(double m[16])
 {
     memset(m, 0, 16 * sizeof *m);
@@ -711,7 +701,6 @@ static void apply(double out[4], const double m[16], const double v[4])
     }
 }
 
-/* The camera must project points like the matrices. */
 static void check_matrices(int flat, const double at[6])
 {
     double view[16], projection[16], eye[4], clip[4];
@@ -799,7 +788,6 @@ static void camera_from_matrices(void)
     CHECK(fxs_camera_from_matrices(&camera, view, projection, 640, FXS_MAX_SIZE + 1, &message) == FXS_ERR_SIZE);
 }
 
-/* Resizing keeps the ray through every point of the picture. */
 static void view_resized(void)
 {
     const fxs_view before = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 300.3, .cy = 250.7};
@@ -809,11 +797,10 @@ static void view_resized(void)
     fxs_view_resize(&view, 1280, 960);
     CHECK(view.fx == 1000 && view.fy == 1020 && fabs(view.cx - 600.6) < 1e-9 && fabs(view.cy - 501.4) < 1e-9);
     view = before;
-    fxs_view_resize(&view, 320, 480);                /* scales by the width, about the centre of the height */
+    fxs_view_resize(&view, 320, 480);
     CHECK(view.fy == 255 && fabs(view.cx - 150.15) < 1e-9 && fabs(view.cy - (240 + 10.7 / 2)) < 1e-9);
 }
 
-/* The box is centred, its corners are in the picture and in front. */
 static void view_of_a_box(void)
 {
     const double low[3] = {1, 20, -300}, high[3] = {5, 24, -290}, up[3] = {0, -1, 0};
@@ -850,7 +837,6 @@ static void state_at(const fxs_view *keys, long count, double at, double state[7
     state[6] = log(view.fx);
 }
 
-/* Rotations that make each component of the quaternion the largest somewhere. */
 static void start_views(void)
 {
     static const double ups[3][3] = {{0, -1, 0}, {0, 1, 0}, {1, 0.2, 0.3}}, middle[3] = {0, 0, 0};
@@ -873,7 +859,6 @@ static void start_views(void)
     }
     view.projection = FXS_ORTHOGRAPHIC;
     CHECK(fxs_view_to_start(scene, &view, &message) == FXS_ERR_CAMERA);
-    /* Invalid numbers: a tangent, a position, a quaternion. */
     for (int k = 0; k < 3; k++) {
         memcpy(bad, scene, sizeof bad);
         memset(bad + (k == 0 ? 148 : k == 1 ? 152 : 176), 0x7f, k == 0 ? 4 : k == 1 ? 8 : 12);
@@ -886,7 +871,6 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Directions all around, and near the edge between the halves of the octahedron. */
 static void up_of_a_scene(void)
 {
     unsigned char scene[sizeof(fxs_packed_header)] = {0}, again[sizeof scene];
@@ -917,7 +901,6 @@ static void up_of_a_scene(void)
     }
 }
 
-/* Invalid codes read as unknown; unusable directions and views out of range are not stored. */
 static void start_that_is_none(void)
 {
     static const uint32_t codes[] = {0x7fffffff, 0x80000000 | 0x4000 << 1, 0x80000000 | (uint32_t)0x4000 << 16};
@@ -952,7 +935,6 @@ static void start_that_is_none(void)
     }
 }
 
-/* A camera that looks at a point still does after both are placed. */
 static void start_is_placed(void)
 {
     fxs_placement p;
@@ -960,7 +942,7 @@ static void start_is_placed(void)
     fxs_placement_init(&p, 0, 0);
     fxs_placement_start(&p, &start);
     CHECK(!memcmp(&start, &plain, sizeof start));
-    fxs_placement_turn(&p, 0, 90);     /* y to z, z to -y */
+    fxs_placement_turn(&p, 0, 90);     /* rotates the y axis to z, and z to -y */
     for (int i = 0; i < 4; i++)
         p.rotation[i] *= 3;
     p.scale = 2;
@@ -975,7 +957,6 @@ static void start_is_placed(void)
     CHECK(start.tangent == 0 && start.position[0] == 0 && fabs(start.up[2] + 1) < 1e-12);
 }
 
-/* Handheld cameras around a subject, rolled to either side, one level; up is no axis. */
 static void start_view_is_upright(void)
 {
     enum { COUNT = 12, LEVEL = 7 };
@@ -995,7 +976,7 @@ static void start_view_is_upright(void)
     }
     CHECK(fxs_views_up(&photos->view, COUNT, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 1 - 1e-6 && fabs(along(found, found) - 1) < 1e-12);
-    /* From one side, all looking down: the mean of the up vectors leans, the right vectors are level. */
+    /* The mean of the cameras' up vectors leans, but their right vectors are level. */
     CHECK(fxs_views_up(&photos->view, COUNT / 2, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 0.9998);
     CHECK(!fxs_fit_start_view(photos, COUNT, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
@@ -1009,7 +990,6 @@ static void start_view_is_upright(void)
     fxs_start_of(&start, scene);
     CHECK(along(start.up, up) > cos(0.02));
 
-    /* One upright, one upside down. */
     photos[1] = photos[0];
     for (int k = 0; k < 6; k++)
         photos[1].view.rotation[k] = -photos[0].view.rotation[k];
@@ -1023,7 +1003,6 @@ static void start_view_is_upright(void)
     CHECK(fxs_fit_start_view(photos, 0, scene, &message) == FXS_ERR_ARGUMENT);
 }
 
-/* Views at various heights of scenes upright along any axis. */
 static void up_of_a_view(void)
 {
     static const double middle[3] = {0, 0, 0};
@@ -1040,7 +1019,6 @@ static void up_of_a_view(void)
         fxs_view_up(&view, found);
         CHECK(along(found, up) > 1 - 1e-12);
     }
-    /* Without a level axis: the picture's up. */
     const double eye[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
     double found[3];
     fxs_view view;
@@ -1050,7 +1028,6 @@ static void up_of_a_view(void)
         CHECK(found[k] == -view.rotation[3 + k]);
 }
 
-/* The velocity is continuous at each key, and every rotation in between is orthonormal. */
 static void way_is_smooth(void)
 {
     enum { KEYS = 6 };

@@ -1,4 +1,5 @@
-/* A fit resumed from a saved file ends with the same result; damaged files are refused. */
+/* Tests checkpoints of a fit. A resumed fit must end with the result of an uninterrupted fit. Damaged files must be
+   refused. */
 #include <math.h>
 
 #include "src/fit/coarse.h"
@@ -20,7 +21,7 @@ static float uniform(uint64_t index)
     return fxs_fit_uniform(fxs_fit_random(17, 4, index));
 }
 
-/* Coloured spots in a box from three sides, coarse enough for splits and clones. */
+/* The coloured spots are coarse enough for the fit to split and clone Gaussians. */
 static void make_input(void)
 {
     fxs_fit_options_init(&options);
@@ -80,7 +81,6 @@ static void save(fxs_fit *fit, const char *name)
         printf("  %s\n", message.text);
 }
 
-/* Reads a file; release with free. */
 static uint8_t *bytes_of(const char *name, size_t *size)
 {
     FILE *file = fopen(in_folder(name), "rb");
@@ -102,9 +102,6 @@ static int same_files(const char *a, const char *b)
     return same;
 }
 
-/* ---- Resuming ---------------------------------------------------------------------------------------------------- */
-
-/* Batches of four from three photographs cross the end of a round. */
 static void goes_on_in_the_middle_of_a_round(void)
 {
     const fxs_fit_options mine = options;
@@ -131,7 +128,6 @@ static void goes_on_in_the_middle_of_a_round(void)
     options = mine;
 }
 
-/* The file stores exposures, their moments and the option. */
 static void goes_on_with_exposure(enum fxs_fit_exposure exposure, const char *half)
 {
     const fxs_fit_options mine = options;
@@ -170,8 +166,7 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
-/* If all photographs state one, exposures start at log2(exposure) / 2.2 minus the mean; otherwise at 0. The bits are
-   equal for all compilers and processors. */
+/* The exposures of a fit start at log2(exposure) / 2.2 minus the mean of all photographs. */
 static void begins_with_known_exposures(void)
 {
     static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};
@@ -193,7 +188,7 @@ static void begins_with_known_exposures(void)
         }
         fxs_fit_destroy(fit);
     }
-    for (int kind = 0; kind < 3; kind++) {         /* impossible numbers */
+    for (int kind = 0; kind < 3; kind++) {
         static const double odd[3] = {1e300, -1, 1e-300};
         photos[1].exposure = kind == 1 ? NAN : odd[kind];
         options.exposure = FXS_FIT_EXPOSURE_GAIN;
@@ -201,7 +196,7 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_destroy(fit);
     }
-    for (int i = 0; i < PHOTOS; i++)               /* affine: factors divided by their mean */
+    for (int i = 0; i < PHOTOS; i++)               /* an affine exposure divides its factors by their mean */
         photos[i].exposure = 0.01 * (1 + i);
     options.exposure = FXS_FIT_EXPOSURE_AFFINE;
     fxs_fit *fit = begin();
@@ -222,7 +217,7 @@ static void begins_with_known_exposures(void)
     save(fit, "extreme-exposures");
     fxs_fit_destroy(fit);
     for (int i = 0; i < PHOTOS; i++)
-        photos[i].exposure = 0;                    /* the file's values count */
+        photos[i].exposure = 0;
     if (CHECK(resume(&fit, "extreme-exposures") == 0)) {
         CHECK(fit->gains.of[0].at[0] > 5 && fit->gains.of[1].at[0] < -10);
         fxs_fit_destroy(fit);
@@ -230,7 +225,6 @@ static void begins_with_known_exposures(void)
     options = mine;
 }
 
-/* Resuming needs the same masks; a mask that ignores nothing equals none. */
 static void goes_on_with_masks(void)
 {
     static uint8_t masks[PHOTOS][WIDTH * HEIGHT], all[WIDTH * HEIGHT];
@@ -269,7 +263,7 @@ static void goes_on_with_masks(void)
         photos[i].mask = NULL;
 }
 
-/* A block of two photographs, in another order, keeps its coarse fit's exposures, poses and antialiasing. */
+/* A block of two photographs keeps the exposures, poses and antialiasing of its coarse fit. */
 static void a_block_keeps(const char *name, uint32_t steps)
 {
     const fxs_fit_options mine = options;
@@ -307,7 +301,6 @@ static void a_block_keeps(const char *name, uint32_t steps)
     fxs_fit_destroy(whole);
 }
 
-/* Poses, saved before and after the first step that moves them, with exposures and without. */
 static void goes_on_with_poses(void)
 {
     const fxs_fit_options mine = options;
@@ -352,7 +345,6 @@ static void goes_on_with_poses(void)
     options = mine;
 }
 
-/* Saved between two steps that bound scales. The file stores the option, which changes the result. */
 static void goes_on_antialiased(void)
 {
     const fxs_fit_options mine = options;
@@ -384,7 +376,6 @@ static void goes_on_antialiased(void)
     options = mine;
 }
 
-/* The file stores how sizes are measured; a block takes it from its coarse fit. */
 static void goes_on_with_a_sky(void)
 {
     const fxs_fit_options mine = options;
@@ -423,7 +414,6 @@ static void a_block_keeps_exposures_and_poses(void)
     a_block_keeps("half-poses", 526);
 }
 
-/* Saved after a densification, within a round. */
 static void goes_on_as_if_never_stopped(void)
 {
     fxs_fit *whole = begin(), *first = begin(), *second;
@@ -453,7 +443,7 @@ static void goes_on_as_if_never_stopped(void)
     fxs_fit_destroy(whole);
 }
 
-/* Saved while scales pass through the packed profile, where a number out of range is refused. */
+/* In the last tenth of the steps, scales are quantised as in the packed file. */
 static void goes_on_in_the_last_tenth(void)
 {
     const fxs_fit_options mine = options;
@@ -470,7 +460,7 @@ static void goes_on_in_the_last_tenth(void)
         CHECK(same_files("end", "resumed"));
         fxs_fit_destroy(again);
     }
-    options.steps = 2 * STEPS;                   /* no longer in the last tenth */
+    options.steps = 2 * STEPS;
     if (CHECK(resume(&again, "late") == 0)) {
         go_on(again, LATE + 2);
         fxs_fit_destroy(again);
@@ -527,8 +517,6 @@ static void names_of_photographs_do_not_matter(void)
         fxs_fit_destroy(fit);
 }
 
-/* ---- Faults ------------------------------------------------------------------------------------------------------ */
-
 static int refused(const char *name, int error, const char *why)
 {
     fxs_fit *fit = (fxs_fit *)&fit;
@@ -572,7 +560,6 @@ static uint32_t get_u32(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Corrects the checksum. */
 static void seal(uint8_t *bytes, size_t size)
 {
     uint64_t sum = 0;
@@ -582,11 +569,10 @@ static void seal(uint8_t *bytes, size_t size)
     put_u32(bytes + size - 4, (uint32_t)(sum >> 32));
 }
 
-/* Offsets in words. */
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* Changes a word and corrects the checksum. A negative offset counts from the end. */
+/* Changes a word of the file and corrects the checksum. A negative offset counts from the end. */
 static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
@@ -634,7 +620,7 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(DEGREE, 4, "damaged: a number out"));
     CHECK(refused_with(BATCH, 0, "damaged: a number out") && refused_with(BATCH, 9, "damaged: a number out"));
     CHECK(refused_with(PROFILE, 77, "damaged: a number out"));
-    const uint32_t large = 0x42a20000;           /* 81 */
+    const uint32_t large = 0x42a20000;           /* the bits of the float 81.0 */
     CHECK(refused_with(FIRST, 0x7e967699, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_SCALE * count, large, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_OPACITY * count, large | 1u << 31, "damaged: a number out"));
@@ -646,7 +632,6 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(0, 1, "not a saved fit"));
 }
 
-/* Exposures lie before the end mark and the checksum. */
 static void faulty_exposures_are_refused(void)
 {
     enum { WORDS = sizeof(fxs_fit_gain) / 4, END = -3, AT = END - WORDS * PHOTOS };
@@ -658,17 +643,17 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 14);          /* the version with exposures, but the file has none */
+    change("half", 1, 14);          /* the version number of files with exposures, in a file without exposures */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);          /* the version with antialiasing hashes cameras differently */
+    change("half", 1, 19);
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
     change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* moments: means any, squares from 0, others 0 to 1 */
+    for (int i = 0; i < 6 * 4; i++) {    /* valid Adam moments: any mean, squares >= 0 */
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);
@@ -685,13 +670,12 @@ static void faulty_exposures_are_refused(void)
     }
 }
 
-/* Rotations, shifts, moments and depths of poses. */
 static void faulty_poses_are_refused(void)
 {
     enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
     static const struct {
         int word;
-        uint32_t beyond, most;     /* refused; accepted */
+        uint32_t beyond, most;     /* beyond: smallest refused word; most: largest accepted word */
     } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
                    {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
                    {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0},
@@ -710,11 +694,10 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 16);          /* the version with poses, but the file has none */
+    change("half", 1, 16);          /* the version number of files with poses, in a file without poses */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
-/* The count of directions follows the options; centre and inverse radius follow the extent. */
 static void faulty_skies_are_refused(void)
 {
     enum { SKY = PRINT, FAR = EXTENT + 2 };
@@ -731,12 +714,12 @@ static void faulty_skies_are_refused(void)
         change("half-sky", numbers[i].word, numbers[i].value);
         CHECK(refused("changed", FXS_ERR_FILE, numbers[i].why));
     }
-    change("half-sky", FAR + 3, 0x60ad78ec);    /* 1e20 */
+    change("half-sky", FAR + 3, 0x60ad78ec);    /* the bits of the float 1e20 */
     if (CHECK(resume(&fit, "changed") == 0)) {
         go_on(fit, 24);
         fxs_fit_destroy(fit);
     }
-    change("half", 1, 25);          /* the version with a sky, but the file has none */
+    change("half", 1, 25);          /* the version number of files with a sky, in a file without sky */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -745,7 +728,7 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x51;              /* no version becomes another valid one */
+        bytes[i] ^= 0x51;              /* a change that gives no other valid version number */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))
@@ -774,7 +757,6 @@ static int is_finite(const fxs_fit *fit)
     return 1;
 }
 
-/* With any finite numbers, and parameters in range, a fit resumes and its scene has no NaN. */
 static void any_finite_numbers_are_lived_with(void)
 {
     size_t size;
@@ -822,7 +804,6 @@ static void what_is_no_file_is_refused(void)
     CHECK(refused("empty", FXS_ERR_FILE, "not a saved fit"));
 }
 
-/* A fit that could not be resumed is not saved. */
 static void what_is_not_finite_is_not_saved(void)
 {
     fxs_fit *fit;
@@ -839,7 +820,6 @@ static void what_is_not_finite_is_not_saved(void)
     CHECK(before == after && same_files("half", "kept"));
 }
 
-/* On a full disk the previous file stays intact. */
 static void a_full_disk_is_told(void)
 {
     fxs_fit *fit;

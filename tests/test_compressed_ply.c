@@ -1,4 +1,4 @@
-/* Reads PlayCanvas's compressed .ply: synthetic files, faults, a real scene. */
+/* Reads the compressed .ply of PlayCanvas: synthetic files, faulty files, a real scene. */
 #include "scene_bytes.h"
 
 enum { MANY = 300, FEW = 3, BOUNDS = 18 };
@@ -162,7 +162,6 @@ static void faulty_headers(void)
     }
 }
 
-/* A count beyond the file's size is refused before any allocation. */
 static void absurd_count(void)
 {
     make_file(MANY, 1, 0);

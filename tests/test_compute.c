@@ -1,5 +1,5 @@
-/* The compute back end against the processor: stages on random chunks, frames of random objects with every target, real
- * scenes, long lists, small buffers; and device failures, by fake OpenGL functions. */
+/* Compares the compute back end on a GPU with the CPU renderer: stages, random frames, real scenes, long lists and
+   small buffers. Fake OpenGL functions simulate device failures. */
 #include <string.h>
 
 #include <fixsplat/camera.h>
@@ -31,10 +31,8 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;                /* limit for a part of a scene; 0: none */
+static uint64_t part_bytes;                /* largest part of a scene in an upload in bytes; 0: no limit */
 static fxs_message why;
-
-/* ---- Fake functions ---------------------------------------------------------------------------------------------- */
 
 static struct fake {
     const char *name;
@@ -49,7 +47,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* Creates a back end with a fake function; *out is null on failure. */
+/* Creates a back end with a fake OpenGL function. *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -64,8 +62,6 @@ static void close_compute(fxs_compute *c)
     fxs_compute_destroy(c);
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
 static int render_there(const fxs_request *request, fxs_stats *stats)
 {
     fxs_context context;
@@ -77,7 +73,6 @@ static int render_there(const fxs_request *request, fxs_stats *stats)
     return error;
 }
 
-/* Renders on the device, with a copy of the scene for each object. */
 static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stats)
 {
     fxs_compute_scene copies[OBJECTS] = {{.key = 0}};
@@ -128,9 +123,6 @@ static int is_same(fxs_request *request, picture *a, picture *b)
            CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b);
 }
 
-/* ---- Random objects ---------------------------------------------------------------------------------------------- */
-
-/* Any values that are valid in a chunk. */
 static void fill_wild(const packed_scene *s)
 {
     for (uint32_t c = 0; c < s->header->chunk_count; c++) {
@@ -193,7 +185,6 @@ static void random_window(fxs_camera *camera)
     }
 }
 
-/* Drops random targets, and adds an occluder or a backdrop. */
 static void random_targets(picture *a, picture *b, uint32_t *read)
 {
     const unsigned without = (unsigned)next();
@@ -272,8 +263,6 @@ static void wild_frames(void)
         }
 }
 
-/* ---- Stages ------------------------------------------------------------------------------------------------------ */
-
 static void *read_words(int buffer, uint64_t first, uint64_t count)
 {
     uint32_t *words = malloc(4 * count);
@@ -309,7 +298,6 @@ static uint32_t compare_chunk(const fxs_stage_view *view, const fxs_scene *scene
     return (uint32_t)count;
 }
 
-/* Every list is sorted from near to far by its slots' depths. */
 static int check_lists(const uint32_t *depths)
 {
     const fxs_compute_frame *f = &device->plan.frame;
@@ -366,7 +354,6 @@ static int compare_stages(const fxs_scene *scene)
     return same;
 }
 
-/* project, shade and sort. Whole frames check the number of visible chunks. */
 static void stages(void)
 {
     state = 20263;
@@ -385,8 +372,6 @@ static void stages(void)
     }
 }
 
-/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
 static int look_at(fxs_camera *camera, int width, int height, double distance)
 {
     const double eye[3] = {0.9, -2.6, -distance}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
@@ -403,7 +388,7 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     request.options.budget = budget;
     if (!look_at(request.cameras, width, height, distance))
         return;
-    for (int traced = 0; traced < 2; traced++) {       /* 1: trace_tiles, 0: blend_tiles */
+    for (int traced = 0; traced < 2; traced++) {       /* 1: tests trace_tiles, 0: tests blend_tiles */
         picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
         if (!traced) {
             const fxs_image none = {0, 0};
@@ -417,7 +402,6 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     }
 }
 
-/* Lists of all lengths, up to the whole scene in a picture of one tile. */
 static void sizes(void)
 {
     part p;
@@ -429,7 +413,6 @@ static void sizes(void)
     part_free(&p);
 }
 
-/* Every Gaussian touches every tile, so the guessed entry capacity overflows. */
 static void veils(void)
 {
     state = 20264;
@@ -462,7 +445,6 @@ static void captured_scenes(void)
         SKIP("the captured scenes are not here");
 }
 
-/* A scene with a tree, whole and with budgets, uploaded in small parts. */
 static void parts_and_levels(void)
 {
     for (int profile = 0; profile < 3; profile++) {
@@ -480,8 +462,6 @@ static void parts_and_levels(void)
         fxs_packed_scene_free(&packed);
     }
 }
-
-/* ---- Failures ---------------------------------------------------------------------------------------------------- */
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLenum limited;
@@ -556,7 +536,6 @@ static void *GL_APIENTRY no_map(GLenum target, GLintptr at, GLsizeiptr bytes, GL
     return 0;
 }
 
-/* A device error ends the frame; the next frame is right. */
 static void frames_fail(void)
 {
     part p;
@@ -579,7 +558,7 @@ static void frames_fail(void)
             void *memory = malloc(fxs_compute_memory(&request));
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
             failing = i ? CONTEXT_LOST : GL_OUT_OF_MEMORY;
-            failures = i ? 1000 : 20;              /* errors from before a frame are not its own */
+            failures = i ? 1000 : 20;              /* errors from before a frame do not fail the frame */
             if (i < 2)
                 c->gl.GetError = fake_GetError;
             else if (i == 2)
@@ -602,8 +581,6 @@ static void frames_fail(void)
     part_free(&p);
 }
 
-/* ---- Loss of the context at any call ----------------------------------------------------------------------------- */
-
 static fxs_gl_function load_losing(void *argument, const char *name)
 {
     return losing_load(fxs_egl_load, argument, name);
@@ -614,7 +591,6 @@ static int open_losing(fxs_compute **out)
     return fxs_compute_create(out, load_losing, fxs_egl_use, egl, &why);
 }
 
-/* Returns the calls of a run without losses, counted down from LONG_MAX. */
 static long calls_made(void)
 {
     const long calls = LONG_MAX - calls_left;
@@ -647,8 +623,6 @@ static void init_loses(void)
     close_compute(c);
 }
 
-/* A loss at any call of an upload or a frame gives an error or a picture. The picture is whole or untouched, and the
-   next frame is right. */
 static void frames_lose(void)
 {
     part p;
@@ -687,7 +661,7 @@ static void frames_lose(void)
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
         }
         for (long n = 0; n < of_frame && !check_faults; n++) {
-            for (int again = 0; again < 2; again++) {      /* with the buffers allocated, then without */
+            for (int again = 0; again < 2; again++) {
                 picture_clear(&b);
                 lose_after(n, losses[k]);
                 const int error = fxs_compute_render(c, &request, copies, memory, 0, &why);
@@ -720,7 +694,6 @@ static int yes(void *argument)
     return 1;
 }
 
-/* Memory limits, stopped frames, damaged scenes, invalid arguments. */
 static void refusals(void)
 {
     part p;
@@ -734,7 +707,7 @@ static void refusals(void)
     fxs_request_init(&request, &object, 1);
     look_at(request.cameras, 100, 80, 12.8);
     request.targets[0] = a.targets;
-    c->rooms.most = 30000;                  /* too little for the frame's first buffers */
+    c->rooms.most = 30000;                  /* too little memory for the first buffers of a frame */
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
     c->rooms.most = most;
@@ -745,7 +718,7 @@ static void refusals(void)
     fxs_compute_limit(c, 1000);
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
     fxs_compute_limit(c, 0);
-    part_bytes = 1000;                     /* less than a chunk */
+    part_bytes = 1000;                     /* an upload limit below the size of a chunk */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
     request.options.stop.call = yes;
@@ -760,7 +733,7 @@ static void refusals(void)
     fxs_targets_init(request.targets);
     CHECK(render_by(c, &request, 0) == FXS_ERR_TARGET);
     request.targets[0] = a.targets;
-    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* step_shift of the first chunk */
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* the field step_shift of the first chunk header */
     CHECK(render_by(c, &request, 0) == FXS_ERR_SCENE);
     close_compute(c);
     picture_free(&a);

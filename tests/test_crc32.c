@@ -1,4 +1,4 @@
-/* CRC-32 of .fxs files: known values; every length against a bitwise version, in pieces. */
+/* Tests the CRC-32 of .fxs files against known values and a bitwise version. */
 #include "src/base/crc32.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* The cut through the trees of a frame: complete, within the budget, nowhere coarser with a larger budget, equal for
- * all kernels, threads and memory sizes; damaged trees. */
+/* Tests the cut: the nodes of the level-of-detail trees that a frame draws. The cut must be complete, within the
+   budget, and nowhere coarser with a larger budget. The cut must be equal for all kernels, threads and memory sizes. */
 #include <string.h>
 #include <unistd.h>
 
@@ -20,9 +20,6 @@ enum { WIDTH = TREE_WIDTH, HEIGHT = TREE_HEIGHT, PIXELS = WIDTH * HEIGHT * 4, CO
 static fxs_packed_scene packed[3];
 static fxs_scene scenes[3];
 
-/* ---- The cut ----------------------------------------------------------------------------------------------------- */
-
-/* Sums the shares from each leaf to the root. */
 static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, uint32_t whole, uint8_t *to)
 {
     whole += drawn[chunk] > 0 ? (uint32_t)drawn[chunk] : 0;
@@ -37,12 +34,12 @@ static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, u
         walk(scene, node.children[i], drawn, whole, to);
 }
 
-/* Cuts one scene; sets each chunk's share, -1 if it is not drawn. Returns the chunks drawn. */
+/* Sets each chunk's share in the frame, -1 if the chunk is not drawn. Returns the number of drawn chunks. */
 static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budget, uint32_t detail_q8, int32_t *shares)
 {
     unsigned char pixels[4];
     fxs_scene compensated = *scene;
-    compensated.antialiased = 1;             /* shares do not grow with distance */
+    compensated.antialiased = 1;             /* makes the shares of chunks independent of the distance */
     const fxs_object object = one_object(&compensated);
     fxs_request request = request_of(&object, 1, camera, budget, pixels);
     fxs_context context;
@@ -75,7 +72,6 @@ static int is_seen(const fxs_scene *scene, fxs_camera camera, uint32_t chunk)
 static int32_t shares[2][2 * COUNT / FXS_CHUNK + 16];
 static uint8_t marks[2][COUNT];
 
-/* Every visible leaf is covered, by one chunk or by shares of several. */
 static void test_covered(void)
 {
     const fxs_scene *scene = &scenes[0];
@@ -89,7 +85,6 @@ static void test_covered(void)
     }
 }
 
-/* Sets the largest depth drawn for each leaf, 255 if none. With a larger budget it never falls. */
 static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, uint8_t deepest, const int32_t *drawn,
                         uint8_t *to)
 {
@@ -145,7 +140,6 @@ static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t 
     return grown;
 }
 
-/* More nodes grow at larger distances; leaves never do. */
 static void test_growth(void)
 {
     uint32_t before = 0;
@@ -159,7 +153,7 @@ static void test_growth(void)
     CHECK(before > 0);
 }
 
-/* 1 - (1 - opacity)^share: share 256 (1.0) keeps the opacity, larger shares lower the offset. */
+/* A share changes the opacity to 1 - (1 - opacity)^share. Share 256 (1.0 in Q8) keeps the opacity. */
 static void test_shares(void)
 {
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
@@ -183,13 +177,11 @@ static void test_detail(void)
     for (uint32_t detail_q8 = 8; detail_q8 < 256 << 8; detail_q8 *= 2) {
         const uint32_t drawn = cut_of(scene, camera, 0, detail_q8, shares[0]);
         const uint32_t both = cut_of(scene, camera, 20 * FXS_CHUNK, detail_q8, shares[1]);
-        CHECK(drawn <= before + before / 4 && both <= 20);       /* fading chunks are drawn twice */
+        CHECK(drawn <= before + before / 4 && both <= 20);       /* chunks that fade are drawn twice */
         before = drawn;
     }
     CHECK(before < scene->chunk_count / 8);
 }
-
-/* ---- The same bytes ---------------------------------------------------------------------------------------------- */
 
 static unsigned char pictures[3][PIXELS];
 
@@ -227,7 +219,6 @@ static double mean_error(const unsigned char *a, const unsigned char *b)
     return sum / PIXELS;
 }
 
-/* For all profiles; larger budgets approach the picture of the leaves. */
 static void test_same_bytes(void)
 {
     static unsigned char whole[PIXELS];
@@ -256,7 +247,6 @@ static void test_same_bytes(void)
     }
 }
 
-/* Level colours: equal for all kernels, threads and memory sizes; grey if only leaves are drawn. */
 static void test_level_colours(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -275,7 +265,6 @@ static void test_level_colours(void)
     }
 }
 
-/* A crop has the whole picture's pixels. */
 static void test_window(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -297,7 +286,6 @@ static void test_window(void)
         CHECK(!memcmp(pictures[1] + row * 4 * 96, pictures[0] + ((row + 64) * WIDTH + 112) * 4, 4 * 96));
 }
 
-/* A shared budget favours near objects; an object without a tree is drawn whole. */
 static void test_objects(void)
 {
     fxs_object objects[3] = {one_object(&scenes[0]), one_object(&scenes[1]), one_object(&scenes[0])};
@@ -318,7 +306,6 @@ static void test_objects(void)
     CHECK(draw(&context, &request, 0).drawn <= (plain.chunk_count + 1) * FXS_CHUNK);
 }
 
-/* Two eyes equal two frames, each with its own cut. */
 static void test_eyes(void)
 {
     const fxs_object object = one_object(&scenes[0]);
@@ -339,16 +326,13 @@ static void test_eyes(void)
     }
 }
 
-/* ---- Scenes partly in memory ------------------------------------------------------------------------------------- */
-
-/* A scene with some chunks' rows in a pool. */
 typedef struct partial {
     fxs_scene scene;
     const fxs_scene *whole;
     uint32_t *places;
     unsigned char *rows;
-    uint32_t held, room, wanted, known;      /* chunks in the pool, its capacity, chunks missing, chunks found */
-    uint32_t asked[64];                      /* the first missing chunks */
+    uint32_t held, room, wanted, known;
+    uint32_t asked[64];
 } partial;
 
 static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
@@ -380,8 +364,6 @@ static void fetch(partial *p, uint32_t chunk)
     p->places[chunk] = p->held++;
 }
 
-/* A few missing chunks are fetched after each frame. The picture approaches the whole scene's, and finally equals
-   it. */
 static void test_in_part(void)
 {
     static unsigned char wanted[PIXELS];
@@ -390,7 +372,7 @@ static void test_in_part(void)
     fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
     fxs_context_init(&context, 0);
     const fxs_stats all = draw(&context, &request, 0);
-    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* room for ancestors too */
+    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);
     const fxs_object object = one_object(&p.scene);
     double first = 0, last = 0;
     int frames = 0;
@@ -407,7 +389,7 @@ static void test_in_part(void)
         for (uint32_t i = 0; i < p.wanted && i < 8; i++)
             fetch(&p, p.asked[i]);
         if (!frames)
-            fetch(&p, p.scene.chunk_count);                              /* the root */
+            fetch(&p, p.scene.chunk_count);
     } while (stats.missing && ++frames < 1000);
     printf("  %d frames, error %.1f after the root, %.1f at the end\n", frames, first, last);
     CHECK(frames > 10 && frames < 1000 && last == 0 && first > 100);
@@ -420,9 +402,6 @@ static void test_in_part(void)
     free(p.rows);
 }
 
-/* ---- Damage ------------------------------------------------------------------------------------------------------ */
-
-/* Changed nodes give an error or a picture, and no access beyond the memory. */
 static void test_damage(void)
 {
     const size_t bytes = packed[2].bytes;
@@ -438,7 +417,7 @@ static void test_damage(void)
         for (int i = 0; i < 1 + round % 40; i++) {
             random = random * 1664525 + 1013904223;
             size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
-            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* gain and size only */
+            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;
             random = random * 1664525 + 1013904223;
             data[at] = round % 3 && round % 4 ? (unsigned char)(random >> 24)
                                               : data[at] ^ (unsigned char)(1u << (random >> 29) >> (round % 4 ? 0 : 2));

@@ -1,19 +1,18 @@
-/* Frames at the limits of the public header: objects, orthographic cameras, targets, pairs of eyes. */
+/* Renders frames at the limits that the public header states: objects, orthographic cameras, targets, stereo pairs. */
 #include <fixsplat/internal/kernels.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #include "fastest.h"
 
-#define MOST 256                   /* pixels a side */
+#define MOST 256
 #define ONE ((int64_t)1 << 32)
 
-static fxs_context plain;          /* plain C, one thread */
+static fxs_context plain;          /* a context with plain C kernels and a single thread */
 static fxs_options options = {.size = sizeof(fxs_options)};
 static uint32_t pixels[2][MOST * MOST];
 
-/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a box of 4 x 4 x 4 / 2^thin
-   units. */
+/* Gaussians of all shapes fill a box of 4 x 4 x 4 / 2^thin units. Sigma is 1/20 to 1 times 2^log2 units. */
 static packed_scene cloud(uint32_t count, int log2, int thin)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, count, 0);
@@ -75,7 +74,6 @@ static void bin_everywhere(const fxs_stage_view *view, const fxs_splat *splats, 
     }
 }
 
-/* Low opacity factors shrink ellipses, but every touched tile must still list them. */
 static void test_faint_objects_are_listed_whole(void)
 {
     fxs_context everywhere = plain;
@@ -96,7 +94,6 @@ static void test_faint_objects_are_listed_whole(void)
     }
 }
 
-/* A wall behind tens of thousands of Gaussians of the same tile, which cover other pixels, is still found. */
 static void test_end_of_a_long_list(void)
 {
     enum { SIZE = 16, CORNER = 5 };
@@ -108,16 +105,16 @@ static void test_end_of_a_long_list(void)
     const fxs_camera camera = camera_at(SIZE, -8 * ONE);
     fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * SIZE);
     fxs_stats stats;
-    objects[0].scale_q32 = ONE >> 10;                  /* all in one corner */
+    objects[0].scale_q32 = ONE >> 10;
     objects[0].translation_q32[0] = objects[0].translation_q32[1] = -7 * ONE;
     objects[0].id = 1;
     objects[1].id = 2;
-    objects[1].translation_q32[2] = 4 * ONE;           /* behind, 10 units away */
+    objects[1].translation_q32[2] = 4 * ONE;
     targets.id = (fxs_image){ids, 8 * SIZE};
     targets.median_depth = (fxs_image){medians, 4 * SIZE};
     const size_t bytes = fxs_frame_bytes(&plain, objects, 2, SIZE, SIZE, 0);
     void *memory = check_aligned(bytes);
-    for (int last = 0; last < 2; last++) {             /* plain C, then the best kernels */
+    for (int last = 0; last < 2; last++) {
         fxs_context context = plain;
         context.config.kernels = kernels_for(last ? ~0u : 0);
         CHECK(!render_frame(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
@@ -130,8 +127,7 @@ static void test_end_of_a_long_list(void)
     free(wall.data);
 }
 
-/* An occluder behind everything hides nothing, at any place in a list. Pixels stay open, so most entries count; several
-   scenes put one at any place. */
+/* The pixels stay transparent, so the whole list of Gaussians is blended. */
 static void test_occluder_behind_a_long_list(void)
 {
     enum { SIZE = 16, COUNT = 80000 };
@@ -163,9 +159,6 @@ static void test_occluder_behind_a_long_list(void)
     }
 }
 
-/* ---- Cameras ----------------------------------------------------------------------------------------------------- */
-
-/* A single pixel with a distant principal point equals that pixel of the orthographic picture. */
 static void test_pixel_of_an_orthographic_picture(void)
 {
     fxs_camera camera = camera_at(MOST, -8 * ONE);
@@ -201,8 +194,6 @@ static void test_camera_of_any_size(void)
     free(s.data);
 }
 
-/* ---- Targets ----------------------------------------------------------------------------------------------------- */
-
 static int render_to(ptrdiff_t stride, void *top, int32_t height)
 {
     fxs_targets targets;
@@ -228,8 +219,6 @@ static void test_strides_beyond_all_memory(void)
     CHECK(!render_to(8, pixels[1], 20) && !render_to(-8, pixels[1] + MOST, 20));
 }
 
-/* ---- Two eyes ---------------------------------------------------------------------------------------------------- */
-
 static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], const fxs_targets targets[2])
 {
     const size_t bytes = fxs_frame_bytes(&plain, object, 1, cameras[0].width, cameras[0].height, 0);
@@ -239,7 +228,6 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
     return error;
 }
 
-/* An error for one eye leaves both pictures untouched. */
 static void test_object_too_far_from_one_eye(void)
 {
     const packed_scene s = cloud(9, 0, 0);
@@ -265,7 +253,7 @@ static void test_targets_of_both_eyes(void)
     const fxs_camera cameras[2] = {camera_at(32, -8 * ONE), camera_at(32, -8 * ONE)};
     fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 256),
                               one_target(FXS_FORMAT_RGBA8, pixels[0] + 32, 256)};
-    CHECK(!draw_pair(&object, cameras, targets));       /* side by side */
+    CHECK(!draw_pair(&object, cameras, targets));
     targets[1].colour.pixels = pixels[0] + 31;
     CHECK(draw_pair(&object, cameras, targets) == FXS_ERR_TARGET);
     targets[1].colour.pixels = pixels[0] + 32;
@@ -277,11 +265,8 @@ static void test_targets_of_both_eyes(void)
     free(s.data);
 }
 
-/* ---- Wild frames ------------------------------------------------------------------------------------------------- */
-
 enum { WILD_OBJECTS = 6, WILD_SIZE = 100 };
 
-/* A number of either sign up to 2^bits, log-uniform; often the maximum. */
 static int64_t wild(int bits)
 {
     const int64_t most = (int64_t)1 << bits;
@@ -295,7 +280,6 @@ static int64_t wild_above(int64_t least, int bits)
     return x < 0 ? (-x < least ? least : -x) : x < least ? least : x;
 }
 
-/* Moves and stretches a chunk to the limits. */
 static void stretch_chunk(packed_scene *s)
 {
     const uint32_t chunk_count = s->scene.chunk_count;
@@ -349,7 +333,6 @@ static void wild_camera(fxs_camera *camera)
         camera->near_q32 = wild_above(4096, 60);
 }
 
-/* Targets in separate memory, rows top down or bottom up; wild occluder depths. */
 static void wild_targets(fxs_targets *t, unsigned char *bytes, uint32_t *occluder, const fxs_camera *camera,
                          unsigned which, int upward)
 {
@@ -377,7 +360,7 @@ typedef struct wild_frame {
     fxs_options options;
     unsigned which;
     uint32_t occluder[WILD_SIZE * WILD_SIZE];
-    unsigned char bytes[3][WILD_SIZE * WILD_SIZE * 40];    /* two eyes, and one to compare */
+    unsigned char bytes[3][WILD_SIZE * WILD_SIZE * 40];
 } wild_frame;
 
 static void make_wild_frame(wild_frame *w)
@@ -398,7 +381,6 @@ static void make_wild_frame(wild_frame *w)
         w->occluder[i] = between(0, 9) ? (uint32_t)next() >> between(0, 31) : (uint32_t)between(-1, 0);
 }
 
-/* less: 1 tries the minimum memory first */
 static int draw_wild(const fxs_context *context, wild_frame *w, int number, int upward, int less)
 {
     fxs_targets targets;
@@ -439,7 +421,7 @@ static void check_wild_pick(wild_frame *w)
     free(memory);
 }
 
-/* With `less` not 0, in just enough memory; in less, nothing is written. */
+/* less: 1 uses the minimum memory. With fewer bytes nothing may be written. */
 static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_camera cameras[2], int less)
 {
     fxs_targets targets[2];
@@ -467,7 +449,6 @@ static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_c
     return error;
 }
 
-/* Two eyes equal two frames, for all kernels and in any memory. */
 static int check_wild_pair(wild_frame *w, const fxs_context *fast)
 {
     const fxs_camera first = w->camera;

@@ -1,5 +1,5 @@
-/* The first view of a scene without cameras is upright for any rotation of the scene, sees something, and is equal for
- * all kernels and threads. */
+/* Tests the first view of a scene without cameras. The view must be upright for any rotation of the scene and must
+   see Gaussians. */
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +17,7 @@ enum { COUNT = 30000, WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 static const char *const names[] = {"knot", "mirrors", "discs", "haze", "site", "landscape", "meadow"};
 enum { NAMES = sizeof names / sizeof *names };
 
-/* Rotations, by rows: none, z up, upside down, leaning by 20 degrees. */
+/* Rotation matrices of a scene: none, z up, upside down, leaning by 20 degrees. */
 static const double turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                   {1, 0, 0, 0, 0, 1, 0, -1, 0},
                                   {1, 0, 0, 0, -1, 0, 0, 0, -1},
@@ -33,8 +33,6 @@ typedef struct turned {
 } turned;
 
 static fxs_message why;
-
-/* ---- Procedural scenes ------------------------------------------------------------------------------------------- */
 
 static int make(turned *t, const char *name)
 {
@@ -120,7 +118,7 @@ static void check_view(const turned *t, const char *name, int turning)
                covered, largest);
 }
 
-/* A leaning scene is levelled if it has a visible ground; haze and mountains hide theirs. */
+/* Scenes are not levelled if haze or mountains hide the ground. */
 static void upright_with_something_to_see(void)
 {
     for (int i = 0; i < NAMES; i++) {
@@ -161,13 +159,10 @@ static void the_same_everywhere(void)
     fxs_packed_scene_free(&t.packed);
 }
 
-/* ---- Typical scenes ---------------------------------------------------------------------------------------------- */
-
 static fxs_gaussian laid[COUNT];
 static size_t laid_count;
 static uint64_t state;
 
-/* splitmix64 (Steele, Lea, Flood 2014) */
 static double uniform(double low, double high)
 {
     uint64_t z = state += 0x9e3779b97f4a7c15u;
@@ -184,7 +179,6 @@ static void find_direction(double d[3])
     d[2] = out * sin(angle);
 }
 
-/* A flat Gaussian facing along a normal, with checkered colour. */
 static void put(const double p[3], const double normal[3], double size)
 {
     const double length = sqrt(along(normal, normal)), n[3] = {normal[0] / length, normal[1] / length,
@@ -228,7 +222,6 @@ static void lay_ball(const double middle[3], const double radii[3], int count)
     }
 }
 
-/* Four sides and the roof of a box on the ground. */
 static void lay_box(const double low[3], const double high[3], int count)
 {
     const double x[3] = {high[0] - low[0], 0, 0}, y[3] = {0, high[1] - low[1], 0}, z[3] = {0, 0, high[2] - low[2]};
@@ -240,7 +233,6 @@ static void lay_box(const double low[3], const double high[3], int count)
     lay_panel(right, z, y, count / 5);
 }
 
-/* Ground from the centre to `reach`, with Gaussians that grow with distance. */
 static void lay_ground(double reach, int count)
 {
     static const double normal[3] = {0, 1, 0};
@@ -259,7 +251,6 @@ static void lay_ring(double radius, int trees, int count)
     }
 }
 
-/* Above the ground, at all distances up to the farthest. */
 static void lay_sky(double nearest, double farthest, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -282,7 +273,6 @@ static void lay_room(void)
     lay_ball((double[3]){1.8, -0.9, 1}, (double[3]){0.25, 0.9, 0.25}, 2000);
 }
 
-/* A capture's clutter behind the walls, unseen by any camera. */
 static void lay_mess(void)
 {
     lay_room();
@@ -339,12 +329,11 @@ static void lay_wall(void)
         lay_ball((double[3]){2 * i, 0.2, 4.5}, (double[3]){0.5, 0.5, 0.5}, 2000);
 }
 
-/* The camera's place (in or outside a box) and its target. */
 static const struct kind {
     const char *name;
     void (*lay)(void);
     double low[3], high[3];
-    int within, turns;               /* turns: number of rotations to try */
+    int within, turns;               /* turns: number of rotations of the scene to try */
     double target[3];
 } kinds[] = {
     {"room", lay_room, {-2.4, -2.5, -1.9}, {2.4, -0.3, 1.9}, 1, 2, {0, 0, 0}},
@@ -403,7 +392,6 @@ static void check_kind(const turned *t, const struct kind *kind, const double r[
                eye[2], ahead[0], ahead[1], ahead[2]);
 }
 
-/* Captures from inside are viewed from inside, and never from below. */
 static void from_where_cameras_were(void)
 {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
@@ -418,7 +406,6 @@ static void from_where_cameras_were(void)
     }
 }
 
-/* A stated up vector is kept, wherever the ground is; without one it is estimated. */
 static void upright_as_told(void)
 {
     static const double ups[][3] = {{3, -4, 0}, {0.1, 0.2, -0.7}, {0, 0, 0}};
@@ -439,7 +426,6 @@ static void upright_as_told(void)
     fxs_packed_scene_free(&t.packed);
 }
 
-/* Hidden, cropped and distant objects, and none. */
 static void nothing_to_see(void)
 {
     static const int64_t far[3] = {(int64_t)90 << 32, 0, 0};

@@ -1,23 +1,21 @@
-/* The gradients of a step against central differences of a forward pass in doubles, for every parameter: Gaussians
- * inside and outside the cut-offs, at the picture's edges, with clamped Jacobian slopes, colours clamped at 0, alphas
- * at 0.99, closed and ignored pixels, exposures, poses. Also the cut-offs, and the bounds of scales. */
+/* Compares the gradients of a fit step with central differences of a forward pass in doubles, for every parameter.
+   Also tests the cut-offs and the bounds of scales. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
-enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* the parameters and the 2D centre */
-enum { DEPTH = 3 };                /* visible depth, which scales the rate of shifts */
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* parameters of a Gaussian and its 2D centre */
+enum { DEPTH = 3 };                /* index of the visible depth, which scales the learning rate of camera shifts */
 
-/* ---- The reference ----------------------------------------------------------------------------------------------- */
-
-/* Decisions of a forward pass. Both passes of a difference keep them, since the gradient is piecewise. */
+/* Decisions of a forward pass at cut-offs. Both passes of a central difference share the decisions, because the
+   gradient is piecewise. */
 enum { OUT, IN, CAPPED };
 typedef struct cuts {
-    int is_set;                    /* 0: the next pass decides */
+    int is_set;                    /* 0: the next forward pass makes the decisions */
     int order[MOST], visible;
     unsigned char taken[PIXELS][MOST], dark[MOST][3], beside[MOST][2];
-    unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];   /* 1 if it holds at any pixel */
-    double nearest;                /* relative distance of the closest decision */
+    unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];
+    double nearest;                /* relative distance of the closest decision from its cut-off */
 } cuts;
 
 typedef struct scene {
@@ -25,12 +23,12 @@ typedef struct scene {
     fxs_fit_camera camera;
     double variables[MOST][VARIABLES], background[3];
     enum fxs_fit_exposure exposure;
-    double gain[FXS_FIT_GAIN];     /* e, r and b; or the change of an affine map */
+    double gain[FXS_FIT_GAIN];     /* log exposure, red and blue factors; or an affine colour map */
     double pose[FXS_FIT_POSE];
     int has_pose;
-    double rotation[9], eye[3];    /* of the posed camera */
+    double rotation[9], eye[3];    /* pose of the camera after the correction */
     uint8_t photograph[PIXELS][3];
-    const uint8_t *mask;           /* or null */
+    const uint8_t *mask;
     cuts cuts;
 } scene;
 
@@ -40,7 +38,6 @@ typedef struct flat {
 
 static double picture[3][PIXELS];
 
-/* Records the relative distance of `value` to the cut. Returns whether it is above. */
 static int above(cuts *c, double value, double cut, double scale)
 {
     c->nearest = fmin(c->nearest, fabs(value - cut) / scale);
@@ -57,8 +54,7 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T; its inverse; the opacity times sqrt(det without 0.3 /
-   det). */
+/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T. The opacity is multiplied by sqrt(det without 0.3 / det). */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
@@ -164,7 +160,8 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
     return capped ? CAPPED : IN;
 }
 
-/* Rotates the camera by 2 atan(|a| / 2) about a in its frame (Rodrigues); moves it along its unrotated axes. */
+/* Rotates the camera by 2 atan(|a| / 2) about the vector a in the camera's frame, by Rodrigues' formula. Moves the
+   camera along its unrotated axes. */
 static void pose(scene *s)
 {
     const double *a = s->pose, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), angle = 2 * atan(length / 2);
@@ -235,7 +232,6 @@ static void draw(scene *s)
     s->cuts.is_set = 1;
 }
 
-/* dL/dvariable */
 static double difference(scene *s, double *variable)
 {
     const double kept = *variable, h = 1e-6;
@@ -252,18 +248,15 @@ static double difference(scene *s, double *variable)
     return (loss[1] - loss[0]) / (2 * h);
 }
 
-/* ---- Random scenes ----------------------------------------------------------------------------------------------- */
-
 typedef struct kind {
     int count;
     float focal;
-    double aside;                  /* slopes, in half pictures */
+    double aside;                  /* range of the slopes x/z and y/z, in half pictures */
     double scale[2], opacity[2], colour[2];
     const uint8_t *mask;
     int is_antialiased;
 } kind;
 
-/* Draws scenes until no decision could differ in single precision, and photographs near their pictures. */
 static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposure exposure, int has_pose)
 {
     static const double gain[3] = {0.375, -0.25, 0.125}, at[] = {0.0625, -0.25, 0.1875, -0.125, 0.0625, 0.25};
@@ -316,14 +309,12 @@ static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposur
         }
 }
 
-/* ---- Gradients against differences ------------------------------------------------------------------------------- */
-
 typedef struct photographs {
     fxs_fit_gain gains[2];
     fxs_fit_pose poses[2];
 } photographs;
 
-/* Runs a first step, which leaves a tenth of each gradient as Adam's mean, on the second photograph. */
+/* After the first step of a fit, the mean of Adam is a tenth of each gradient. */
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
     const int is_affine = s->exposure == FXS_FIT_EXPOSURE_AFFINE;
@@ -359,7 +350,6 @@ static double gradient_of(const fxs_fit_model *m, int i, int k)
     return (double)m->means[(size_t)k * m->stride + (size_t)i] / (double)0.1f;
 }
 
-/* The largest gradient in a parameter's group. */
 static double size_of(const double *d, int k)
 {
     static const int ends[] = {FXS_FIT_SCALE, FXS_FIT_ROTATION, FXS_FIT_OPACITY, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS};
@@ -374,7 +364,7 @@ static double size_of(const double *d, int k)
 
 typedef struct tally {
     int gaussians, unseen, outside, beside, dark, capped, closed;
-    double worst;                  /* error, relative to the tolerance */
+    double worst;                  /* largest error of a gradient, relative to its tolerance */
 } tally;
 
 static void count_cuts(const scene *s, int i, tally *t)
@@ -389,7 +379,7 @@ static void count_cuts(const scene *s, int i, tally *t)
     t->dark += seen && (s->cuts.dark[i][0] || s->cuts.dark[i][1] || s->cuts.dark[i][2]);
 }
 
-/* Single precision leaves 1e-5 of a pixel's weight, which matters behind nearly opaque Gaussians. */
+/* Single precision has an error of 1e-5 of a pixel's weight. */
 static void check_near(double value, double wanted, double size, int i, int k, tally *t)
 {
     const double fault = fabs(value - wanted) / (1e-4 * size + 2e-5);
@@ -408,12 +398,11 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    /* by_centre is relative to the mean over pixels and channels. */
+    /* m->by_centre is relative to the mean over pixels and channels. */
     const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
 
-/* Relative to the mean over pixels and channels. */
 static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
 {
     static const fxs_fit_gain none;
@@ -425,7 +414,7 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* Also checks that each step against the gradient is as long as its rate. */
+/* Each step of a camera pose goes against the gradient and is as long as its learning rate. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
@@ -458,7 +447,6 @@ static void check_versions(const scene *s, const fxs_fit_model *c, const photogr
     }
 }
 
-/* Checks random scenes with SH degrees 3 to 0 in turn, about six Gaussians of each. */
 static tally check_scenes(const kind *k, int scenes)
 {
     static scene s;
@@ -490,7 +478,6 @@ static void test_ordinary(void)
     CHECK(t.gaussians - t.unseen > 15);
 }
 
-/* Centres outside the picture, up to clamped slopes. */
 static void test_beyond_the_picture(void)
 {
     const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}, NULL, 0};
@@ -511,7 +498,6 @@ static void test_opaque(void)
     CHECK(t.capped > 8 && t.closed > 8);
 }
 
-/* Patches with a third of the pixels are ignored, also under Gaussians at their edges. */
 static void test_ignored_pixels(void)
 {
     static uint8_t mask[PIXELS];
@@ -522,7 +508,6 @@ static void test_ignored_pixels(void)
     CHECK(t.gaussians - t.unseen > 15);
 }
 
-/* Opacities that compensate the dilation: small and large Gaussians, flat ones, needles, and outside the picture. */
 static void test_antialiased(void)
 {
     const kind small = {10, 30, 1, {-4.5, -1.5}, {0, 5}, {0, 1.5}, NULL, 1};
@@ -542,9 +527,7 @@ static void test_many(void)
     CHECK(check_scenes(&k, 4).closed > 15);
 }
 
-/* ---- The cut-offs ------------------------------------------------------------------------------------------------ */
-
-/* One pixel of a tile: the transmittance after some splats, and the gradient of each. */
+/* A single pixel: the transmittance after some splats (projected Gaussians), and the gradient of each splat. */
 enum { SPLATS = 3 };
 typedef struct pixel_case {
     const fxs_fit_stages *stages;
@@ -584,7 +567,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Bisects a number of the case to two adjacent floats; only `high` has the property. */
+/* Bisects a number down to two adjacent floats. Only `high` has the property. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {
@@ -613,7 +596,6 @@ static int is_taken(pixel_case *c)
     return left_of(c) < 1;
 }
 
-/* The largest level that a splat takes: the pixel and the sums decide alike. */
 static void test_cut_of_level(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -646,7 +628,7 @@ static int is_third_taken(pixel_case *c)
     return c->tile.colour[0][FXS_FIT_AT(c->x, c->y)] > 0;
 }
 
-/* 1 - 0.99, less the second's share, is near 0.001, which decides if the third is taken. */
+/* The transmittance after two splats is near 0.001, the limit for a third splat. */
 static void test_closed_pixel(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -687,7 +669,6 @@ static void test_alpha_of_99(void)
     }
 }
 
-/* Projects a central Gaussian; red: its SH coefficient of degree 0. */
 static fxs_fit_splat project_red(const fxs_fit_stages *stages, double logit, float depth, float red)
 {
     static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
@@ -710,8 +691,7 @@ static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, flo
     return project_red(stages, logit, depth, 0);
 }
 
-/* Levels end at Mahalanobis distance 3 or alpha 1/255. Fainter Gaussians and those in front of the near plane are
-   dropped. */
+/* Splats end at Mahalanobis distance 3 or alpha 1/255. */
 static void test_project_cuts(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -734,7 +714,6 @@ static void test_project_cuts(void)
     }
 }
 
-/* A splat with a non-finite colour is listed, but no pixel takes it. */
 static void test_no_colour(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e30f};
@@ -753,9 +732,8 @@ static void test_no_colour(void)
     }
 }
 
-/* The scale bound in front of two cameras, in doubles, is the nearer one's. A Gaussian a tenth outside the farther
-   camera's picture, but too far outside the nearer one's, has the farther one's bound. A fifth outside or behind both
-   it has none. */
+/* The bound of a Gaussian's scale comes from the nearest camera that sees the Gaussian. A margin around the picture
+   counts as seen. */
 static void test_bounds_of_scales(void)
 {
     enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };
@@ -764,14 +742,14 @@ static void test_bounds_of_scales(void)
     const fxs_fit_stages *versions[FIT_VERSIONS];
     const int count = fit_versions(versions);
     const double pixel = sqrt(0.2) / (double)of[0].focal[1];
-    for (int k = 0; k < 3; k++)     /* nearer by 1 */
+    for (int k = 0; k < 3; k++)
         of[1].eye[k] += of[1].rotation[6 + k];
     for (int n = 0; n < 2 * count; n++) {
         const int divisor = n % 2 ? 4 : 1;
         float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
         for (int i = 0; i < FXS_FIT_GROUP; i++)
             for (int k = 0; k < 3; k++) {
-                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* widths from the left */
+                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;
                 const float along = i == BEHIND ? -4 : 4, aside = along * (40 * at - of[0].middle[0]) / of[0].focal[0];
                 parameters[k][i] = of[0].eye[k] + along * of[0].rotation[6 + k] + aside * of[0].rotation[k];
                 parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 2;

@@ -1,5 +1,5 @@
-/* The loss of the fit in every version, on random pictures: SSIM against its definition, the gradient against central
- * differences in doubles, also for pictures smaller than a window, and with masks. */
+/* Compares the loss of the fit in every kernel version with its definition, and the gradient with central
+   differences in doubles. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -12,10 +12,10 @@ typedef struct pictures {
     int is_masked, has_exposure;
     uint8_t mask[FIT_LOSS_PIXELS];
     fxs_fit_loss loss;
-    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];   /* absolute, dissimilar: for each row */
+    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } pictures;
 
-/* Photograph bytes +- `away`, with |a - b| kept from 0, where it has no gradient. */
+/* The picture and the photograph differ at every pixel, since |a - b| has no gradient at 0. */
 static void make_pictures(pictures *p, int width, int height, double away)
 {
     p->width = width;
@@ -50,7 +50,7 @@ static void make_mask(pictures *p, int rare)
     }
 }
 
-/* Saturates a third of the photograph, with the picture above or below. */
+/* Saturates a third of the photograph. The picture is brighter or darker there. */
 static void cut_white(pictures *p)
 {
     p->has_exposure = 1;
@@ -61,7 +61,6 @@ static void cut_white(pictures *p)
         }
 }
 
-/* The value that the loss sees. */
 static double seen_of(const pictures *p, int pixel)
 {
     return p->has_exposure && p->photograph[3 * pixel] == 255 ? fmin(p->picture[pixel], 1) : p->picture[pixel];
@@ -111,7 +110,6 @@ static double at_of(const fxs_fit_plane *plane, const pictures *p, int i)
     return (double)plane->first[i / p->width * plane->stride + i % p->width];
 }
 
-/* Weighted means, variances and covariance of the window around a pixel, by definition. */
 static double similarity_at(const pictures *p, int pixel)
 {
     double window[FIT_WINDOW], mean[2] = {0}, variance[2] = {0}, covariance = 0;
@@ -143,7 +141,7 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
             absolute += is_ignored(p, i) ? 0 : fabs(seen_of(p, i) - p->photograph[3 * i] / 255.0);
             dissimilar += is_ignored(p, i) ? 0 : 1 - similarity_at(p, i);
         }
-        /* Single precision leaves about 1e-7 of the mean squares, against the 9e-4 of the definition. */
+        /* Single precision has an error of 1e-7 of the mean squares. SSIM's constant c2 is 9e-4. */
         CHECK(fabs((double)p->absolute[row] - absolute) < 1e-6 * p->width);
         CHECK(fabs((double)p->dissimilar[row] - dissimilar) < 3e-4 * p->width);
     }
@@ -229,7 +227,6 @@ typedef struct outcome {
     float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } outcome;
 
-/* Keeps the first `width` columns of the result; `p` is unchanged. */
 static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, outcome *out)
 {
     memset(out, 0, sizeof *out);
@@ -242,7 +239,6 @@ static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, o
     free_planes(p);
 }
 
-/* Results do not depend on ignored pixels; a mask that ignores nothing changes no byte. */
 static void test_ignored_pixels(void)
 {
     enum { WIDE = 61, HIGH = 29 };
@@ -274,7 +270,6 @@ static void test_ignored_pixels(void)
     }
 }
 
-/* With exposures the loss ignores how far the picture exceeds saturated white. Other white counts as usual. */
 static void test_brighter_than_white(void)
 {
     enum { WIDE = 61, HIGH = 29 };
@@ -309,7 +304,6 @@ static void test_brighter_than_white(void)
     }
 }
 
-/* Ignoring all columns from one on equals a narrower picture. */
 static void test_mask_of_an_edge(void)
 {
     enum { WIDE = 40, HIGH = 20, LEFT = 23 };
@@ -335,7 +329,6 @@ static void test_mask_of_an_edge(void)
     }
 }
 
-/* Single colours, where SSIM's variances vanish; and black. */
 static void test_flat_pictures(void)
 {
     static pictures p;
@@ -349,7 +342,6 @@ static void test_flat_pictures(void)
     }
 }
 
-/* Equal pictures: |a - b| is 0 and SSIM is 1. */
 static void test_same_picture(void)
 {
     static pictures p;

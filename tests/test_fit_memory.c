@@ -1,5 +1,5 @@
-/* Fails one allocation of a fit, or all from there on: an error, no leak, and a correct fit afterwards. Also the total
- * memory. */
+/* Fails memory allocations of a fit. The fit must return an error without a leak. Also tests the total memory of a
+   fit. */
 #include "src/fit/fit_internal.h"
 #include "fit_scene.h"
 
@@ -54,7 +54,7 @@ void free(void *memory)
     __libc_free(memory);
 }
 
-/* Few enough points for qsort, which allocates from 1,024 bytes on. */
+/* POINTS is small because qsort allocates memory for arrays from 1,024 bytes on. */
 enum { SIDE = 20, POINTS = 30, STEPS = 20, MANY = 4000 };
 
 static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
@@ -71,7 +71,6 @@ static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
     return fxs_fit_create(f, &photo, 1, points, (size_t)count, options, &message);
 }
 
-/* The recipes' occasional changes of a model. */
 static int change_model(fxs_fit_model *m)
 {
     const fxs_fit_densify densify = {0, 0.3f, 100, 0.005f, 3 * POINTS, {{0}, 0}};
@@ -81,7 +80,6 @@ static int change_model(fxs_fit_model *m)
     return error ? error : fxs_fit_model_order(m);
 }
 
-/* Runs a fit to its end, including the packed profile. Returns the first error. */
 static int fit_some(enum fxs_fit_recipe recipe)
 {
     fxs_fit_options options;
@@ -132,8 +130,7 @@ static void test_no_memory(void)
 #endif
 }
 
-/* At most twice the size of parameters, gradients and moments, also while Gaussians are added and through the profile.
-   With a constant number it does not grow. */
+/* A fit needs at most twice the size of its parameters, gradients and moments. */
 static void test_amount(void)
 {
 #ifdef COUNTING

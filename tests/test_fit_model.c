@@ -1,5 +1,5 @@
-/* The start of a fit's Gaussians, their growth and pruning, and the schedule of recipes, against plain code in
-   doubles. */
+/* Tests the initial Gaussians of a fit, their growth and pruning, and the schedules of the recipes, against plain
+   code in doubles. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 #include "src/fit/recipe.h"
 #include "check.h"
 
-/* allocations that succeed; negative: all */
+/* number of allocations that succeed; negative: all */
 static long memory_left = -1;
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -54,7 +54,6 @@ static int is_near(double a, double b, double relative)
     return fabs(a - b) <= relative * fmax(fabs(a), fabs(b));
 }
 
-/* Random parameters; each moment encodes its owner. */
 static fxs_fit_model random_model(size_t count)
 {
     fxs_fit_model m;
@@ -89,8 +88,6 @@ static fxs_fit_model copy_of(const fxs_fit_model *m)
     }
     return c;
 }
-
-/* ---- The start --------------------------------------------------------------------------------------------------- */
 
 enum { SPREAD, SAME_PLACE, OUTLIER, LINE, SCALES, LAYOUTS };
 
@@ -150,7 +147,6 @@ static void nearest_points(void)
         }
 }
 
-/* Points in one cell must not take quadratic time. */
 static void nearest_of_many(void)
 {
     const size_t count = 300000;
@@ -183,8 +179,6 @@ static void beginning(void)
     fxs_fit_model_free(&m);
 }
 
-/* ---- Clone, split, prune ----------------------------------------------------------------------------------------- */
-
 static const fxs_fit_densify rule = {0.0002f, 0.1f, 0.3f, 0.005f, 1 << 20, {{0}, 0}};
 
 static double largest(const fxs_fit_model *m, size_t i)
@@ -197,7 +191,7 @@ static double gradient_of(const fxs_fit_model *m, size_t i)
     return m->views[i] > 0 ? (double)(m->by_centre[i] / m->views[i]) : 0;
 }
 
-/* 'g'oes, stays, 'c'lone, 's'plit */
+/* Returns 'g' for a removed Gaussian, 'c' for a cloned, 's' for a split, ' ' for an unchanged Gaussian. */
 static char plain_fate(const fxs_fit_model *m, size_t i, const fxs_fit_densify *d)
 {
     const int wanted = gradient_of(m, i) >= (double)d->gradient;
@@ -240,7 +234,7 @@ static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
             r[a][b] = rows[a][b] / n;
 }
 
-/* The first child lies on the positive side of each axis, the second on the negative one. */
+/* The first child of a split Gaussian lies on the positive side of each axis, the second child on the negative side. */
 static int is_child(const fxs_fit_model *m, size_t i, const fxs_fit_model *old, size_t of, int which)
 {
     int ok = has_moments(m, i, -1) && !differing(m, i, old, of, FXS_FIT_ROTATION, FXS_FIT_OPACITY) &&
@@ -299,7 +293,6 @@ static void densified(void)
     }
 }
 
-/* The largest gradients come first, found one by one. */
 static void densified_up_to_a_number(void)
 {
     for (size_t room = 0; room < 60; room += 19) {
@@ -331,7 +324,6 @@ static void densified_up_to_a_number(void)
     }
 }
 
-/* A rule that would remove all Gaussians removes none; a Gaussian without a rotation has no longest axis. */
 static void densified_to_nothing(void)
 {
     fxs_fit_model m = random_model(40);
@@ -349,7 +341,6 @@ static void densified_to_nothing(void)
     fxs_fit_model_free(&m);
 }
 
-/* Saturated opacity and hair-thin shapes have finite children. */
 static void children(void)
 {
     fxs_fit_model m = random_model(2);
@@ -388,7 +379,7 @@ static void reset(void)
     fxs_fit_model_free(&old);
 }
 
-/* Ten bits a coordinate, the highest first, x lowest of three. */
+/* Morton code with ten bits for each coordinate, highest bits first. */
 static unsigned long plain_code(const fxs_fit_model *m, size_t i, const double middle[3], double spread)
 {
     unsigned long code = 0;
@@ -421,12 +412,11 @@ static void order(void)
         behind += i && plain_code(&m, i, middle, spread) < plain_code(&m, i - 1, middle, spread);
     }
     CHECK(!wrong);
-    CHECK(behind < 5);             /* single precision may round into the next cell */
+    CHECK(behind < 5);             /* single precision may round a position into the next cell */
     fxs_fit_model_free(&m);
     fxs_fit_model_free(&old);
 }
 
-/* Planes fit the count; slots beyond it have zero opacity and size. */
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
@@ -456,7 +446,6 @@ static void resized(void)
     fxs_fit_model_free(&m);
 }
 
-/* A failed allocation leaves the model unchanged. */
 static void without_memory(void)
 {
 #ifdef LIMITED
@@ -487,14 +476,12 @@ static void without_memory(void)
 #endif
 }
 
-/* ---- Relocation -------------------------------------------------------------------------------------------------- */
-
 static double choose_of(int n, int k)
 {
     return k < 0 || k > n ? 0 : exp(lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1));
 }
 
-/* The paper's formula, verbatim. */
+/* Opacity and scale factor of a Gaussian that is relocated to n places (Kheradmand et al. 2024). */
 static void plain_share(double o, int n, double *opacity, double *factor)
 {
     double sum = 0;
@@ -554,7 +541,6 @@ static void relocated(void)
     fxs_fit_model_free(&old);
 }
 
-/* Many at one place follow the paper, which counts up to 51. */
 static void relocated_to_one(void)
 {
     for (size_t count = 2; count < 90; count += 7) {
@@ -573,7 +559,6 @@ static void relocated_to_one(void)
     }
 }
 
-/* Opacity at the threshold counts as dead and is relocated. */
 static void relocated_at_the_threshold(void)
 {
     fxs_fit_model m = random_model(2);
@@ -586,7 +571,7 @@ static void relocated_at_the_threshold(void)
     fxs_fit_model_free(&old);
 }
 
-/* Adds a twentieth, up to the limit, drawn by opacity; none if all are dead. */
+/* Growth adds a twentieth of the Gaussians, drawn at random by opacity. */
 static void grown(void)
 {
     enum { COUNT = 4000 };
@@ -604,8 +589,8 @@ static void grown(void)
         drawn++;
     }
     sum = opaque / drawn;
-    CHECK(fabs(sum - 0.75) < 0.1); /* deviation 0.03 */
-    CHECK(fabs(mean - COUNT / 2) < 400);   /* deviation 82 */
+    CHECK(fabs(sum - 0.75) < 0.1);
+    CHECK(fabs(mean - COUNT / 2) < 400);
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT + 300, 3, 700}));
     CHECK(m.count == COUNT + 300);
     CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.005f, COUNT, 3, 800}));
@@ -616,8 +601,6 @@ static void grown(void)
     CHECK(m.count == COUNT + 300 && *at(&m, FXS_FIT_OPACITY, 7) == -30);
     fxs_fit_model_free(&m);
 }
-
-/* ---- Schedules --------------------------------------------------------------------------------------------------- */
 
 static fxs_fit_plan plan_of(const fxs_fit_options *options, uint32_t step)
 {
@@ -651,7 +634,7 @@ static void reference_recipe(void)
     CHECK(p.rate[FXS_FIT_SCALE] == 0.005f && p.rate[FXS_FIT_ROTATION] == 0.001f && p.rate[FXS_FIT_OPACITY] == 0.025f);
     CHECK(p.rate[FXS_FIT_COLOUR] == 0.0025f && p.rate[FXS_FIT_SH] == 0.000125f && p.rate[58] == 0.000125f);
     CHECK(fxs_fit_first_opacity(FXS_FIT_REFERENCE) == 0.1f && fxs_fit_first_scale(FXS_FIT_REFERENCE) == 1);
-    o.steps = 7000;                /* the beginning of 30,000 */
+    o.steps = 7000;                /* the schedule is that of the first 7,000 of 30,000 steps */
     CHECK(is_near((double)plan_of(&o, 7000).rate[0], 2.5 * 1.6e-4 * pow(0.01, 7.0 / 30), 1e-6));
     o.steps = 60000;
     CHECK(is_near((double)plan_of(&o, 60000).rate[0], 2.5 * 1.6e-6, 1e-6));
@@ -659,8 +642,8 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* 0 by default. Otherwise it falls to a tenth, in mcmc and fast over the fit's own steps, and ramps up over 500 steps
-   after the start and each reset. */
+/* The learning rate of exposures falls to a tenth, and ramps up over 500 steps after the start and each opacity
+   reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
@@ -682,7 +665,6 @@ static void rates_of_exposures(void)
     }
 }
 
-/* mcmc and fast share a schedule, which scales with the number of steps. */
 static void mcmc_recipe(void)
 {
     fxs_fit_options o;
@@ -715,8 +697,7 @@ static void mcmc_recipe(void)
     CHECK(fxs_fit_first_opacity(FXS_FIT_MCMC) == 0.5f && fxs_fit_first_scale(FXS_FIT_FAST) == 0.1f);
 }
 
-/* Scales are bounded at step 1, each 100th, the last before the last tenth, and the last, by photographs of that step's
-   size. */
+/* Scales are bounded at step 1, every 100th step, and the steps around the last tenth. */
 static void bounds_of_scales(void)
 {
     fxs_fit_options o;
@@ -746,9 +727,6 @@ static void extents(void)
     CHECK(is_near((double)fxs_fit_extent(photos, 1, points, 2), 1.1, 1e-6));
 }
 
-/* ---- Adam, noise ------------------------------------------------------------------------------------------------- */
-
-/* Adam in doubles for one Gaussian, from the sums of red's gradient. */
 static void adam(void)
 {
     const fxs_fit_stages *stages = fxs_fit_stages_choose(~0u);
@@ -780,7 +758,6 @@ static void adam(void)
     fxs_fit_model_free(&m);
 }
 
-/* Non-finite and huge gradients move nothing; bounds hold; neighbours move on. */
 static void gradients_beyond(void)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY, 1e30f, -3e20f};
@@ -801,7 +778,7 @@ static void gradients_beyond(void)
             memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
             *at(&m, FXS_FIT_SCALE, 5) = 100;
             *at(&m, FXS_FIT_OPACITY, 3) = 0;
-            for (int k = 0; k < 3; k++)    /* not clamped at 0 */
+            for (int k = 0; k < 3; k++)
                 *at(&m, FXS_FIT_COLOUR + k, 3) = 9;
             old = copy_of(&m);
             for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
@@ -820,7 +797,6 @@ static void gradients_beyond(void)
         }
 }
 
-/* If a regulariser's square overflows or a square is negative, the parameter stays. */
 static void regularisers_beyond(void)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -845,7 +821,7 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* Covariance of Sigma xi sigmoid(...) amount, over many equal shapes; the best version equals plain C. */
+/* The random moves of Gaussians have the covariance Sigma^2 (sigmoid(...) amount)^2. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -856,7 +832,7 @@ static void noise(void)
     double got[3][3] = {{0}}, mean[3] = {0};
     for (size_t i = 0; i < COUNT; i++) {
         for (int k = 0; k < 4; k++)
-            *at(&m, FXS_FIT_ROTATION + k, i) = k < 2 ? 0.5f : 0;    /* a quarter turn about x */
+            *at(&m, FXS_FIT_ROTATION + k, i) = k < 2 ? 0.5f : 0;
         for (int k = 0; k < 3; k++) {
             *at(&m, k, i) = 0;
             *at(&m, FXS_FIT_SCALE + k, i) = (float)log(s[k]);
@@ -883,9 +859,7 @@ static void noise(void)
     fxs_fit_model_free(&other);
 }
 
-/* ---- The square cut-off ------------------------------------------------------------------------------------------ */
-
-/* Pictures of one white Gaussian by Kerbl et al.'s rule, in doubles: tiles by the square, pixels by 1/255. */
+/* Kerbl et al.: a square selects the tiles, and alpha >= 1/255 selects the pixels. */
 static void square(void)
 {
     fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
@@ -940,15 +914,12 @@ static void square(void)
     fxs_fit_stepper_free(stepper);
 }
 
-/* ---- Whole fits -------------------------------------------------------------------------------------------------- */
-
 enum { PHOTOS = 4, WIDE = 32 };
 static uint8_t pixels[PHOTOS][3 * WIDE * WIDE];
 static fxs_fit_photo photos[PHOTOS];
 static fxs_fit_point points[60];
 static fxs_fit_options options;
 
-/* Cameras around a ball of points, looking at its centre. */
 static void set_scene(void)
 {
     memset(photos, 0, sizeof photos);
@@ -976,7 +947,7 @@ static void set_scene(void)
     options.max_gaussians = fxs_fit_recipe_gaussians(options.recipe);
 }
 
-/* Returns the number of Gaussians after `steps`. All are finite, and a repeated fit gives the same bytes. */
+/* Runs a fit twice and compares the bytes. Returns the number of Gaussians. */
 static size_t fitted(size_t photo_count, size_t point_count, uint32_t steps)
 {
     fxs_fit *fit;
@@ -1009,18 +980,18 @@ static void hard_scenes(void)
         options.steps = 900;
         options.max_gaussians = 200;
         CHECK(fitted(PHOTOS, 60, 720) <= 200);
-        CHECK(fitted(1, 60, 720));                     /* one photograph */
+        CHECK(fitted(1, 60, 720));
         CHECK(fitted(1, 1, 110));
         memset(pixels, 0, sizeof pixels);
-        CHECK(fitted(PHOTOS, 60, 720));                /* all black */
+        CHECK(fitted(PHOTOS, 60, 720));
         for (int i = 0; i < 60; i++)
             memset(points[i].position, 0, sizeof points[i].position);
-        CHECK(fitted(PHOTOS, 60, 110));                /* all in one place */
+        CHECK(fitted(PHOTOS, 60, 110));
         set_scene();
         for (int i = 0; i < 60; i++)
             points[i].position[i % 3] = 9e11f;
         CHECK(fitted(PHOTOS, 60, 110));
-        options.max_gaussians = 20;                    /* fewer than points */
+        options.max_gaussians = 20;
         CHECK(fitted(PHOTOS, 60, 1) == 20);
     }
 }
@@ -1049,14 +1020,13 @@ static uint64_t bytes_of_fit(unsigned cpu)
     return sum;
 }
 
-/* Recipes, cut-offs and seeds change the result; instruction sets do not. */
 static void same_bytes(void)
 {
     uint64_t sums[5];
     for (int i = 0; i < 5; i++) {
         turn = 9;
         set_scene();
-        options.steps = i == 2 ? 700 : 900;    /* mcmc and fast differ only in their steps */
+        options.steps = i == 2 ? 700 : 900;
         options.recipe = (enum fxs_fit_recipe)(i % 3);
         options.cutoff = i == 3 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
         options.seed = i == 4;
@@ -1067,7 +1037,6 @@ static void same_bytes(void)
     }
 }
 
-/* The first step of fast sees averaged photographs, with cameras to match. */
 static void reduced(void)
 {
     enum { W = 203, H = 195 };
@@ -1103,7 +1072,6 @@ static void reduced(void)
     CHECK(report[0].absolute == report[1].absolute && report[0].dissimilar == report[1].dissimilar);
 }
 
-/* Photographs are not reduced below 50 pixels. */
 static void sizes_of_photographs(void)
 {
     fxs_fit_options o;

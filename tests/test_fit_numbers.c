@@ -1,10 +1,8 @@
-/* The fit's elementary functions against the C library over their whole range, and its optimiser against Adam in
- * doubles. */
+/* Compares the elementary functions of the fit with the C library over their whole range, and the optimiser with
+   Adam in doubles. */
 #include "src/base/exponential.h"
 #include "src/fit/exposure.h"
 #include "fit_scene.h"
-
-/* ---- Functions --------------------------------------------------------------------------------------------------- */
 
 static float number(int exponent, int is_negative)
 {
@@ -18,7 +16,7 @@ static void check_relative(const char *name, float x, float found, double wanted
         printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
 }
 
-/* Tolerances: the polynomial's rounding; for exp_e also the argument's, which grows with it. */
+/* For the exponential the tolerance grows with the argument. */
 static void test_exponentials(void)
 {
     fit_state = 1;
@@ -42,7 +40,7 @@ static void test_logarithm(void)
         const float x = number(i % 254 - 126, 0);
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
     }
-    /* Near 1 nothing cancels. */
+    /* Near x = 1 the logarithm has no cancellation. */
     for (int i = 0; i < 5000; i++) {
         const float x = 1 + number(-2 - i % 22, i & 1024);
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
@@ -50,7 +48,6 @@ static void test_logarithm(void)
     CHECK(ln(1.0f) == 0);
 }
 
-/* The functions of packing. */
 static void test_doubles(void)
 {
     fit_state = 6;
@@ -66,11 +63,8 @@ static void test_doubles(void)
     CHECK(isnan(fxs_exp(NAN)) && isnan(fxs_log(NAN)) && isnan(fxs_log(-1)) && fxs_log(0) == -INFINITY);
 }
 
-/* ---- Adam -------------------------------------------------------------------------------------------------------- */
-
 enum { WIDTH = 32, HEIGHT = 24, COUNT = 20, STEPS = 300, PHOTOGRAPHS = 3 };
 
-/* Adam on the mean loss over pixels and channels, from the gradient of its sum. */
 typedef struct adam {
     double mean, square, parameter, way;
 } adam;
@@ -102,7 +96,6 @@ static void make_model(fxs_fit_model *m, const fxs_fit_camera *camera)
     }
 }
 
-/* Full steps of a fit; the gradients are recovered from Adam's means. */
 static void test_steps_are_adams(void)
 {
     static uint8_t pixels[PHOTOGRAPHS][3 * WIDTH * HEIGHT];
@@ -149,7 +142,6 @@ static void test_steps_are_adams(void)
     fxs_fit_stepper_free(stepper);
 }
 
-/* Colour gradients down to subnormals and 0: steps are as long as Adam's, and finite. */
 static void test_tiny_gradients(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -189,8 +181,6 @@ static void test_tiny_gradients(void)
     }
 }
 
-/* ---- Exposure ---------------------------------------------------------------------------------------------------- */
-
 static void test_factors(void)
 {
     static const float neutral[FXS_FIT_GAIN] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
@@ -209,7 +199,6 @@ static void test_factors(void)
     }
 }
 
-/* Gradients of all sizes; limits; non-finite gradients change nothing. */
 static void test_gain_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 3e18f};
@@ -218,7 +207,7 @@ static void test_gain_steps(void)
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
         float sums[FXS_FIT_GAIN];
-        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* off-diagonal sums do not affect a gain */
+        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* off-diagonal gradients do not affect a gain */
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
         const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];
         const double gradients[3] = {red + green + blue, red - green, blue - green};
@@ -248,7 +237,6 @@ static void test_gain_steps(void)
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
 }
 
-/* The same for affine exposures: a step is applied after the current map. */
 static void test_affine_steps(void)
 {
     static const float bad[] = {NAN, INFINITY, 1e20f};
@@ -294,8 +282,7 @@ static void test_affine_steps(void)
           gain.at[0] == 1 && gain.at[1] == 0);
 }
 
-/* Batches with more photographs than a sum has parts: after each step the means are neutral within rounding, and
-   photographs outside the batch moved alike. */
+/* The mean exposure over all photographs must stay neutral within rounding. */
 static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };

@@ -1,4 +1,5 @@
-/* The last steps of a fit optimise the packed values. The scene has strong SH; its photographs are rendered from it. */
+/* The last steps of a fit optimise values quantised as in the packed file. The photographs are rendered from a scene
+   with strong SH. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +20,6 @@ static fxs_view views[VIEWS];
 static fxs_fit_photograph photographs[VIEWS];
 static uint8_t pixels[VIEWS][3 * PIXELS];
 static fxs_message message;
-
-/* ---- Scene ------------------------------------------------------------------------------------------------------- */
 
 static uint32_t seed;
 
@@ -90,8 +89,6 @@ static void take_photographs(fxs_fit_stepper *stepper, const fxs_fit_model *m)
                 }
     }
 }
-
-/* ---- A fit ------------------------------------------------------------------------------------------------------- */
 
 typedef struct fit {
     fxs_fit_stepper *stepper;
@@ -179,7 +176,6 @@ static int pack(const fit *f, fxs_packed_scene *packed, fxs_scene *scene)
            CHECK(!fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* PSNR between the photographs and the rendered packed scene, in dB. */
 static double psnr_of(const fit *f)
 {
     enum { BYTES = 4 * PIXELS };
@@ -209,8 +205,6 @@ static double psnr_of(const fit *f)
     return 10 * log10(255.0 * 255 * VIEWS * 3 * PIXELS / squares);
 }
 
-/* ---- Tests ------------------------------------------------------------------------------------------------------- */
-
 static double largest_of(const float *values, size_t count)
 {
     double most = 0;
@@ -219,7 +213,6 @@ static double largest_of(const float *values, size_t count)
     return most;
 }
 
-/* Within single-precision rounding. */
 static void compare(const decoded *d, const fxs_gaussian *g)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity));
@@ -234,7 +227,6 @@ static void compare(const decoded *d, const fxs_gaussian *g)
         CHECK((float)d->sh[k] == g->sh[k]);
 }
 
-/* Compares each packed Gaussian; packing the parameters again gives the same codes. */
 static void check_packed(const fit *f)
 {
     fxs_packed_scene packed;
@@ -267,7 +259,7 @@ static void test_what_is_fitted_is_packed(void)
     }
 }
 
-/* Masters move by less than a code step, and most parameters move. */
+/* The unquantised parameters move by less than a code step. */
 static void test_gradients_reach_the_masters(void)
 {
     fit f;
@@ -293,7 +285,7 @@ static void test_gradients_reach_the_masters(void)
     end(&f);
 }
 
-/* Few Gaussians mean few palette entries, so rounding costs much. */
+/* A small scene gets a small palette, so rounding costs much quality. */
 static void test_fitted_is_better_than_rounded(void)
 {
     fit f;
@@ -324,7 +316,6 @@ static int same(const fit *a, const fit *b)
     return is_same;
 }
 
-/* Threads and instruction sets do not change the result. */
 static void test_same_bytes(void)
 {
     fxs_pool *pool = fxs_pool_create(3);
@@ -369,7 +360,6 @@ static int read_block(void *argument, void *block, size_t bytes)
     return 0;
 }
 
-/* A saved and reloaded state continues with the same bytes; an invalid one is refused. */
 static void test_state(void)
 {
     for (int profile = 0; profile < 3; profile++) {

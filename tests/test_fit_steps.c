@@ -1,13 +1,11 @@
-/* A fit gives the same bytes on every compiler and processor: a few hundred steps of each recipe on synthetic pictures,
- * for all instruction sets and several thread counts, against constant hashes (see tests/scripts/fit_same.sh).
- * -DFXS_FIT_FEW: fewer steps, for an emulator. test_fit_steps --cuda: on a GPU. */
+/* A fit must give the same bytes for every compiler, processor and number of threads. A few hundred steps of each
+   recipe on synthetic pictures are compared with constant hashes. -DFXS_FIT_FEW: fewer steps, for an emulator.
+   test_fit_steps --cuda: on a GPU. */
 #include <fixsplat/fit.h>
 #include <fixsplat/system.h>
 #include "fit_scene.h"
 
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
-
-/* Ray-traced spheres with squares, lit from one side, computed with + - * / and sqrt of doubles only. */
+/* Ray-traced spheres with squares. Only + - * / and sqrt of doubles are used, which round equally everywhere. */
 enum { WIDTH = 24, HEIGHT = 16, ORDINARY = 2, LARGER = 14, PHOTOS = 6, POINTS = 120, SPHERES = 4 };
 static const uint8_t background[3] = {40, 80, 120};
 
@@ -113,7 +111,7 @@ static void make_set(int scale)
     }
 }
 
-/* Ignores a different disc in each photograph, and its lowest rows. Ignored pixels become noise of the seed. */
+/* Ignores a different disc in each photograph. The ignored pixels become noise from the seed. */
 static void ignore_pixels(uint64_t seed)
 {
     static uint8_t masks[PHOTOS][LARGER * LARGER * WIDTH * HEIGHT];
@@ -140,7 +138,6 @@ static void ignore_nothing(void)
         photos[i].mask = mask;
 }
 
-/* Gains of 0.6 to 1.6, with a different colour balance each. */
 static void change_exposures(void)
 {
     static const int percent[PHOTOS][3] = {{60, 64, 66}, {160, 150, 140}, {85, 85, 85}, {130, 125, 136}, {72, 70, 64},
@@ -154,7 +151,7 @@ static void change_exposures(void)
     }
 }
 
-/* Exposures by EXIF: light, with pixels proportional to light^(1 / 2.2). Only one test sets them. */
+/* Pixel values are proportional to light^(1 / 2.2). */
 static void say_exposures(int are_known)
 {
     static const double light[PHOTOS] = {0.0033, 0.0257, 0.007, 0.0165, 0.0046, 0.0117};
@@ -162,7 +159,6 @@ static void say_exposures(int are_known)
         photos[i].exposure = are_known ? light[i] : 0;
 }
 
-/* Rotates cameras by up to a degree about each axis, and moves them by up to 1 % of their distance. */
 static void disturb_poses(void)
 {
     fit_state = 5;
@@ -183,7 +179,6 @@ static void disturb_poses(void)
     }
 }
 
-/* Mean distances of poses: radians, scene units. */
 typedef struct distances {
     double turn, shift;
 } distances;
@@ -193,7 +188,7 @@ static distances pose_distances(const fxs_fit_photo *a, const fxs_fit_photo *b)
     distances sums = {0, 0};
     for (int i = 0; i < PHOTOS; i++) {
         double squares = 0, shift = 0;
-        for (int k = 0; k < 9; k++)    /* |R - R'|^2 = 8 sin^2(angle / 2) */
+        for (int k = 0; k < 9; k++)    /* |R - R'|^2 = 8 sin^2(angle / 2) for rotation matrices R, R' */
             squares += pow(a[i].view.rotation[k] - b[i].view.rotation[k], 2);
         for (int k = 0; k < 3; k++)
             shift += pow(a[i].view.position[k] - b[i].view.position[k], 2);
@@ -203,17 +198,14 @@ static distances pose_distances(const fxs_fit_photo *a, const fxs_fit_photo *b)
     return sums;
 }
 
-/* ---- Fits -------------------------------------------------------------------------------------------------------- */
-
 typedef struct result {
     uint64_t hash;
-    size_t most;                   /* Gaussians */
+    size_t most;
     double first, last;            /* mean loss over the first and the last round of photographs */
     int is_finite;
     fxs_fit_photo refined[PHOTOS];
 } result;
 
-/* FNV-1a over 32-bit words. */
 static void add_to_hash(uint64_t *hash, uint32_t word)
 {
     *hash = (*hash ^ word) * 0x100000001b3u;
@@ -238,7 +230,7 @@ static void hash_gaussians(fxs_fit *fit, result *r)
     }
 }
 
-/* In the first and last round and every 50 steps; a device runs ahead between reports. */
+/* Reports are wanted in the first and last round and every 50 steps. */
 static int wants_report(const fxs_fit_options *options, uint32_t step)
 {
     return step <= PHOTOS || step > options->steps - PHOTOS || step % 50 == 0;
@@ -270,7 +262,6 @@ static result fit(const fxs_fit_options *options)
     return r;
 }
 
-/* A fit, its hash, and the allowed part of the first loss at its end. */
 typedef struct recorded {
     const char *name;
     enum fxs_fit_recipe recipe;
@@ -321,7 +312,7 @@ static const recorded fits[FITS] = {
     {"a sky", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 350, 2,
      FXS_FIT_EXPOSURE_NONE, 0.5, 0xb8d36b9cb21bb093}};
 
-static int devices;                /* 0: the processor, 1: the first GPU */
+static int devices;                /* 0: the fit runs on the CPU, 1: on the first GPU */
 
 static void set_options(const recorded *wanted, fxs_fit_options *o)
 {
@@ -375,7 +366,6 @@ static int is_refused(uint32_t batch, uint32_t device_count)
     return error == FXS_ERR_ARGUMENT;
 }
 
-/* Refused before a device is opened. */
 static void test_batches_that_cannot_be(void)
 {
     make_set(1);
@@ -396,7 +386,6 @@ static void test_few(void)
 }
 
 #ifndef FXS_FIT_FEW
-/* Plain C on one thread, the widest instruction set on five. */
 static void check_everywhere_of_set(const recorded *wanted)
 {
     if (!devices)
@@ -404,7 +393,6 @@ static void check_everywhere_of_set(const recorded *wanted)
     check_fit(wanted, ~0u, 5);
 }
 
-/* All instruction sets on one thread, the widest on two too. */
 static void check_instruction_sets(const recorded *wanted)
 {
     make_set(wanted->scale);
@@ -431,7 +419,6 @@ static void test_mcmc(void)
     check_instruction_sets(&fits[MCMC]);
 }
 
-/* All SH degrees, and opacity resets, with the slowest and the fastest version. */
 static void test_reference_for_longer(void)
 {
     make_set(ORDINARY);
@@ -449,19 +436,17 @@ static void test_sky(void)
     check_everywhere(&fits[SKY]);
 }
 
-/* Photographs large enough to start at half size. */
+/* The recipe fast starts at half size with these large photographs. */
 static void test_fast_from_half_the_size(void)
 {
     check_instruction_sets(&fits[HALF_THE_SIZE]);
 }
 
-/* Four of six photographs at a time, so that batches cross the end of a round. */
 static void test_batches(void)
 {
     check_everywhere(&fits[BATCH]);
 }
 
-/* Also with seven threads. */
 static void test_exposures(void)
 {
     make_set(ORDINARY);
@@ -470,7 +455,6 @@ static void test_exposures(void)
     check_fit(&fits[EXPOSURE], ~0u, 7);
 }
 
-/* Ignored pixels do not matter: other noise gives the same bytes. */
 static void test_masks(void)
 {
     make_set(ORDINARY);
@@ -480,7 +464,6 @@ static void test_masks(void)
     check_fit(&fits[MASKS], ~0u, 7);
 }
 
-/* Reduced masks exclude ignored pixels from the averages. */
 static void test_masks_from_half_the_size(void)
 {
     make_set(LARGER);
@@ -500,7 +483,6 @@ static void test_masks_that_ignore_nothing(void)
     check_fit(&fits[HALF_THE_SIZE], ~0u, 2);
 }
 
-/* Changed exposures leave a large loss. Fitted exposures remove it; known ones begin with a smaller loss. */
 static void test_exposures_are_found(void)
 {
     enum { SHORT, SHORT_CHANGED, LONG, FOUND, KNOWN, CASES };
@@ -526,8 +508,8 @@ static void test_exposures_are_found(void)
                left[FOUND]);
 }
 
-/* The sigma of the finest photograph at a place: sqrt(0.2) pixels; 0 if none sees it, or if single precision may decide
-   otherwise at an edge. */
+/* Returns the sigma of sqrt(0.2) pixels in the finest photograph of a place. Returns 0 if no photograph sees the
+   place. */
 static double finest_sigma(const float place[3])
 {
     double finest = INFINITY;
@@ -546,7 +528,6 @@ static double finest_sigma(const float place[3])
     return finest < INFINITY ? sqrt(0.2) * finest : 0;
 }
 
-/* No Gaussian ends finer than the photographs and some equal them; without antialiasing many are finer. */
 static void test_antialiased(void)
 {
     check_everywhere(&fits[ANTIALIASED]);
@@ -558,7 +539,7 @@ static void test_antialiased(void)
         size_t bound = 0, finer = 0;
         set_options(&fits[ANTIALIASED], &options);
         options.antialiased = !i;
-        options.steps = 9;         /* no last tenth, so scales are not rounded */
+        options.steps = 9;         /* scales are rounded in the last tenth of longer fits */
         if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message) == 0))
             return;
         while (fxs_fit_steps(f) < options.steps)
@@ -588,7 +569,6 @@ static void test_poses(void)
     check_fit(&fits[POSES], ~0u, 7);
 }
 
-/* Refined poses reduce the loss and the distances to the true poses. */
 static void test_poses_are_found(void)
 {
     fxs_fit_photo right[PHOTOS];

@@ -1,10 +1,10 @@
-/* The error bounds stated in fixed.h, over strided mantissas and edge cases. */
+/* Checks the error bounds that fixed.h states, over strided mantissas and edge cases. */
 #include <math.h>
 
 #include <fixsplat/internal/fixed.h>
 #include "check.h"
 
-enum { STRIDE = 251 };   /* prime */
+enum { STRIDE = 251 };   /* prime, so that all low bits vary */
 
 static int clz_by_loop(uint64_t x, int bits)
 {
@@ -35,7 +35,7 @@ static void test_mulhi(void)
     CHECK(fxs_mulhi(0, UINT32_MAX) == 0 && fxs_mulhi(65536, 65535) == 0 && fxs_mulhi(65536, 65536) == 1);
 }
 
-/* Floor plus the bit below. */
+/* Rounds to nearest: floor, plus the highest bit shifted out. */
 static int64_t rounded(int64_t x, int shift)
 {
     return (x >> shift) + (x >> (shift - 1) & 1);
@@ -72,8 +72,8 @@ static void sweep(int bit, void (*visit)(uint32_t m))
         }
 }
 
-static double worst;    /* relative error */
-static int outside;     /* results out of range */
+static double worst;
+static int outside;
 
 static void visit_reciprocal(uint32_t m)
 {
@@ -96,7 +96,7 @@ static void visit_rsqrt(uint32_t m)
     uint32_t got = fxs_rsqrt(m);
     double exact = ldexp(1, 30) / sqrt(ldexp(m, -32));
     worst = fmax(worst, fabs(got - exact) / exact);
-    outside += got < (1u << 30) - (1u << 10) || got > 1u << 31;   /* the error allows slightly less than 2^30 */
+    outside += got < (1u << 30) - (1u << 10) || got > 1u << 31;
 }
 
 static void test_rsqrt(void)
@@ -107,7 +107,7 @@ static void test_rsqrt(void)
         printf("  relative error 2^%.2f, %d outside\n", log2(worst), outside);
 }
 
-/* Rounded down from a value within 2^-18. */
+/* The square root is rounded down, so a result that is less than 1 too small is no error. */
 static void visit_sqrt(uint32_t x)
 {
     double exact = sqrt(x), got = fxs_sqrt(x);

@@ -1,5 +1,5 @@
-/* Pictures of float Gaussians against the renderer in doubles (reference.c), and the loss of each profile measured
- * against both, for both projections, antialiased scenes, and scenes far from the origin. */
+/* Compares the renderer of float Gaussians with the reference renderer in doubles. The quality loss of each packing
+   profile is measured against both. */
 #include <math.h>
 #include <string.h>
 
@@ -137,13 +137,11 @@ static void a_landscape(void)
     check_scene("landscape", 0, 0);
 }
 
-/* Floats here are 2^-14 apart. */
 static void far_from_the_origin(void)
 {
     check_scene("knot", 0, 1000);
 }
 
-/* Gaussians that packing drops are dropped; further pictures of one scene; a file with a wrong count. */
 static void what_is_left_out(void)
 {
     const fxs_gaussian_source source = {3, 0, 0, read_gaussians, gaussians, {0}};

@@ -1,4 +1,4 @@
-/* .fxs files and their rendered pictures have the same bytes on every processor; see scripts/processors.sh. */
+/* .fxs files and their rendered pictures must have the same bytes on every processor. Constant hashes are compared. */
 #include <float.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static char folder[] = "/tmp/fixsplat-bytes-XXXXXX";
 static char ply_path[64], fxs_path[64];
 static fxs_message message;
 
-/* Numbers that floats represent exactly. */
+/* Returns a number that floats represent exactly. */
 static float grid(uint32_t *seed, int low, int high)
 {
     *seed = *seed * 1664525u + 1013904223u;
@@ -87,7 +87,6 @@ static void *load(size_t *bytes)
     return data;
 }
 
-/* FNV-1a */
 static uint64_t hash(uint64_t value, const void *bytes, size_t count)
 {
     for (const unsigned char *byte = bytes; count > 0; byte++, count--)
@@ -153,7 +152,7 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, 0, expected);
 }
 
-/* Enough Gaussians for full palettes; small ones have one entry a stage and need no search. */
+/* The scene is large enough for full SH palettes. Smaller palettes need no search. */
 static void test_full_palettes(void)
 {
     static const uint64_t compact[3] = {0x3cd5c70902e00437u, 0x0fea4dc982ced672u,
@@ -164,14 +163,13 @@ static void test_full_palettes(void)
     check_file(FXS_PROFILE_SMALL, 12000, 1, 0, small);
 }
 
-/* With levels of detail; the pictures show the leaves. */
 static void test_tree(void)
 {
     static const uint64_t expected[3] = {0xb4ac07b150dc25c8u, 0xddf2486c9aa86a74u,
                                          0xdb4bcc7a3a7f819au};
     static const uint64_t small[3] = {0x291e5f90dfd04546u, 0xcdc9b5f48d74e1ebu,
                                       0x38598508e0976ea7u};
-    if (FLT_EVAL_METHOD != 0) {                /* refused: floats with excess precision would differ */
+    if (FLT_EVAL_METHOD != 0) {                /* excess precision of floats would change the bytes */
         CHECK(write_ply(3000, 3) && !pack(FXS_PROFILE_DEFAULT, 1) && strstr(message.text, "single precision"));
         return;
     }

@@ -1,4 +1,4 @@
-/* .fxs files: writing, mapping, rendering as from memory; damage anywhere is found; a failed write keeps the old
+/* Tests .fxs files: writing, mapping, and rendering. Damage anywhere must be found. A failed write must keep the old
    file. */
 #include <fcntl.h>
 #include <signal.h>
@@ -67,7 +67,6 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
     free(memory);
 }
 
-/* Sealed memory equals the file's bytes. */
 static void test_seal(void)
 {
     fxs_message m;
@@ -102,7 +101,7 @@ static void test_round_trip(void)
     CHECK(!file.data);
 }
 
-/* A mapped file that is written to or truncated: the check reports it, and lost pages read as 0. */
+/* The check must report a changed file. Lost pages of the mapping must read as 0. */
 static void test_changed(void)
 {
     enum { PAGE = 4096, PAGES = 16 };
@@ -119,7 +118,7 @@ static void test_changed(void)
             return;
         const volatile unsigned char *data = file.data;
         CHECK(!fxs_map_check(&file, path, &m) && data[PAGES * PAGE - 1] == 7);
-        nanosleep(&(struct timespec){0, 20000000}, 0);   /* file times tick every 4 or 10 ms */
+        nanosleep(&(struct timespec){0, 20000000}, 0);   /* longer than a tick of file times, which is 4 or 10 ms */
         out = fopen(path, "r+b");
         CHECK(out && fputc(8, out) == 8 && !fclose(out) && (!cut || !truncate(path, PAGE)));
         CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
@@ -130,7 +129,6 @@ static void test_changed(void)
     unlink(path);
 }
 
-/* Truncated, extended again and given its old time: the check still reports it. */
 static void test_cut_and_grown(void)
 {
     enum { PAGE = 4096, PAGES = 4 };
@@ -152,7 +150,6 @@ static void test_cut_and_grown(void)
     unlink(path);
 }
 
-/* A SIGBUS outside a mapping, below or above it, still ends the process. */
 static void test_other_faults(void)
 {
     enum { PAGE = 4096 };
@@ -167,13 +164,13 @@ static void test_other_faults(void)
         return;
     for (int above = 0; above < 2; above++) {
         int status = 0, descriptor = open(path, O_RDONLY);
-        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);   /* the system may choose another address */
+        char *wish = (char *)file.data + (above ? 1L : -1L) * (1L << 28);
         const volatile char *other = mmap(wish, 2 * PAGE, PROT_READ, MAP_PRIVATE, descriptor, 0);
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* against an endless loop */
-            _exit(other[PAGE]);        /* past the file's last page */
+            alarm(10);                 /* ends an endless loop of signals */
+            _exit(other[PAGE]);        /* reads past the last page of the file */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);
         munmap((void *)other, 2 * PAGE);
@@ -183,7 +180,6 @@ static void test_other_faults(void)
     unlink(path);
 }
 
-/* The table of mappings fills up, and is free again afterwards. */
 static void test_many(void)
 {
     fxs_message m;
@@ -199,7 +195,7 @@ static void test_many(void)
     fxs_map_close(&files[0]);
 }
 
-/* CRC-32 of zlib and PNG (ISO 3309), bitwise. */
+/* CRC-32 of zlib and PNG (ISO 3309), bit by bit. */
 static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
 {
     const unsigned char *byte = data;
@@ -211,7 +207,6 @@ static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
     return ~crc;
 }
 
-/* Checksums follow docs/format.md, so that other programs can use them. */
 static void test_checksums(void)
 {
     fxs_message m;
@@ -236,7 +231,7 @@ static void test_checksums(void)
     fxs_map_close(&file);
 }
 
-/* Flips one bit in each byte of the headers and in a sample of the rest. */
+/* Flips one bit in each byte of the headers and in a sample of the other bytes. */
 static void test_damage(void)
 {
     fxs_message m;

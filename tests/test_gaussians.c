@@ -1,5 +1,5 @@
-/* Gaussians from a callback: same bytes as from a .ply, filtered or not. A callback may also give too few, too many,
-   NaN, or other values in a later pass. */
+/* Tests the packing of Gaussians from a callback, which may give too few, too many, NaN, or other values in a later
+   pass. */
 #include <math.h>
 #include <string.h>
 
@@ -9,16 +9,16 @@
 #include "scene_writer.h"
 #include "folder.h"
 
-enum { COUNT = 9000 };                  /* more than two batches of the packer */
+enum { COUNT = 9000 };                  /* more Gaussians than two batches of the packer */
 
 static fxs_gaussian made[COUNT];
 
 static struct {
-    uint64_t calls, next, passes;       /* next: expected start of a call within a pass */
-    uint64_t at, from_pass;             /* faulty from this Gaussian and this pass on */
-    long step;                          /* most Gaussians a call; 0: all requested */
-    long result;                        /* result of the faulty call; 0: as usual */
-    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian; may be null */
+    uint64_t calls, next, passes;       /* next: the expected first index of the next call */
+    uint64_t at, from_pass;             /* at, from_pass: index of the first faulty Gaussian, and its pass */
+    long step;                          /* largest number of Gaussians in a call; 0: the requested number */
+    long result;                        /* result of the faulty call; 0: the call succeeds */
+    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian; null: no change */
 } source;
 
 static fxs_message message;
@@ -98,8 +98,6 @@ static int pack_made(void)
     return pack_opened(FXS_PROFILE_DEFAULT, 0);
 }
 
-/* ---- Same bytes as from a file --------------------------------------------------------------------------------- */
-
 static int open_ply(int degree)
 {
     fxs_scene_writer *writer;
@@ -128,7 +126,6 @@ static void same_bytes_as_ply(void)
     }
 }
 
-/* An origin moves chunk headers and bounds, nothing else. */
 static void same_codes_far_out(void)
 {
     static const double origin[3] = {500000, -4500000, 0.5};
@@ -167,8 +164,6 @@ static void same_codes_far_out(void)
     }
 }
 
-/* ---- Faults ---------------------------------------------------------------------------------------------------- */
-
 static void fails(int error, const char *words)
 {
     memset(&message, 1, sizeof message);
@@ -202,7 +197,6 @@ static void spoil_all(fxs_gaussian *g) { memset(g, 0xff, sizeof *g); }
 static void spoil_sh(fxs_gaussian *g) { g->sh[44] = -g->sh[44]; }
 static void spoil_scale(fxs_gaussian *g) { g->scale[0] = INFINITY; }
 
-/* A pass that differs from the first: an error, or a valid scene. */
 static void changed_between_passes(void)
 {
     void (*const spoil[])(fxs_gaussian *) = {spoil_position, spoil_position_nan, spoil_all, spoil_sh, spoil_scale};
@@ -248,8 +242,6 @@ static void wrong_arguments(void)
     forget();
     CHECK(open_degree(3, NULL) == 0 && pack_opened((enum fxs_profile)3, 0) == FXS_ERR_ARGUMENT && source.calls == 0);
 }
-
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
 static struct { long left, live; } memory;
 

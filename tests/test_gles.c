@@ -1,6 +1,5 @@
-/* The GLES back end against the processor, byte for byte: sizes, formats, runs, small limits, real scenes, and the
- * caller's target with its state kept, also drawn by compute shaders. Also device failures, by fake OpenGL
- * functions. */
+/* Compares the GLES back end with the CPU renderer byte for byte. Drawing into the caller's target must keep the
+   caller's OpenGL state. Fake OpenGL functions simulate device failures. */
 #include <math.h>
 #include <string.h>
 
@@ -18,7 +17,6 @@
 #include <fixsplat/internal/pixel.h>
 
 
-/* Checks the range that weight.frag promises to compilers. */
 static int wrong_factors;
 
 static int FACTOR(int x)
@@ -49,8 +47,6 @@ int main(void)
 }
 #else
 
-/* ---- Contexts and fake functions --------------------------------------------------------------------------------- */
-
 static const struct port {
     const char *name;
     int (*open)(void **context, fxs_message *message);
@@ -71,7 +67,7 @@ static const struct port *port;
 static void *context;
 static fxs_message why_not;
 
-/* Functions that replace real ones; a null name ends the list. */
+/* A table of fake OpenGL functions that ends with a null name. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -92,7 +88,7 @@ static void fake(int i, const char *name, fxs_gl_function function)
 }
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
-static GLint limit, read_type;             /* 0: the device's own */
+static GLint limit, read_type;             /* limit 0: the limit of the device */
 static int no_blocks;                      /* 1: no storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
@@ -116,7 +112,6 @@ static void fake_limits(GLint size, GLint type)
     fake(0, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv);
 }
 
-/* Creates a back end with the current fakes; null, with why_not, on failure. */
 static fxs_gles *open_gles(int *error)
 {
     fxs_gles *gles;
@@ -130,8 +125,6 @@ static void close_gles(fxs_gles *gles)
     fxs_gles_destroy(gles);
     memset(fakes, 0, sizeof fakes);
 }
-
-/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
 typedef struct subject {
     fxs_packed_scene packed;
@@ -166,7 +159,7 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
         job(argument, jobs);
 }
 
-static fxs_compute *compute;               /* if set, draws into targets instead of fxs_gles_render */
+static fxs_compute *compute;               /* not null: the compute back end draws into the targets */
 
 /* All objects share one scene. */
 static int draw_by_compute(const fxs_request *request, const fxs_gl_target *target, fxs_stats *stats)
@@ -219,7 +212,7 @@ static uint8_t *new_picture(const subject *s)
     return pixels;
 }
 
-/* Exact modes of this context: lists, and fetch if supported. */
+/* Exact modes: tile lists, and framebuffer fetch if supported. */
 static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
@@ -227,7 +220,7 @@ static int exact_ways(const fxs_gles *gles)
     return compute || fxs_gles_info(gles).no_fetch ? 1 : 2;
 }
 
-/* Compares all exact modes with the processor, with this stride and first byte. *stats: of lists. */
+/* *stats: statistics of the mode with tile lists. */
 static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
 {
     uint8_t *expected = new_picture(s);
@@ -246,8 +239,6 @@ static int same(const subject *s, fxs_gles *gles)
 {
     return same_laid_out(s, gles, (ptrdiff_t)s->camera.width * 4, 0, 0);
 }
-
-/* ---- Same bytes -------------------------------------------------------------------------------------------------- */
 
 #define OPEN_OR_SKIP(gles) \
     int error; \
@@ -295,7 +286,7 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* Lists exceed the frame's memory. For needles u overflows in tiles of the square that they do not touch. */
+/* The tile lists exceed the memory. Coordinate u of thin Gaussians overflows in tiles that they do not touch. */
 static void runs(void)
 {
     subject s;
@@ -310,7 +301,6 @@ static void runs(void)
     close_gles(gles);
 }
 
-/* Small textures force crops of the picture and parts of lists. */
 static void small_textures(void)
 {
     static const GLint limits[] = {16, 63, 64, 200, 2048};
@@ -330,8 +320,7 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* 80,000 faint points over one tile, so pixels stay open to the end. The 65,536th is large and not faint: it shows if
-   an entry is missing. */
+/* Point 65,536 of 80,000 is large and bright, so a missing list entry shows. */
 static packed_scene faint_points(void)
 {
     packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
@@ -364,7 +353,6 @@ static void GL_APIENTRY count_DrawArrays(GLenum mode, GLint first, GLsizei count
     real_DrawArrays(mode, first, count);
 }
 
-/* A list longer than one draw takes. */
 static void long_list(void)
 {
     const packed_scene p = faint_points();
@@ -380,7 +368,7 @@ static void long_list(void)
     uint8_t *pixels = new_picture(&s);
     draws = 0;
     CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
-    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* masks, then pixels */
+    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -389,7 +377,6 @@ static void long_list(void)
     close_gles(gles);
 }
 
-/* A device that reads back integers only as words and lacks large points. */
 static void words_read(void)
 {
     subject s;
@@ -403,8 +390,6 @@ static void words_read(void)
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
-
-/* ---- Real scenes ------------------------------------------------------------------------------------------------- */
 
 static int load_subject(subject *s, const char *folder, const char *name, const double up[3])
 {
@@ -454,9 +439,7 @@ static void real_scenes(void)
         SKIP("no scenes at FXS_SCENES");
 }
 
-/* ---- Framebuffer fetch ------------------------------------------------------------------------------------------- */
-
-/* The shaders' versions of pixel.h, wherever results matter. */
+/* Compares the shaders' versions of the functions in pixel.h with C. */
 static void products(void)
 {
     int differing = 0;
@@ -484,7 +467,7 @@ static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
 
 static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
-/* A driver that lists the extension but rejects its keyword. */
+/* Simulates a driver that lists an extension but rejects its keyword. */
 static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -494,7 +477,6 @@ static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Without the extension lists work, and the reason is reported. */
 static void fetch_hidden(void)
 {
     subject s;
@@ -525,7 +507,6 @@ static void fetch_hidden(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Two eyes with different visible Gaussians equal the processor's. */
 static void fetch_eyes(void)
 {
     subject s;
@@ -563,9 +544,7 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* ---- Occluders and backdrops ------------------------------------------------------------------------------------- */
-
-/* The caller's drawing: a slanted plane with holes through the subject, over a gradient; rows top down. */
+/* Makes depths and a background: a slanted plane with holes over a colour gradient. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -594,7 +573,6 @@ static void free_mesh(mesh m)
     free(m.colours);
 }
 
-/* Renders the subject with the mesh; `draw` null: on the processor. */
 static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const mesh *m, int bottom_up,
                        size_t memory_bytes, uint8_t *pixels)
 {
@@ -617,7 +595,6 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
     return error;
 }
 
-/* Occluder and backdrop give the processor's bytes, in every format, in crops, bands and parts of lists. */
 static void meshes(void)
 {
     subject s;
@@ -651,13 +628,11 @@ static void meshes(void)
     }
 }
 
-/* ---- The caller's target ----------------------------------------------------------------------------------------- */
-
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
-enum { UNITS = 10 };                       /* texture units that the back end binds */
+enum { UNITS = 10 };                       /* number of texture units that the back end binds */
 
-/* More state than the back end touches; unsupported values stay 0. */
+/* A copy of OpenGL state. Unsupported state stays 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -722,13 +697,12 @@ static GLuint make_program(void)
     return program;
 }
 
-enum { WIDE = 240, HIGH = 160 };           /* size of the caller's texture */
+enum { WIDE = 240, HIGH = 160 };
 
 typedef struct caller {
     GLuint texture, framebuffers[2], program, vertex_array, buffers[4], samplers[UNITS], textures[UNITS], renderbuffer;
 } caller;
 
-/* Changes all state from its defaults. */
 static void upset(caller *c)
 {
     static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD,
@@ -854,7 +828,7 @@ static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_
     CHECK(in_target(s, t, expected));
 }
 
-/* small: forces crops, if the back end draws into its own framebuffer. */
+/* small: 1 forces crops of the picture. */
 static void target_by(int small)
 {
     subject s;
@@ -889,7 +863,7 @@ static void target_in_windows(void)
     target_by(64);
 }
 
-/* The largest error against c + d (1 - alpha), where d was beneath. */
+/* Returns the largest error against c + d (1 - alpha), with d the pixel beneath. */
 static double off_by(const uint8_t *pixel, const uint8_t *over)
 {
     static const uint8_t beneath[4] = {51, 102, 153, 204};
@@ -901,7 +875,6 @@ static double off_by(const uint8_t *pixel, const uint8_t *over)
     return most;
 }
 
-/* Over the framebuffer's content, also in crops and parts of lists. */
 static void target_over_by(int small)
 {
     subject s;
@@ -944,7 +917,7 @@ static void target_over(void)
     target_over_by(16);
 }
 
-/* Short lists: their chunks run out before their records. */
+/* Short tile lists exhaust the space for their chunks before the space for their records. */
 static void target_of_short_lists(void)
 {
     subject s;
@@ -964,7 +937,6 @@ static void target_of_short_lists(void)
     close_gles(gles);
 }
 
-/* A texture with these rows, 4 bytes a pixel, in the framebuffer's row order. */
 static GLuint make_texture(const subject *s, const void *pixels, int top_down, GLint format, GLenum layout, GLenum type)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -981,8 +953,7 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* From the caller's textures. A depth in words gives the processor's bytes; a depth buffer nearly so, and then compute
-   and fragment shaders agree. */
+/* Depths as 32-bit words give the CPU renderer's bytes. Depth buffers give nearly these bytes. */
 static void target_meshes(void)
 {
     static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
@@ -1054,8 +1025,6 @@ static void target_meshes(void)
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
-
-/* ---- Depths and ids in the same draw ----------------------------------------------------------------------------- */
 
 typedef struct outputs {
     GLuint framebuffer, textures[3];
@@ -1163,7 +1132,7 @@ static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const out
     free(ids);
 }
 
-/* small: lists in parts. */
+/* small: 1 splits the tile lists. */
 static void depths_and_ids_by(int small)
 {
     static const char *const names[] = {"knot", "fog", "needles"};
@@ -1195,7 +1164,6 @@ static void depths_and_ids(void)
     depths_and_ids_by(16);
 }
 
-/* A driver that rejects the shader of depths and ids. */
 static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -1205,7 +1173,6 @@ static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, con
     real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
 }
 
-/* Then depths and ids are refused each time; colours are still drawn. */
 static void depths_and_ids_without_shader(void)
 {
     subject s;
@@ -1224,7 +1191,6 @@ static void depths_and_ids_without_shader(void)
     close_gles(gles);
 }
 
-/* Depths and ids are refused with fetch and unsuitable framebuffers. */
 static void depths_and_ids_refused(void)
 {
     subject s;
@@ -1239,8 +1205,6 @@ static void depths_and_ids_refused(void)
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
-
-/* ---- Compute shaders --------------------------------------------------------------------------------------------- */
 
 static int open_compute_by(fxs_gl_load_fn *by, GLint size)
 {
@@ -1262,7 +1226,7 @@ static void close_compute(void)
     no_blocks = 0;
 }
 
-/* Runs a test with targets drawn by compute shaders, from a storage buffer, then from a texture of several rows. */
+/* Runs a test with a storage buffer, then with a texture of several rows. */
 static void run_by_compute(void (*test)(void))
 {
     for (int by_texture = 0; by_texture < 2; by_texture++) {
@@ -1305,7 +1269,7 @@ static fxs_gl_function load_losing(void *argument, const char *name)
     return losing_load(load, argument, name);
 }
 
-/* Fails each call of a frame in turn: an error, and a whole or untouched target. The next frame is right. */
+/* Fails each OpenGL call of a frame in turn. The target must be complete or untouched. The next frame must be right. */
 static void compute_draws_lose_by(int by_texture)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
@@ -1365,8 +1329,6 @@ static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const
     real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
 }
 
-/* A driver that rejects a shader of draws: reported each time with its line; the state stays, frames into memory
-   work. */
 static void compute_without_shader(void)
 {
     subject s;
@@ -1384,7 +1346,7 @@ static void compute_without_shader(void)
     for (int i = 0; i < 2; i++) {
         CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: "));
-        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));  /* Mesa, NVIDIA */
+        CHECK(strstr(why_not.text, ":3") || strstr(why_not.text, "(3)"));
         CHECK(!strchr(why_not.text, '\n'));
     }
     dump(&after);
@@ -1394,7 +1356,6 @@ static void compute_without_shader(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Creation and destruction keep the state. Pictures larger than a texture of words and wrong arguments are refused. */
 static void compute_refuses(void)
 {
     state before, after;
@@ -1425,7 +1386,7 @@ static void compute_refuses(void)
         return;
     upset(&c);
     dump(&before);
-    CHECK(!render(&s, 0, 0, &t, 0, 0, 0));     /* as large as the texture */
+    CHECK(!render(&s, 0, 0, &t, 0, 0, 0));
     close_compute();
     dump(&after);
     CHECK(!memcmp(&before, &after, sizeof before));
@@ -1448,9 +1409,7 @@ static void init_keeps_state(void)
     settle();
 }
 
-/* ---- Failures ---------------------------------------------------------------------------------------------------- */
-
-static int calls, missing;                 /* the call of load that returns null */
+static int calls, missing;                 /* calls of the function loader; index of the call that fails */
 static char missing_name[64];
 
 static fxs_gl_function load_but_one(void *argument, const char *name)
@@ -1530,7 +1489,7 @@ static void unfit_contexts(void)
     refuses("16x16");
 }
 
-static int good_calls;                     /* calls before the device is lost */
+static int good_calls;                     /* number of OpenGL calls before the device is lost */
 static PFNGLMAPBUFFERRANGEPROC real_MapBufferRange;
 static PFNGLUNMAPBUFFERPROC real_UnmapBuffer;
 
@@ -1547,7 +1506,7 @@ static GLboolean GL_APIENTRY lost_UnmapBuffer(GLenum name)
 
 static GLenum GL_APIENTRY lost_GetError(void)
 {
-    return good_calls-- > 0 ? GL_NO_ERROR : 0x0507;   /* GL_CONTEXT_LOST */
+    return good_calls-- > 0 ? GL_NO_ERROR : 0x0507;
 }
 
 static GLenum GL_APIENTRY full_GetError(void)
@@ -1566,7 +1525,7 @@ static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
     return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
 }
 
-/* Fails a function from its n-th call on, for each n until a frame succeeds: always this error. */
+/* Fails an OpenGL function from its n-th call on, for each n until a frame succeeds. */
 static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls, int expected)
 {
     int error = expected, n;
@@ -1609,7 +1568,6 @@ static void lost_devices(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* A buffer that cannot be mapped, after a good frame. */
 static void full_device(void)
 {
     subject s;
@@ -1630,15 +1588,12 @@ static void full_device(void)
     close_gles(gles);
 }
 
-/* ---- Contexts in turn -------------------------------------------------------------------------------------------- */
-
 typedef struct turn {
     void *context;
     fxs_gles *gles;
     caller caller;
 } turn;
 
-/* Two contexts of each port, all open on this thread. */
 static void contexts_in_turn(void)
 {
     static const int order[] = {0, 2, 0, 3, 1, 3, 1, 0, 2, 1};
@@ -1726,7 +1681,7 @@ int main(void)
         RUN(depths_and_ids);
         RUN(depths_and_ids_without_shader);
         RUN(depths_and_ids_refused);
-        if (!strcmp(port->name, "EGL")) {      /* OSMesa has desktop OpenGL */
+        if (!strcmp(port->name, "EGL")) {      /* OSMesa implements desktop OpenGL, not OpenGL ES */
             RUN(compute_target);
             RUN(compute_target_over);
             RUN(compute_target_meshes);

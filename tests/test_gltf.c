@@ -1,4 +1,4 @@
-/* Reads synthetic .glb and .gltf files, faulty ones, and a real scene. */
+/* Reads synthetic .glb and .gltf files, faulty files, and a real scene. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -17,8 +17,6 @@ static char folder[] = "/tmp/test_gltf_XXXXXX";
 static fxs_message message;
 static fxs_scene_file_info info;
 static fxs_gaussian out[4 * COUNT];
-
-/* ---- Synthetic files ------------------------------------------------------------------------------------------- */
 
 static uint8_t bin[MAX_BYTES], file_bytes[MAX_BYTES + MAX_TEXT];
 static size_t bin_size, file_size;
@@ -54,13 +52,13 @@ static void put_component(int type, int normalized, double value)
     bin_size += (size_t)size[type - BYTE];
 }
 
-/* Adds an accessor with its own bufferView and `gap` bytes after each element. */
+/* Adds `gap` bytes of padding after each element of an accessor. */
 static void add(const char *name, int components, int type, int normalized, int gap, const double *values)
 {
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     const char *comma = accessor_count ? "," : "";
     size_t start = bin_size, element = 0;
-    bin_size += 8;   /* byteOffset 4 in bufferView and accessor */
+    bin_size += 8;   /* byteOffset is 4 in the bufferView and in the accessor */
     for (int i = 0; i < COUNT; i++) {
         size_t at = bin_size;
         for (int c = 0; c < components; c++)
@@ -112,8 +110,6 @@ static void put_named(const char *name, const void *bytes, size_t size)
     fclose(stream);
 }
 
-/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
-
 static double position[3 * COUNT], rotation[4 * COUNT], scale[3 * COUNT], opacity[COUNT], sh[16][3 * COUNT];
 
 static double random_number(void)
@@ -164,8 +160,6 @@ static void add_all(int degree)
     add_sh(degree);
 }
 
-/* ---- Reading --------------------------------------------------------------------------------------------------- */
-
 static long read_scene(const char *name, int step)
 {
     char full[128];
@@ -209,8 +203,6 @@ static void expect_read(long result, long count)
         printf("  %ld: %s\n", result, message.text);
 }
 
-/* ---- Transforms ------------------------------------------------------------------------------------------------ */
-
 static void rotation_matrix(double x, double y, double z, double w, double m[3][3])
 {
     const double made[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
@@ -219,7 +211,7 @@ static void rotation_matrix(double x, double y, double z, double w, double m[3][
     memcpy(m, made, sizeof made);
 }
 
-/* m diag(s)^2 m^T */
+/* covariance = m diag(s)^2 m^T */
 static void covariance(double m[3][3], const double s[3], double c[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -235,7 +227,7 @@ static void multiply(double a[3][3], double b[3][3], double c[3][3])
             c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* KHR_gaussian_splatting, "Calculating color", without degree 0. */
+/* Colour by the section "Calculating color" of KHR_gaussian_splatting, for SH degrees 1 to 3. */
 static double colour(const double k[15], const double d[3])
 {
     double x = d[0], y = d[1], z = d[2];
@@ -264,7 +256,7 @@ static void check_colours(const fxs_gaussian *g, int i, double turn[3][3], doubl
     }
 }
 
-/* Checks the Gaussians after x -> m x + shift in glTF's frame; `turn` is the rotation in m. */
+/* Expects Gaussians moved by x -> m x + shift in glTF's frame. turn: the rotation in m. */
 static void check_gaussians(const fxs_gaussian *g, double m[3][3], const double shift[3], double turn[3][3],
                             double tolerance)
 {
@@ -298,8 +290,6 @@ static void check_gaussians(const fxs_gaussian *g, double m[3][3], const double 
 
 static double identity[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 static const double nowhere[3] = {0, 0, 0};
-
-/* ---- Tests ----------------------------------------------------------------------------------------------------- */
 
 static void every_degree(void)
 {
@@ -336,7 +326,6 @@ static void every_type(void)
             }
 }
 
-/* SCALE 0 and OPACITY 0 or 1 stay finite; a negative scale counts as its magnitude. */
 static void extreme_values(void)
 {
     clear();
@@ -356,7 +345,7 @@ static void extreme_values(void)
     CHECK(out[0].scale[1] == 0 && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
-/* SCALE of drafts: logarithms as floats or signed integers, by current and former names. */
+/* Drafts of KHR_gaussian_splatting store SCALE as logarithms. */
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {
@@ -383,7 +372,7 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* of five values one below 0 is a size, two are logarithms */
+    for (int below = 1; below <= 2; below++) {   /* with two of five scales negative, scales are logarithms */
         add_all(0);
         clear();
         for (int i = 0; i < below; i++)
@@ -399,7 +388,7 @@ static void log_scales(void)
     }
 }
 
-/* One primitive with SCALE 0 to 2, which could be linear; the other proves logarithms for the whole file. */
+/* SCALE 0 to 2 could be linear. Another primitive proves logarithms for the whole file. */
 static void log_scales_of_a_file(void)
 {
     static char whole[MAX_TEXT];
@@ -428,7 +417,6 @@ static void log_scales_of_a_file(void)
               out[COUNT + i].scale[0] + out[COUNT + i].scale[1] + out[COUNT + i].scale[2] == -6);
 }
 
-/* The names and the colour of Cesium's draft of 2024. */
 static void draft_names(void)
 {
     static const struct { int type, normalized; double error; } colours[] = {
@@ -474,9 +462,9 @@ static double srgb(double c)
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
 }
 
-static fxs_gaussian plain[COUNT];       /* as in the file */
+static fxs_gaussian plain[COUNT];
 
-/* Colours of linear light must become sRGB, and small coefficients scale with the slope. */
+/* Small SH coefficients scale with the slope of the sRGB curve. */
 static void check_srgb(int degree)
 {
     static const double sh_0 = 0.28209479177387814;
@@ -493,7 +481,6 @@ static void check_srgb(int degree)
         }
 }
 
-/* Unstated colour spaces, also with an .spz, mean sRGB; linear light is converted. */
 static void colour_spaces(void)
 {
     static const struct { const char *text; int fails, is_linear; } cases[] = {
@@ -520,7 +507,6 @@ static void colour_spaces(void)
     }
 }
 
-/* One node's translation, rotation and scale, times its parent's. */
 static void transforms(void)
 {
     double r[3][3], m[3][3], shift[3] = {1.5, -2, 30};
@@ -577,7 +563,6 @@ static void several_parts(void)
     check_gaussians(out + COUNT, identity, shift, identity, 2e-6);
 }
 
-/* Checks that Gaussian i is moved by this, in the file's axes. */
 static void check_moved(int i, const double by[3])
 {
     static const double signs[3] = {-1, -1, 1};
@@ -587,7 +572,6 @@ static void check_moved(int i, const double by[3])
     }
 }
 
-/* Distant nodes keep their places through an origin. */
 static void far_nodes(void)
 {
     static const double far[3] = {-500000.25, 4500000, 3}, also[3] = {-500000.25, 4500002, 3}, still[3] = {0};
@@ -606,7 +590,6 @@ static void far_nodes(void)
     check_moved(0, still);
 }
 
-/* A node that moves distant positions back is near, by its accessor's bounds. */
 static void far_accessor(void)
 {
     char rest[2048];
@@ -714,7 +697,6 @@ static void replace(const char *old, const char *by)
     strcpy(json, changed);
 }
 
-/* The .spz is used as it stands, with the node's matrix and glTF's frame. */
 static void compressed(void)
 {
     static const char *const forms[] = {
@@ -742,7 +724,6 @@ static void compressed(void)
     }
 }
 
-/* EXT_splat_opacity, inside KHR_gaussian_splatting or next to it. */
 static void opacities_beside_spz(void)
 {
     static const char *const forms[] = {
@@ -774,7 +755,6 @@ static void opacities_beside_spz(void)
     CHECK(info.clamped_opacity && out[0].opacity == 20);
 }
 
-/* Opacities outside 0 to 1 are clamped and reported; NaN stays. */
 static void opacities_out_of_range(void)
 {
     add_all(0);
@@ -794,9 +774,7 @@ static void opacities_out_of_range(void)
           out[3].opacity == -20 && out[4].opacity == 20);
 }
 
-/* ---- Incomplete accessors ---- */
-
-/* Replaces two positions; the others stay, or are 0 without a base. */
+/* Replaces two positions by a sparse accessor. Without a base, all other positions are 0. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)
 {
     char text[256];
@@ -857,7 +835,6 @@ static void faulty_sparse(void)
     }
 }
 
-/* An accessor without a bufferView is 0; a scene with no other accessors is refused for any count. */
 static void zeros(void)
 {
     add_all(1);
@@ -878,7 +855,6 @@ static void zeros(void)
     check_fails("no accessor of a primitive with Gaussians has data for each of them");
 }
 
-/* KHR_mesh_quantization allows integer positions. */
 static void quantized_positions(void)
 {
     double whole[3 * COUNT];
@@ -901,7 +877,7 @@ static void quantized_positions(void)
 
 static void faulty_text(void)
 {
-    static const char *const cases[][3] = {   /* old, new, message */
+    static const char *const cases[][3] = {   /* a text of the file, its replacement, the expected message */
         {"\"2.0\"", "\"1.0\"", "not glTF 2"}, {"\"version\"", "\"verzion\"", "not glTF 2"},
         {"\"scenes\":[", "\"scenes\":[,", "bad JSON"},
         {"\"scenes\"", "\"scanes\"", "no primitive with KHR_gaussian_splatting"},
@@ -962,7 +938,6 @@ static void faulty_text(void)
     }
 }
 
-/* Small files that would take much time or memory. */
 static void many_of_all(void)
 {
     static char text[MAX_TEXT];
@@ -1011,12 +986,12 @@ static void faulty_containers(void)
     }
 }
 
-/* The .ply is in the tile's frame, z up. 3D Tiles turn glTF's y up into it by (x, y, z) -> (x, -z, y). */
+/* The .ply has z up. 3D Tiles map glTF's y up to z up by (x, y, z) -> (x, -z, y). */
 static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
     static fxs_gaussian g[2][1000];
-    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};   /* from the .ply's frame to the read one */
+    double turn[3][3] = {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}};
     fxs_scene_file *files[2];
     fxs_scene_file_info infos[2];
     char name[1024];

@@ -1,6 +1,6 @@
-/* Golden images: small frames of procedural scenes against tests/golden/NAME.png, byte for byte, by the processor and
- * each back end. --cuda: only CUDA. --update: writes them. On a mismatch the frame and a difference picture go to
- * build/golden. */
+/* Renders small frames and compares them with tests/golden/NAME.png byte for byte, by the CPU and each back end.
+   --cuda: only CUDA. --update: writes the images. On a mismatch the frame and a difference picture go to
+   build/golden. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -27,33 +27,34 @@ typedef struct golden {
 #define OPTIONS(of, degree, r, g, b) {.size = sizeof(fxs_options), .cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
 
 static const golden cases[] = {
-    /* project, shade: degree 3 on an object; blend: opaque surfaces, early stop */
+    /* Stages project and shade: SH degree 3 on an object. Stage blend: opaque surfaces, early out. */
     {"knot", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 240, 135, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 17, 19, 27)},
-    /* shade: degree 1 of 3 */
+    /* Stage shade: SH degree 1 of 3. */
     {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, RGBA8, OPTIONS(MAHALANOBIS, 1, 0, 0, 0)},
-    /* bin, blend: the original's square instead of the ellipse */
+    /* Stages bin and blend: the square cut-off of Kerbl et al. instead of the elliptical cut-off. */
     {"knot-square", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 120, 68, 0,
      RGBA8, OPTIONS(SQUARE, 3, 17, 19, 27)},
-    /* project: opacity compensated for the dilation, sub-pixel Gaussians */
+    /* Stage project: opacity compensated for the dilation, Gaussians smaller than a pixel. */
     {"knot-antialiased", "knot", 30000, {3, -9, -40}, {0, 0, 0}, 20, 96, 64, 1,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 40, 40, 40)},
-    /* project: depths from near to far, culls at the edges; sort: 150,000 keys */
+    /* Stage project: depths from near to far, culling at the edges. Stage sort: 150,000 keys. */
     {"landscape", "landscape", 150000, {4.6, -1.9, -12.7}, {0, -2.2, 0}, 52, 256, 144, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 153, 189, 230)},
-    /* project, bin: needles 1:1000 at all angles, widths below a pixel */
+    /* Stages project and bin: thin Gaussians of 1:1000 at all angles, thinner than a pixel. */
     {"needles", "needles", 20000, {0, -2, -11}, {0, 0, 0}, 50, 200, 150, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 25, 25, 30)},
-    /* blend: deep translucent overlap, small weights; resolve: coverage, premultiplied */
+    /* Stage blend: deep translucent overlap, small weights. Stage resolve: coverage, premultiplied alpha. */
     {"fog-coverage", "fog", 5000, {0, -1, -12}, {0, 0, 0}, 45, 160, 90, 0,
      FXS_FORMAT_RGBA8_COVERAGE, OPTIONS(MAHALANOBIS, 3, 0, 0, 0)},
-    /* sort: equal depths keep the scene's order; blend: tiles that close */
+    /* Stage sort: splats of equal depth keep the scene's order. Stage blend: tiles that become opaque. */
     {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, RGBA8, OPTIONS(MAHALANOBIS, 0, 0, 0, 0)},
-    /* project: from sub-pixel to larger than the picture; partial tiles */
+    /* Stage project: Gaussians from below a pixel to larger than the picture, partial tiles. */
     {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 255, 255, 255)},
-    /* project: camera inside the scene with a very wide view: near plane, clamped slopes, huge footprints */
+    /* Stage project: camera inside the scene with a very wide view. Tests the near plane, clamped slopes and huge
+       Gaussians. */
     {"inside", "knot", 30000, {0.4, 0.3, 0.2}, {1.5, 0.9, 2}, 140, 160, 120, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 90, 60, 30)},
-    /* all stages: one pixel */
+    /* All stages: a picture of one pixel. */
     {"pixel", "fog", 500, {0, 0, -8}, {0, 0, 0}, 20, 1, 1, 0, RGBA8, OPTIONS(MAHALANOBIS, 2, 10, 200, 100)},
 };
 
@@ -61,7 +62,6 @@ static int updating;
 static const golden *current;
 static const fxs_backend *backend;
 
-/* The processor uses plain C. */
 static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *g, void *self, uint8_t *pixels,
                 fxs_message *m)
 {
@@ -123,7 +123,6 @@ static void compare(const golden *g, const uint8_t *actual, const char *path)
     free(expected);
 }
 
-/* --update only uses the processor. */
 static void golden_image(void)
 {
     char path[128];

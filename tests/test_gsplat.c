@@ -1,4 +1,4 @@
-/* Reads gsplat's folder of PNGs: the meaning of its bytes, and faulty folders. */
+/* Reads gsplat's folder of PNG images: the meaning of the bytes, and faulty folders. */
 #include "every_format_bytes.h"
 
 #ifdef WITH_GSPLAT
@@ -84,7 +84,7 @@ static void faults(void)
         struct made_file *meta = &files[0];
         meta->data[meta->size] = 0;
         const char *found = strstr((char *)meta->data, cases[i].old);
-        if (!found && strstr(cases[i].words, "shN"))       /* absent without libzip */
+        if (!found && strstr(cases[i].words, "shN"))
             continue;
         if (!CHECK(found != NULL))
             continue;

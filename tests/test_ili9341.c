@@ -1,6 +1,6 @@
-/* The driver of the ILI9341 display controller against a model. The model takes the bus's bytes, refuses sequences that
- * the data sheet forbids, and holds the picture, which must be the renderer's RGB565. With arguments it takes the bytes
- * of a board's firmware: test_ili9341 SCENE.fxs WIDTH HEIGHT FRAMES STREAM. */
+/* Tests the driver of the ILI9341 display controller with a model of the controller. The model takes the bytes of
+   the bus and refuses sequences that the data sheet forbids. With arguments, the model takes the byte stream of a
+   board: test_ili9341 SCENE.fxs WIDTH HEIGHT FRAMES STREAM. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,25 +15,22 @@
 
 static const fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
-/* ---- The model --------------------------------------------------------------------------------------------------- */
-
 #define UNTOUCHED 0xbeef
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-enum { COMMAND, DATA, WAIT };              /* a stream event: a kind and a byte */
+enum { COMMAND, DATA, WAIT };              /* kinds of events on the bus */
 enum { MIRROR_Y = 0x80, MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 
 typedef struct model {
     uint16_t memory[LONG_SIDE][SHORT_SIDE];
-    const char *fault;                     /* the first one, or null */
-    uint32_t now, reset_at, awake_at;      /* milliseconds */
+    const char *fault;                     /* the first fault that the model found, or null */
+    uint32_t now, reset_at, awake_at;      /* times in milliseconds */
     int is_reset, is_awake, is_on;
     uint8_t command, data[4], access, format;
-    uint32_t count;                        /* data bytes received */
-    int32_t window[2][2], at[2];           /* columns and pages: first, last; next */
+    uint32_t count;                        /* number of data bytes since the last command */
+    int32_t window[2][2], at[2];           /* first and last column and page of the window; next pixel */
     uint64_t pixels;
 } model;
 
-/* Known commands with their count of data bytes. */
 static const struct command {
     uint8_t code, count;
 } commands[] = {{0x01, 0}, {0x11, 0}, {0x29, 0}, {0x2a, 4}, {0x2b, 4}, {0x2c, 0}, {0x36, 1},
@@ -92,7 +89,6 @@ static void begin_command(model *m)
     }
 }
 
-/* Handles a command with complete data. */
 static void end_command(model *m)
 {
     const uint8_t *d = m->data;
@@ -117,7 +113,6 @@ static const struct command *command_of(uint8_t code)
     return 0;
 }
 
-/* True if the previous command has all its data. */
 static int is_complete(const model *m)
 {
     return m->command == 0x2c ? m->count % 2 == 0 : !m->command || m->count == command_of(m->command)->count;
@@ -139,7 +134,6 @@ static void take_command(model *m, uint8_t code)
         begin_command(m);
 }
 
-/* Writes a pixel and advances, columns first. */
 static void write_pixel(model *m, uint16_t pixel)
 {
     const int turned = m->access & TRANSPOSE;
@@ -189,14 +183,14 @@ static void take(model *m, uint8_t kind, uint8_t byte)
         take_data(m, byte);
 }
 
-/* The visible pixel, for the panel upright or on its side. The memory's columns run right to left on the glass and its
-   filters begin with blue, so both need BGR. */
+/* Columns run right to left on the glass and the colour filters begin with blue, so both orientations of the panel
+   need BGR. */
 static uint16_t seen(const model *m, int32_t x, int32_t y, int upright)
 {
     return upright ? m->memory[y][SHORT_SIDE - 1 - x] : m->memory[x][y];
 }
 
-/* True if the picture shows in the upper left corner and the rest is untouched. `pixels`: RGB565, low byte first. */
+/* pixels: RGB565, low byte first. */
 static int shows(const model *m, const unsigned char *pixels, int32_t width, int32_t height)
 {
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
@@ -211,9 +205,7 @@ static int shows(const model *m, const unsigned char *pixels, int32_t width, int
     return !differing;
 }
 
-/* ---- The driver -------------------------------------------------------------------------------------------------- */
-
-/* A bus whose DMA, if any, reads pixels as late as possible. */
+/* A bus with optional DMA. The DMA reads pixels as late as possible. */
 typedef struct bus {
     model *model;
     int dma;
@@ -258,7 +250,6 @@ static fxs_ili9341 panel_on(bus *b)
     return (fxs_ili9341){.bus = {send_command, send_data, wait, b}};
 }
 
-/* Renders a whole frame in RGB565. Release with free. */
 static unsigned char *whole_picture(const fxs_object *object, const fxs_camera *camera)
 {
     fxs_context context;
@@ -272,7 +263,6 @@ static unsigned char *whole_picture(const fxs_object *object, const fxs_camera *
     return pixels;
 }
 
-/* Renders the frame through the driver, in minimum memory. */
 static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_camera *camera, int32_t rows, int32_t gap)
 {
     const ptrdiff_t stride = camera->width * 2 + gap;
@@ -295,7 +285,6 @@ static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_came
     free(strips);
 }
 
-/* Upright and on its side, with padded rows, with DMA and without. */
 static void test_pictures(void)
 {
     static const int32_t sizes[][2] = {{240, 320}, {320, 240}, {131, 77}, {241, 240}, {1, 1}, {320, 17}};
@@ -342,7 +331,6 @@ static void test_refused(void)
     CHECK(!fxs_ili9341_rows(&panel, &strip, 16, 16) && m.pixels == 20 * 16 && !m.fault);
 }
 
-/* Each stream is refused at its last event. */
 static void test_model_refuses(void)
 {
 #define AWAKE COMMAND, 0x01, WAIT, 120, COMMAND, 0x3a, DATA, 0x55, COMMAND, 0x11, WAIT, 5
@@ -381,9 +369,8 @@ static void test_model_refuses(void)
     }
 }
 
-/* ---- A stream from a board --------------------------------------------------------------------------------------- */
+/* ---- Byte stream of a board -------------------------------------------------------------------------------------- */
 
-/* Returns 0 if the stream shows the last of FRAMES turntable steps, after all others. */
 static int check_stream(char **arguments)
 {
     static model m;

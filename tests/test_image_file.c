@@ -1,4 +1,4 @@
-/* Image files: round trips, and failures that keep the old file. Metrics: values computed by hand. */
+/* Tests image files, failed writes that keep the old file, and image metrics with values computed by hand. */
 #include <fixsplat/image.h>
 
 #include <dirent.h>
@@ -130,7 +130,6 @@ static void endings(void)
     CHECK(files_in_folder() == 0);
 }
 
-/* Encodes a picture. Returns 0 if the library is missing. */
 static int encode(enum fxs_image_format format, int quality, fxs_encoded *encoded)
 {
     const int status = fxs_image_encode(format, quality, image, WIDTH, HEIGHT, encoded, &message);
@@ -153,7 +152,7 @@ static void qualities(void)
     }
 }
 
-/* BT.709 by formula; values may round either way. */
+/* Colours follow BT.709. Levels may round up or down. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -170,7 +169,8 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* buffer reused */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the second frame reuses the memory of the
+                                                                           first */
     fxs_encoded_free(&frame);
 
     static const struct {
@@ -187,7 +187,6 @@ static void frames_of_films(void)
     }
 }
 
-/* Smooth pictures survive within a few levels. */
 static void jpg(void)
 {
     uint8_t *rgba;
@@ -215,7 +214,6 @@ static void jpg(void)
 }
 
 #ifdef FXS_WITH_WEBP
-/* Lossless, also colours with alpha 0. */
 static void webp(void)
 {
     fxs_encoded encoded = {0};
@@ -246,7 +244,6 @@ static int refuse(const char *path, fxs_message *why)
     return strstr(path, "a.png") ? fxs_fail(why, "%s: not this one", path) : 0;
 }
 
-/* A callback may refuse an output before any of it is written. */
 static void refused_targets(void)
 {
     make_image(0);
@@ -276,7 +273,6 @@ static void unwritable_folder(void)
     remove(in_folder("a.png"));
 }
 
-/* A file size limit simulates a full disk; the old file stays, without leftovers. */
 static void full_disk(void)
 {
     static const char *const names[] = {"a.png", "a.ppm", "a.raw"};
@@ -358,7 +354,7 @@ static const struct {
     const uint8_t *bytes;
     size_t size;
     int grey;
-    uint32_t hash;                 /* of the pixels; equal on all machines */
+    uint32_t hash;                 /* hash of the pixels, equal on all machines */
 } jpegs[] = {
     {baseline_jpeg, sizeof baseline_jpeg, 0, 0xa65fd5fe},
     {progressive_jpeg, sizeof progressive_jpeg, 0, 0xa65fd5fe},
@@ -366,7 +362,6 @@ static const struct {
 };
 enum { JPEGS = sizeof jpegs / sizeof *jpegs };
 
-/* FNV-1a */
 static uint32_t hash_of(const uint8_t *bytes, size_t size)
 {
     uint32_t hash = 2166136261u;
@@ -375,7 +370,6 @@ static uint32_t hash_of(const uint8_t *bytes, size_t size)
     return hash;
 }
 
-/* The content, not the extension, decides the format. */
 static void jpeg(void)
 {
     for (int i = 0; i < JPEGS; i++) {
@@ -429,7 +423,7 @@ static void put_cmyk(J_COLOR_SPACE space, int is_adobe, const uint8_t values[4])
     free(bytes);
 }
 
-/* CMYK as Adobe stores it, inverted, as CMYK and YCCK; and plain CMYK. */
+/* Adobe stores inverted CMYK and YCCK. Plain CMYK is not inverted. */
 static void cmyk(void)
 {
     static const uint8_t stored[4] = {200, 100, 50, 180}, inks[4] = {55, 155, 205, 75};
@@ -451,11 +445,10 @@ static void cmyk(void)
     remove(in_folder("cmyk.jpg"));
 }
 
-/* The first .jpg with bytes changed at `offset` after the first such marker. */
 static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
 {
     uint8_t changed[sizeof baseline_jpeg];
-    size_t at = 2;                 /* segments follow each other */
+    size_t at = 2;                 /* offset of the first JPEG segment */
     memcpy(changed, baseline_jpeg, sizeof changed);
     while (changed[at + 1] != marker)
         at += 2 + (size_t)(changed[at + 2] << 8 | changed[at + 3]);
@@ -466,11 +459,11 @@ static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_
 static void bad_jpeg(void)
 {
     uint8_t most[16];
-    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* 8192 x 8192 */
+    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* changes the size of the JPEG to 8192 x 8192 pixels */
     check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
-    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampling 3 x 2 and 2 x 1 */
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* changes the chroma subsampling factors to 3 x 2 and 2 x 1 */
     check_unreadable("a.jpg", "Fractional sampling not implemented");
     put_changed_jpeg(0xc0, 9, "\4", 1);
     check_unreadable("a.jpg", "Bogus marker length");
@@ -484,7 +477,6 @@ static void bad_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* Data that end early in a complete file are an error; bytes between segments are harmless. */
 static void damaged_jpeg(void)
 {
     uint8_t bytes[sizeof baseline_jpeg + 3], *rgba;
@@ -503,7 +495,7 @@ static void damaged_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* A grey picture of 8 x 8 that repeats its mean in scans of 11 bytes. */
+/* The grey JPEG has 8 x 8 pixels and repeats its mean in many scans of 11 bytes. */
 static void scans(void)
 {
     static const uint8_t frame[] = {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
@@ -549,7 +541,7 @@ static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_
     return put_word(to + 4 + size, crc32(0, to, (uInt)size + 4));
 }
 
-/* `rows`: each after its filter byte. `palette`: chunks before the data, or NULL. */
+/* rows: rows of the .png with their filter bytes. palette: chunks before the data, or null. */
 static void put_png(const char *name, const uint8_t header[13], const uint8_t *palette, size_t palette_size,
                     const uint8_t *rows, size_t size)
 {
@@ -570,7 +562,6 @@ static void put_png(const char *name, const uint8_t header[13], const uint8_t *p
     free(bytes);
 }
 
-/* RGBA with 8 or 16 bits and `size` zeros of data. */
 static void put_zeros(const char *name, int side, int depth, int interlaced, size_t size)
 {
     uint8_t *zeros = calloc(1, size);
@@ -581,7 +572,6 @@ static void put_zeros(const char *name, int side, int depth, int interlaced, siz
     free(zeros);
 }
 
-/* All bit depths and colour types become RGBA: upper 8 of 16 bits, grey tripled, palettes looked up. */
 static void png_kinds(void)
 {
     static const uint8_t palette[12] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 0, 255};
@@ -599,7 +589,7 @@ static void png_kinds(void)
         {16, 6, {0, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7, 9, 8, 9}, {1, 2, 3, 4, 5, 6, 7, 8}, 17},
         {8, 3, {0, 0, 1}, {10, 20, 30, 100, 40, 50, 60, 0}, 3},
         {2, 3, {0, 0x80}, {70, 80, 90, 255, 10, 20, 30, 100}, 2},
-        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* beyond the palette */
+        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* a colour index beyond the end of the palette */
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const uint8_t header[13] = {0, 0, 0, 2, 0, 0, 0, 1, kinds[i].depth, kinds[i].kind, 0, 0, 0};
@@ -616,7 +606,7 @@ static void png_kinds(void)
     remove(in_folder("a.png"));
 }
 
-/* Bytes of all rows; an interlaced picture has seven parts with their own rows. */
+/* An interlaced picture has seven parts with their own rows. */
 static size_t row_bytes(int side, int depth, int interlaced)
 {
     static const int parts[8][4] = {{0, 0, 1, 1}, {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4},
@@ -630,7 +620,6 @@ static size_t row_bytes(int side, int depth, int interlaced)
     return bytes;
 }
 
-/* A .png must inflate to exactly its rows. */
 static void inflated_size(void)
 {
     uint8_t *rgba;
@@ -656,7 +645,6 @@ static void inflated_size(void)
     remove(in_folder("a.png"));
 }
 
-/* All-black bilevel pictures: eight pixels a byte, deflated to a thousandth. */
 static void little_for_much(void)
 {
     enum { MOST = 8192 };
@@ -676,7 +664,7 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* One pixel, with a chunk of zeros before its data; `wrong` is added to that chunk's checksum. */
+/* wrong: added to the checksum of a .png chunk. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
@@ -694,7 +682,6 @@ static void put_chunked(const char *type, size_t size, int wrong)
     free(content);
 }
 
-/* Ancillary chunks are skipped, whatever their size and content, but checksums must be right. */
 static void chunks(void)
 {
     static const char *const types[] = {"iCCP", "gAMA", "tEXt", "abCd"};
@@ -729,13 +716,13 @@ static void metrics_equal(void)
     make_image(0);
     memcpy(other, image, sizeof image);
     for (int i = 3; i < 4 * PIXELS; i += 4)
-        other[i] = random_byte();   /* alpha is ignored */
+        other[i] = random_byte();   /* the metrics ignore alpha */
     CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
     CHECK(metrics.mse == 0 && isinf(metrics.psnr) && metrics.psnr > 0 && metrics.largest == 0);
     CHECK(near(metrics.ssim, 1));
 }
 
-/* Flat images: variances are 0, so SSIM = (2 a b + c1) / (a^2 + b^2 + c1). */
+/* Images of one colour have zero variances, so SSIM = (2 a b + c1) / (a^2 + b^2 + c1). */
 static void metrics_flat(void)
 {
     static const int sizes[][2] = {{WIDTH, HEIGHT}, {11, 11}, {WIDTH, 4}, {1, HEIGHT}, {1, 1}, {10, 12}};
@@ -762,7 +749,7 @@ static void metrics_pixel(void)
     CHECK(metrics.ssim < 1 && metrics.ssim > 2.0 / 3);
 }
 
-/* SSIM as in the paper: each window with two-dimensional weights and centred moments. */
+/* SSIM by Wang et al. 2004, with two-dimensional weights and centred moments. */
 static double plain_ssim(int channel)
 {
     double sum = 0, c1 = 6.5025, c2 = 58.5225, total = 0, weight[11][11];

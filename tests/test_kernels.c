@@ -1,5 +1,5 @@
-/* Every fast kernel against plain C: random and extreme inputs; all outputs are compared byte by byte, between guard
- * bytes. `test_kernels SEED` replays one case, `test_kernels --bench` measures. */
+/* Compares every fast kernel with plain C on random and extreme inputs, with guard bytes around outputs.
+   `test_kernels SEED` replays one case. `test_kernels --bench` measures times. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"                      /* 0 without a clock */
+#define TICK "ns"                      /* nanoseconds; results are 0 on systems without a clock */
 #endif
 
 #include <fixsplat/internal/kernels.h>
@@ -18,14 +18,14 @@
 #include "packed_scene.h"
 
 #define ALL_CASES 2000
-#ifndef CASES                          /* fewer on emulated boards */
+#ifndef CASES                          /* number of random cases; fewer on emulated boards */
 #define CASES ALL_CASES
 #endif
 #define GUARD 64
 #define GUARD_BYTE 0xa5
 #define MAX_SPLATS 1024
 #define MAX_ENTRIES 3000
-#define TILE_COLUMNS 100               /* tiles of blend's picture, each way */
+#define TILE_COLUMNS 100
 #define MAX_STRIDE 200
 
 static const struct {
@@ -36,14 +36,11 @@ static const struct {
 
 #define VERSIONS (sizeof versions / sizeof *versions)
 
-static fxs_kernels fast;               /* version under test */
+static fxs_kernels fast;               /* the kernels under test */
 static uint64_t first_seed = 1, last_seed = CASES;
-
-/* ---- Random numbers -------------------------------------------------------------------------------------------- */
 
 static uint64_t state;
 
-/* splitmix64 */
 static uint64_t next(void)
 {
     uint64_t x = state += 0x9e3779b97f4a7c15u;
@@ -72,7 +69,6 @@ static double uniform(double low, double high)
     return low + (high - low) * (double)(next() >> 11) * 0x1p-53;
 }
 
-/* A number up to `limit`, log-uniform, either sign. */
 static int64_t any_size(int64_t limit)
 {
     int64_t x = (int64_t)(next() >> 1 >> below(63)) % (limit + 1);
@@ -87,9 +83,7 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* ---- Guarded buffers ------------------------------------------------------------------------------------------- */
-
-/* An output in two copies, for C [0] and fast [1], each between guard bytes. */
+/* Two copies of an output, C [0] and fast [1], each between guard bytes. */
 typedef struct output {
     unsigned char *memory[2];
     size_t bytes;
@@ -98,7 +92,7 @@ typedef struct output {
 static output outputs[8];
 static size_t output_count;
 
-/* Fills both copies with equal noise. `skew`: misalignment in bytes. */
+/* Fills both copies of an output with equal noise. skew: misalignment in bytes. */
 static output *output_new(size_t bytes, size_t skew)
 {
     output *o = &outputs[output_count++];
@@ -141,9 +135,7 @@ static void outputs_free(void)
     }
 }
 
-/* ---- Scenes and cameras ---------------------------------------------------------------------------------------- */
-
-static packed_scene made;            /* one chunk */
+static packed_scene made;            /* a packed scene of one chunk */
 static fxs_scene scene;
 static fxs_stage_view view;
 
@@ -152,7 +144,7 @@ static fxs_chunk *chunk_of(void)
     return made.chunks;
 }
 
-/* Codes by kind: 0 zeros, 1 maxima, 2 both, others random. */
+/* kind 0: all codes are 0, 1: maxima, 2: both, others: random. */
 static void fill_codes(unsigned char *row, size_t bytes, uint32_t kind)
 {
     for (size_t i = 0; i < bytes; i += 4) {
@@ -175,7 +167,7 @@ static void fill_rows(unsigned char *rows, int degree)
         rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
 }
 
-/* Other profiles: all bytes are valid codes. */
+/* All byte values are valid codes in this profile. */
 static void fill_other(unsigned char *rows, uint32_t bytes)
 {
     for (uint32_t row = 0; row < bytes / FXS_CHUNK; row++)
@@ -186,7 +178,6 @@ static void fill_other(unsigned char *rows, uint32_t bytes)
         made.header->palette_step_q19 = one_in(4) ? 32767 : below(32768);
 }
 
-/* Any header that fxs_scene_open accepts, including limits of each range. */
 static void wild_header(fxs_chunk *c)
 {
     const int64_t far = (int64_t)1 << 60;
@@ -215,7 +206,6 @@ static void point_header(fxs_chunk *c)
     }
 }
 
-/* A box as large as a captured chunk, around the origin; sigma up to 0.05. */
 static void tame_header(fxs_chunk *c)
 {
     double size = exp2(uniform(-4, 2));
@@ -257,7 +247,7 @@ static void random_rotation(fxs_camera *camera)
         q[i] = uniform(-1, 1);
         norm += q[i] * q[i];
     }
-    if (norm < 1e-3 || one_in(8)) {              /* identity */
+    if (norm < 1e-3 || one_in(8)) {              /* identity rotation */
         memset(q, 0, sizeof q);
         q[0] = norm = 1;
     }
@@ -269,7 +259,6 @@ static void random_rotation(fxs_camera *camera)
         camera->rotation_q30[i] = (int32_t)lrint(m[i] * 0x1p30);
 }
 
-/* Moves the camera to a point of the chunk's box minus `distance` along the view. */
 static void place_camera(fxs_camera *camera, double distance)
 {
     const fxs_chunk *c = chunk_of();
@@ -281,7 +270,6 @@ static void place_camera(fxs_camera *camera, double distance)
     }
 }
 
-/* Central, random, or with a centre on the axis at its limit. */
 static int32_t principal_point(int32_t size)
 {
     const int32_t limit = 65536 << 12, half_pixel = 1 << 11;
@@ -296,7 +284,7 @@ static void set_scale(fxs_chunk *c, int32_t scale_q16)
     c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
 }
 
-/* Orthographic: the chunk is 1/16 to 4096 times as wide as the picture. */
+/* The chunk is 1/16 to 4096 times as wide as the picture of an orthographic camera. */
 static void zoom_to_chunk(fxs_camera *camera)
 {
     const fxs_chunk *c = chunk_of();
@@ -305,12 +293,12 @@ static void zoom_to_chunk(fxs_camera *camera)
     camera->fx_q12 = camera->fy_q12 = (int32_t)fmax(1, fmin(INT32_MAX, focal_q12));
 }
 
-/* Orthographic, any zoom and distance, all centres in one place on the axis. */
+/* All Gaussian centres lie on the axis of an orthographic camera with any zoom. */
 static void zoom_to_point(fxs_camera *camera)
 {
     const int64_t distance = (int64_t)1 << (one_in(4) ? 13 : one_in(2) ? 60 : 13 + below(48));
     point_header(chunk_of());
-    if (one_in(2))                               /* large Gaussians reach it from outside */
+    if (one_in(2))
         camera->width = camera->height = 1 + (int32_t)below(8);
     fxs_camera_init(camera, camera->width, camera->height);
     camera->fx_q12 = one_in(4) ? 1 : one_in(4) ? INT32_MAX : (int32_t)exp2(uniform(0, 31));
@@ -319,8 +307,7 @@ static void zoom_to_point(fxs_camera *camera)
     camera->near_q32 = 1 << 12;
 }
 
-/* Moves by 64 times the depth of the projection plane, or a unit of the chunk view next to that. The largest sigma is
-   1/4 to 2 times as large. */
+/* Moves the camera sideways by 64 times the depth of the projection plane. */
 static void move_off_axis(void)
 {
     fxs_chunk_view cv;
@@ -359,11 +346,10 @@ static void make_view(void)
     view.cutoff = one_in(16) ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
 }
 
-/* ---- project, shade -------------------------------------------------------------------------------------------- */
+/* ---- The stages project and shade ------------------------------------------------------------------------------ */
 
-/* Counters that show the cases are useful. */
 static uint64_t visible_total;
-static uint64_t zooms;                 /* bit i: something was visible with plane_zeros i - 22 */
+static uint64_t zooms;                 /* bit i: a Gaussian was visible at zoom plane_zeros = i - 22 */
 
 static void count_visible(uint32_t count, int veils)
 {
@@ -382,7 +368,6 @@ static int has_veil(const fxs_bounds *bounds, uint32_t count)
     return 0;
 }
 
-/* Halves every sigma. Returns 0 at the minimum. */
 static int shrink(fxs_chunk *c)
 {
     if (c->scale_q16 < -(31 << 16))
@@ -400,7 +385,7 @@ static uint32_t project_both(output *const to[4], size_t skew)
         fxs_splat *splats = at(to[0], i, skew);
         count[i] = (uint32_t)(i ? fast.project : fxs_project_c)(
             &view, &scene, 0, splats, at(to[1], i, skew), at(to[2], i, skew), at(to[3], i, skew));
-        for (uint32_t k = 0; k < count[i]; k++)      /* project does not set colours */
+        for (uint32_t k = 0; k < count[i]; k++)
             memset(splats[k].colour_q13, 0, sizeof splats[k].colour_q13);
     }
     CHECK(count[0] == count[1]);
@@ -410,8 +395,7 @@ static uint32_t project_both(output *const to[4], size_t skew)
     return count[0];
 }
 
-/* Chunks with a veil fall back to C, so sigmas are mostly halved until no veil is left; the steps include the smallest
-   veils. */
+/* Kernels pass chunks with a Gaussian that covers the whole picture to plain C. Halved sigmas avoid such Gaussians. */
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
@@ -445,9 +429,7 @@ static void shade_case(void)
     CHECK(same(splats));
 }
 
-/* ---- bin ------------------------------------------------------------------------------------------------------- */
-
-static uint64_t rows_total;            /* boxes on several tile rows */
+static uint64_t rows_total;
 
 static int rows_of(fxs_box box)
 {
@@ -463,7 +445,6 @@ static int compare_words(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The notes of some boxes must be equal, in any order. */
 static void check_notes(const fxs_box *boxes, uint32_t count)
 {
     static uint32_t macros[9 * FXS_CHUNK + FXS_NOTES_MORE], listed[9 * FXS_CHUNK + FXS_NOTES_MORE];
@@ -479,7 +460,6 @@ static void check_notes(const fxs_box *boxes, uint32_t count)
     CHECK(noted[0] == noted[1] && !memcmp(notes[0], notes[1], noted[0] * sizeof **notes));
 }
 
-/* The columns of a splat on all its tile rows or some. */
 static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
 {
     fxs_span spans[2][64 + FXS_SPANS_MORE];
@@ -490,7 +470,6 @@ static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
     CHECK(!memcmp(spans[0], spans[1], (size_t)some * sizeof **spans));
 }
 
-/* Sorts lists with crowded and equal keys. */
 static void sort_case(void)
 {
     const uint32_t most = 1u << below(14), count = below(most) + below(2);
@@ -521,8 +500,6 @@ static void list_case(void)
     CHECK(!memcmp(at(entries, 0, 4), at(entries, 1, 4), listed * sizeof(uint32_t)));
 }
 
-/* Bins a chunk's splats, moved to several places. Every third picture has few tiles, which clip large splats to a
-   box. */
 static void bin_case(void)
 {
     fxs_splat splats[FXS_CHUNK];
@@ -553,17 +530,14 @@ static void bin_case(void)
     }
 }
 
-/* ---- blend, resolve -------------------------------------------------------------------------------------------- */
-
-static uint64_t traced_total;          /* entries */
+static uint64_t traced_total;
 
 static int32_t extreme(int32_t low, int32_t high)
 {
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
 }
 
-/* A splat with coordinates within +-128 over the tile at (x, y), 0.55 to 100 pixels large. Its rows include all touched
-   rows, some others, and one row of the tile, as tile lists require. */
+/* Splat coordinates are within +-128 over the tile at (x, y), splat sizes 0.55 to 100 pixels. */
 static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 {
     const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
@@ -614,7 +588,6 @@ static void blend_case(void)
     CHECK(same(tile));
 }
 
-/* A partly blended tile: T from closed to clear, with possible sums and weights. */
 static void begin_tile(fxs_tile *tile, fxs_trace *trace)
 {
     const int begun = !one_in(3);
@@ -630,7 +603,6 @@ static void begin_tile(fxs_tile *tile, fxs_trace *trace)
     }
 }
 
-/* Sets up a part of a list like the frame: no depths or slots, and an end for each pixel. */
 static void begin_part(fxs_trace *trace, uint32_t count)
 {
     const int occluded = one_in(2);
@@ -641,7 +613,6 @@ static void begin_part(fxs_trace *trace, uint32_t count)
         trace->end[i] = (int16_t)(!occluded || one_in(4) ? INT16_MAX : one_in(8) ? 0 : (int)below(count + 2));
 }
 
-/* One to three consecutive parts of up to 512 entries. */
 static void trace_case(void)
 {
     static int16_t depths_q15[MAX_ENTRIES];
@@ -676,7 +647,6 @@ static void make_tile(fxs_tile *tile)
     }
 }
 
-/* All tile sizes and formats. */
 static void resolve_case(void)
 {
     fxs_tile tile;
@@ -687,7 +657,7 @@ static void resolve_case(void)
     for (int size = 0; size < FXS_TILE_PIXELS * 4; size++) {
         const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
         const enum fxs_format format = (enum fxs_format)(size / FXS_TILE_PIXELS);
-        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;   /* bytes a channel */
+        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;
         const ptrdiff_t pitch = (ptrdiff_t)((4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE)) * wide);
         const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
         const size_t skew = below(32) * wide, first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
@@ -700,7 +670,6 @@ static void resolve_case(void)
     }
 }
 
-/* All sums and transmittances, each format. */
 static void resolve_every_number(void)
 {
     fxs_tile tile;
@@ -723,8 +692,6 @@ static void resolve_every_number(void)
             outputs_free();
         }
 }
-
-/* ---- Tests ----------------------------------------------------------------------------------------------------- */
 
 static void run_cases(void (*one)(void), uint64_t share)
 {
@@ -814,8 +781,6 @@ static void test_version(size_t i)
         RUN(resolve);
 }
 
-/* ---- Measuring ------------------------------------------------------------------------------------------------- */
-
 #define BENCH_RUNS 200
 #define BENCH_CHUNKS 32
 
@@ -848,8 +813,7 @@ typedef struct workload {
 
 static workload *bench_load;
 
-/* Chunks of 0.4 units, 5 units away, at a focal length of 1000 pixels: sigmas of 1 to 10 pixels. X of a rotation is in
-   0..1/4, so that X and Y seldom exceed length 1. */
+/* Chunks have 0.4 units, are 5 units away, and the focal length is 1000 pixels. Sigmas are 1 to 10 pixels. */
 static packed_scene bench_scene(enum fxs_profile profile)
 {
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};
@@ -908,7 +872,6 @@ static void bench_shade(workload *w, const fxs_kernels *k)
         k->shade(&w->view, &w->scene, i, w->indices[i], w->counts[i], w->splats[i]);
 }
 
-/* One visible Gaussian in 16. */
 static void bench_sparse(workload *w, const fxs_kernels *k)
 {
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
@@ -945,7 +908,6 @@ static void bench_rgba16(workload *w, const fxs_kernels *k)
     resolve_as(FXS_FORMAT_RGBA16_COVERAGE, w, k);
 }
 
-/* The minimum over all runs, for one unit. */
 static double measure(void (*job)(workload *, const fxs_kernels *), const fxs_kernels *kernels, uint32_t units)
 {
     uint64_t least = UINT64_MAX;

@@ -1,11 +1,11 @@
-/* Reads synthetic .ksplat files of each compression level and SH degree, and faulty ones. */
+/* Reads synthetic .ksplat files of each compression level and SH degree, and faulty files. */
 #include "scene_bytes.h"
 
 enum { HEADER = 4096, SECTION = 1024, SECTIONS = 3, ROWS = 9, ROOM = 10, BLOCK_RANGE = 1000 };
 
 static fxs_gaussian gaussians[ROOM], expected[ROOM];
 
-/* Buckets by section: 2 + 2 + 1 with capacity 6, none, 1 + 0 + 3. */
+/* Sections group their Gaussians in buckets. Section 0 has buckets of 2, 2 and 1 Gaussians, section 2 of 1, 0 and 3. */
 static const struct { uint32_t count, room, bucket_size, full, partial, lengths[3]; } sections[SECTIONS] = {
     {5, 6, 2, 2, 1, {1, 0, 0}}, {0, 0, 0, 0, 0, {0, 0, 0}}, {4, 4, 7, 0, 3, {1, 0, 3}}
 };
@@ -23,7 +23,6 @@ static float centre_of(int section, int bucket, int axis)
     return (float)(100 * section + 10 * bucket + axis) / 4;
 }
 
-/* Writes and returns a value from 1 to 4: a float, or a half with exponent 15 or 16. */
 static float put_real(int level, int row, int i)
 {
     int code = code_of(row, i) % 2048;
@@ -44,7 +43,7 @@ static float put_coefficient(int level, int row, int i)
     return -2 + 5 * (float)code / 255;
 }
 
-/* Maps SH coefficient i of the file, in blocks by degree and channel, to our order. */
+/* The SH coefficients of a .ksplat are in blocks by degree and channel. */
 static int place_of(int i)
 {
     int degree = i < 9 ? 1 : i < 24 ? 2 : 3, first = degree * degree - 1, width = 2 * degree + 1;
@@ -87,7 +86,7 @@ static void put_section_header(int level, int degree, int s)
     put_u32_at(at + 8, sections[s].bucket_size);
     put_u32_at(at + 12, sections[s].full + sections[s].partial);
     put_float_at(at + 16, 6);
-    put_u32_at(at + 20, 16);   /* a bucket centre and 4 bytes of padding */
+    put_u32_at(at + 20, 16);   /* bytes of a bucket: a centre and 4 bytes of padding */
     put_u32_at(at + 24, BLOCK_RANGE);
     put_u32_at(at + 32, sections[s].full);
     put_u32_at(at + 36, sections[s].partial);
@@ -152,7 +151,7 @@ static void sizes(void)
         }
 }
 
-/* A compression range of 0 means 32767, SH bounds of 0 mean +-1.5. */
+/* In a .ksplat, compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
 static void defaults(void)
 {
     make_file(2, 1);
@@ -169,7 +168,6 @@ static void defaults(void)
         CHECK(is_near((double)gaussians[0].sh[place_of(i)], code_of(0, 16 + i) % 256 / 85.0 - 1.5, 1e-6));
 }
 
-/* SH bounds may lie on one side of 0. */
 static void bounds_to_one_side(void)
 {
     static const float bounds[][2] = {{0.5f, 2.5f}, {-3, -1}};
@@ -196,7 +194,7 @@ static void halves(void)
     const size_t rows = HEADER + SECTIONS * SECTION + 4 + 3 * 16;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         make_file(1, 0);
-        for (size_t at = 6; at <= 12; at += 6) {   /* first scale, first rotation component */
+        for (size_t at = 6; at <= 12; at += 6) {   /* offsets of a scale and of a rotation component */
             bytes[rows + at] = (uint8_t)cases[i].bits;
             bytes[rows + at + 1] = (uint8_t)(cases[i].bits >> 8);
         }
@@ -212,7 +210,7 @@ static void halves(void)
     CHECK(read_file(gaussians, ROOM) == 0 && isnan(gaussians[0].rotation[0]));
 }
 
-/* Capacity beyond the Gaussians may be missing in the file. */
+/* The file may omit the unused capacity of a section. */
 static void room_at_the_end(void)
 {
     make_file(1, 0);

@@ -1,5 +1,5 @@
-/* Reads .lcc files made here by an own encoder: with SH and without, levels, an environment; and faulty ones.
-   `--write FOLDER SCENE [SKY]` writes a scene as FOLDER/scene.lcc, for tests/scripts/convert.sh. */
+/* Reads .lcc files that an encoder in this test makes: SH, levels, an environment, faults. `--write FOLDER SCENE
+   [SKY]` writes a scene as FOLDER/scene.lcc. */
 #include <fixsplat/scene.h>
 
 #include <math.h>
@@ -20,7 +20,6 @@ typedef struct blob {
     size_t size;
 } blob;
 
-/* The range that the codes span. */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
@@ -28,9 +27,7 @@ typedef struct bounds {
 static blob index_bytes, data, sh, sky_bytes;
 static fxs_gaussian made[COUNT], made_sky[SKY], out[MOST + 1];
 static int level_counts[LEVELS];
-static bounds scale_bounds[2], sh_bounds[2];   /* [0]: cells, [1]: sky */
-
-/* ---- The encoder ------------------------------------------------------------------------------------------------- */
+static bounds scale_bounds[2], sh_bounds[2];   /* [0]: bounds of the cells, [1]: bounds of the environment */
 
 static void put(blob *to, uint64_t value, int size)
 {
@@ -61,7 +58,7 @@ static void find_bounds(const fxs_gaussian *g, size_t count, bounds *scale, boun
         }
 }
 
-/* x, y, z, w without the largest, which is positive. */
+/* The rotation code omits the largest component of a quaternion. */
 static uint32_t rotation_code(const float rotation[4])
 {
     uint32_t code = 0, greatest = 0;
@@ -94,7 +91,7 @@ static void put_row(blob *to, const fxs_gaussian *g, const bounds *scale)
     for (int i = 0; i < 3; i++)
         put(to, code_of(exp((double)g->scale[i]), scale->low[i], scale->high[i], 65535), 2);
     put(to, rotation_code(g->rotation), 4);
-    put(to, 0x112233445566, 6);   /* the normal, unused */
+    put(to, 0x112233445566, 6);   /* the normal, which readers of .lcc ignore */
 }
 
 static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
@@ -106,10 +103,10 @@ static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
             word |= (uint32_t)code_of((double)g->sh[3 * k + i], b->low[i], b->high[i], most[i]) << shift[i];
         put(to, word, 4);
     }
-    put(to, 0xffffffff, 4);       /* fills 64 bytes */
+    put(to, 0xffffffff, 4);       /* pads the index header to 64 bytes */
 }
 
-/* Scene axes are x right, y down, z front. .lcc axes are x right, y front, z up. */
+/* Scene axes are x right, y down, z front. The axes of .lcc are x right, y front, z up. */
 static void to_lcc(const fxs_gaussian *from, fxs_gaussian *to)
 {
     static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}};
@@ -125,7 +122,7 @@ static void say_attribute(const char *name, const bounds *b)
         b->low[2], b->high[0], b->high[1], b->high[2]);
 }
 
-/* `type` goes before "attributes". */
+/* type: JSON text that is inserted before "attributes". */
 static void make_meta(const char *type, int has_sh)
 {
     length = 0;
@@ -141,7 +138,7 @@ static void make_meta(const char *type, int has_sh)
     say("]}");
 }
 
-/* Every Gaussian is in level 0 and every fourth in level 1, except in the last cell. */
+/* Level 0 of a cell has all Gaussians. Level 1 has every fourth, except in the last cell. */
 static int is_in(const fxs_gaussian *g, size_t i, int cell, int level)
 {
     const int own = (g[i].position[0] > 0) + 2 * (g[i].position[2] > 0);
@@ -154,7 +151,7 @@ static void make_cells(const fxs_gaussian *g, size_t count, int has_sh)
     index_bytes.size = data.size = sh.size = 0;
     memset(level_counts, 0, sizeof level_counts);
     for (int cell = 0; cell < CELLS; cell++) {
-        uint8_t *unit = index_bytes.bytes + UNIT * (CELLS - 1 - cell);   /* not in the order of the data */
+        uint8_t *unit = index_bytes.bytes + UNIT * (CELLS - 1 - cell);
         index_bytes.size = (size_t)(unit - index_bytes.bytes);
         put(&index_bytes, (uint64_t)cell, 4);
         for (int level = 0; level < LEVELS; level++) {
@@ -187,7 +184,6 @@ static void make_sky(const fxs_gaussian *g, size_t count, int has_sh)
     }
 }
 
-/* Codes hold turned Gaussians, so the bounds are turned too. */
 static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
 {
     for (size_t i = 0; i < count; i++)
@@ -195,7 +191,6 @@ static void find_turned_bounds(const fxs_gaussian *g, size_t count, int which)
     find_bounds(out, count, &scale_bounds[which], &sh_bounds[which]);
 }
 
-/* Without a sky, writes no environment.bin. */
 static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian *sky, size_t sky_count, int has_sh)
 {
     find_turned_bounds(g, count, 0);
@@ -214,9 +209,6 @@ static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian 
         put_file("environment.bin", sky_bytes.bytes, sky_bytes.size);
 }
 
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
-
-/* Reads twice. Returns the number of Gaussians, or an error. */
 static long read_scene(const fxs_scene_file_options *options)
 {
     fxs_scene_file *file;
@@ -255,8 +247,7 @@ static double angle_between(const float a[4], const float b[4])
     return sqrt(fmax(0, 1 - dot * dot / (norm_a * norm_b)));
 }
 
-/* Tolerances are half a code's step. A rotation has three codes of step sqrt(2) / 2046; the fourth component is off
-   by up to three times that. Turning mixes up to 7 SH coefficients. */
+/* Tolerances are half a code's step. A rotation of the scene mixes up to 7 SH coefficients. */
 static int is_as_made(const fxs_gaussian *g, const fxs_gaussian *from, int which, int has_sh)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity)), made_opacity = 1 / (1 + exp(-(double)from->opacity));
@@ -323,8 +314,6 @@ static void check_level(int level, size_t sky_count, int has_sh)
     CHECK(at == count);
 }
 
-/* ---- Whole scenes ------------------------------------------------------------------------------------------------ */
-
 static void levels(void)
 {
     for (int has_sh = 0; has_sh < 2; has_sh++)
@@ -339,24 +328,24 @@ static void levels(void)
     }
 }
 
-/* Worked out by hand: right, front, up become right, down, front; for degree 1, -y, z, -x become -y', z', -x'. */
+/* The axes right, front, up become right, down, front. SH of degree 1: -y, z, -x become -y', z', -x'. */
 static void axes(void)
 {
     const fxs_gaussian g = {.position = {1, -3, 2}, .scale = {-1, -2, -3}, .rotation = {1, 0, 0, 0}};
     write_scene(&g, 1, NULL, 0, 1);
-    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* 1, 2, 3 */
+    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* little-endian floats 1, 2, 3 */
     CHECK(read_scene(NULL) == 1);
     CHECK(angle_between(out[0].rotation, g.rotation) < 0.0025);
     for (int i = 0; i < 3; i++)
         CHECK(fabsf(out[0].position[i] - g.position[i]) < 1e-6f && fabsf(out[0].scale[i] - g.scale[i]) < 1e-4f);
     memset(sh.bytes, 0, sh.size);
-    memcpy(sh.bytes, "\377\7", 2);   /* first coefficient of red at its maximum, the others at their minimum */
+    memcpy(sh.bytes, "\377\7", 2);   /* the first red SH coefficient is the maximum, all others are the minimum */
     sh_bounds[0] = (bounds){{0, 0, 0}, {0.5, 0, 0}};
     put_file("shcoef.bin", sh.bytes, sh.size);
     make_meta("", 1);
     put_file("scene.lcc", text, length);
     CHECK(read_scene(NULL) == 1);
-    for (int i = 0; i < 9; i++)   /* the file's -y is -z' */
+    for (int i = 0; i < 9; i++)   /* -y in the file is -z in the scene */
         CHECK(fabsf(out[0].sh[i] - (i == 3 ? -0.5f : 0)) < 1e-6f);
 }
 
@@ -372,7 +361,6 @@ static void names_of_the_white_paper(void)
         remove(in_folder(names[i][1]));
 }
 
-/* Files older than "fileType" have SH if they have SH bounds. */
 static void without_a_type(void)
 {
     static const char *const types[] = {"", "\"fileType\":\"other\",", "\"fileType\":7,"};
@@ -385,7 +373,6 @@ static void without_a_type(void)
         }
 }
 
-/* A sky without own bounds uses the scene's. */
 static void bounds_of_the_sky(void)
 {
     write_made(0, 1);
@@ -399,8 +386,6 @@ static void bounds_of_the_sky(void)
     for (size_t i = 0; i < SKY; i++)
         CHECK(is_as_made(&out[COUNT + i], &made[i], 0, 1));
 }
-
-/* ---- Faults ------------------------------------------------------------------------------------------------------ */
 
 static void faulty_meta(void)
 {
@@ -434,7 +419,6 @@ static void faulty_meta(void)
     }
 }
 
-/* Cell 0 is last in the index; its level 0 starts at its byte 4. */
 static void faulty_index(void)
 {
     static const struct { int at, size; uint64_t value; const char *words; } cases[] = {
@@ -451,7 +435,7 @@ static void faulty_index(void)
         put(&index_bytes, cases[i].value, cases[i].size);
         put_file("index.bin", index_bytes.bytes, CELLS * UNIT);
         check_fails(cases[i].words);
-        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);   /* a level without the fault */
+        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) > 0);
     }
 }
 

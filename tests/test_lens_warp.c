@@ -1,12 +1,10 @@
-/* Pictures through lenses: positions against an independent inverse, patterns, round trips with the undistortion of
-   a fit, and lenses that see more than a picture can hold. */
+/* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include "src/fit/photo_pixels.h"
 
 enum { WIDE = 160, HIGH = 120 };
 
-/* FNV-1a of a noise picture through each lens in turn. */
 #define GOLDEN 0x6dbc72eeu
 
 static const struct {
@@ -25,7 +23,7 @@ static const struct {
     {{.kind = FXS_LENS_FOV, .k = {.9}}, 140, 140, 80, 60},
     {{.kind = FXS_LENS_DIVISION, .k = {-.2}}, 140, 150, 80, 60},
     {{.kind = FXS_LENS_EUCM, .k = {.6, 1.1}}, 140, 150, 80, 60},
-    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},        /* a circle of 180 degrees within the picture */
+    {{.kind = FXS_LENS_FISHEYE, .k = {0}}, 45, 45, 80, 60},
 };
 enum { LENSES = sizeof lenses / sizeof *lenses };
 
@@ -39,13 +37,12 @@ static void make(size_t number, fxs_lens_warp *warp)
     CHECK(warp->cover.width >= 1 && warp->cover.width <= 4 * WIDE + 4 && warp->cover.height <= 4 * HIGH + 4);
 }
 
-/* A smooth scene by direction, with low frequencies for wide views. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(2 * x + c) + 50 * cos(1.5 * y - x + 2 * c);
 }
 
-static uint8_t *pictures[2];       /* [0]: cover, [1]: through the lens */
+static uint8_t *pictures[2];       /* [0]: the undistorted picture, [1]: the picture through the lens */
 
 static void draw_cover(const fxs_view *v)
 {
@@ -146,7 +143,6 @@ static void round_trip(void)
     }
 }
 
-/* Noise gives the same bytes on every machine and for any split in rows. A pinhole shows the cover's middle. */
 static void same_bytes(void)
 {
     static const uint8_t outside[4] = {1, 2, 3, 4};
@@ -169,7 +165,6 @@ static void same_bytes(void)
         printf("  0x%08xu\n", (unsigned)hash);
 }
 
-/* Lenses with extreme parameters: an empty picture or some picture, within the largest size. */
 static void strange_lenses(void)
 {
     static const double extremes[] = {0, 1e-300, 1e-9, 0.5, 3, 1e4, 1e150, 1e300};

@@ -1,10 +1,8 @@
-/* Masks of photographs: the file names they are found under, masks through lenses and in smaller pictures, and
-   refused masks. */
+/* Tests masks of photographs: file names, masks through lenses and in smaller pictures, and refused masks. */
 #include "photo_folder.h"
 
 enum { WIDTH = 24, HEIGHT = 20, PIXELS = WIDTH * HEIGHT, VIEWS = 3 };
 
-/* in_folder, in a buffer that stays. */
 static const char *kept_name(const char *name)
 {
     static char path[1024];
@@ -28,7 +26,6 @@ static void draw(uint8_t grey[PIXELS], int seed)
     }
 }
 
-/* A COLMAP folder of a.jpg, b.png and sub/c.jpg. */
 static void put_set(const char *camera)
 {
     static const char *const names[VIEWS] = {"a.jpg", "b.png", "sub/c.jpg"};
@@ -61,7 +58,6 @@ static int are_masks(const uint8_t *const wanted[VIEWS])
 
 static uint8_t disc[2][PIXELS], inverse[2][PIXELS], white[PIXELS], black[PIXELS];
 
-/* Both naming schemes, in folders too. A photograph may lack a mask, and an all-white mask counts as none. */
 static void names(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -82,7 +78,7 @@ static void names(void)
     make_folder("other");
     make_folder("other/sub");
     put_grey("other/a.jpg.png", WIDTH, HEIGHT, disc[1]);
-    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* a.jpg.png takes precedence */
+    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* the mask a.jpg.png takes precedence */
     put_grey("other/b.png", WIDTH, HEIGHT, disc[0]);
     put_grey("other/sub/c.png", WIDTH, HEIGHT, white);
     options = (fxs_photos_options){.size = sizeof(fxs_photos_options), .masks = kept_name("other"), .hold_out = 2};
@@ -92,7 +88,6 @@ static void names(void)
     CHECK(!read_photos("m", &options) && are_masks(of_all) && photos.with_mask == 3 && !photos.without_mask);
 }
 
-/* A photograph outside the photographs' folder, or in one with the same prefix, has the mask of its own name. */
 static void from_elsewhere(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -118,7 +113,6 @@ static void from_elsewhere(void)
     CHECK(!read_photos("q", &options) && are_masks(wanted));
 }
 
-/* The mean of red, green and blue decides. */
 static void greys(void)
 {
     static const uint8_t colours[6][3] = {{128, 128, 128}, {127, 127, 127}, {255, 129, 0}, {255, 128, 0}, {0, 255, 255},
@@ -134,7 +128,7 @@ static void greys(void)
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, disc[0]);
 }
 
-/* A pixel of a smaller picture counts if all source pixels that reach it count. */
+/* A pixel of a reduced mask counts if all contributing source pixels count. */
 static void smaller(void)
 {
     for (int resolution = 1; resolution <= WIDTH; resolution++) {
@@ -155,7 +149,7 @@ static void smaller(void)
     }
 }
 
-/* Each photograph is its own mask. Through the lens, counted pixels are white, and ignored ones contain some black. */
+/* Each photograph is its own mask. Pixels that count must be white, and ignored pixels must contain some black. */
 static void lenses(void)
 {
     static const char *const cameras[] = {"PINHOLE 24 20 25 25 12 10", "SIMPLE_RADIAL 24 20 25 12 10 -0.2",
@@ -174,14 +168,13 @@ static void lenses(void)
                 const int is_white = photo->pixels[3 * i] == 255;
                 CHECK(is_white || !photo->mask[i]);
                 counts += photo->mask[i];
-                doubtful += is_white && !photo->mask[i];   /* black rounded away */
+                doubtful += is_white && !photo->mask[i];   /* pixels that undistortion rounds to white */
             }
             if (!CHECK(counts > 0 && doubtful <= 5))
                 printf("  %s, %d: %d count, %d doubtful\n", cameras[k], resolution, counts, doubtful);
         }
 }
 
-/* A lens that moves no pixel leaves the mask unchanged. */
 static void lens_of_almost_nothing(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -203,7 +196,7 @@ static void bad_masks(void)
     options.skip_bad = 0;
     put_file("m/masks/a.jpg.png", "P6\n24 20\n255\nxx", 15);
     check_refused("m", &options, FXS_ERR_FILE, "masks/a.jpg.png");
-    memset(dark, 1, sizeof dark);                          /* labels 0 and 1 */
+    memset(dark, 1, sizeof dark);                          /* a mask with labels 0 and 1 instead of 0 and 255 */
     dark[7] = 0;
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, dark);
     check_refused("m", &options, FXS_ERR_FILE, "nothing is brighter than 1 of 255");
@@ -227,8 +220,7 @@ static void bad_masks(void)
 
 #define MATRIX "\"transform_matrix\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"
 
-/* mask_path is relative to transforms.json; otherwise the folder masks in its folder is used, with names without
-   images/. */
+/* Without mask_path in transforms.json, masks are in the folder "masks", with names without images/. */
 static void transforms(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -260,8 +252,7 @@ static void transforms(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* Transparent pixels are ignored, the rest is opaque. With a mask, both must count a pixel. A mask's transparent
-   pixels are black. */
+/* A mask and the alpha of a photograph must both count a pixel. */
 static void alpha(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .background = {9, 9, 9}};

@@ -1,4 +1,4 @@
-/* PSNR after the best affine map of colours, and the effect of masks on each metric. */
+/* Tests PSNR after the best affine map of colours, and the effect of masks on each metric. */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
 
 static uint8_t drawn[4 * PIXELS], photograph[4 * PIXELS];
-static const uint8_t *mask;        /* null: all pixels count */
+static const uint8_t *mask;        /* the mask of the photograph; null: all pixels count */
 
 static double left(void)
 {
@@ -21,7 +21,6 @@ static uint8_t random_level(uint64_t number, double low, double high)
     return (uint8_t)(low + (high - low) * (double)fxs_fit_uniform(fxs_fit_random(3, 1, number)));
 }
 
-/* The photograph becomes the picture under this map, rounded unless its factors are whole. */
 static void map_colours(const double map[3][4])
 {
     for (int i = 0; i < 4 * PIXELS; i++) {
@@ -47,11 +46,10 @@ static void maps_are_found(void)
     CHECK(isinf(left()));
     map_colours(turned);
     CHECK(isinf(left()));
-    map_colours(rounded);          /* rounding has variance 1/12 */
+    map_colours(rounded);          /* rounding adds an error of variance 1/12 */
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * 12)) < 0.1);
 }
 
-/* A picture of one colour, or of greys, is mapped to the photograph's mean, or to its best line. */
 static void pictures_without_colours(void)
 {
     double sum = 0, squares = 0;
@@ -73,10 +71,9 @@ static void pictures_without_colours(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * PIXELS / squares)) < 1e-6);
 }
 
-/* If green and blue depend on red, the best map is a line in red. */
 static void colours_that_follow_from_each_other(void)
 {
-    double sums[5] = {0};          /* means of x, y, xx, xy, yy */
+    double sums[5] = {0};          /* means of x, y, x^2, x y, y^2 */
     for (uint64_t i = 0; i < PIXELS; i++) {
         uint8_t *at = drawn + 4 * i, *to = photograph + 4 * i;
         at[0] = random_level(i, 0, 120);
@@ -91,15 +88,14 @@ static void colours_that_follow_from_each_other(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / (yy - xy * xy / xx))) < 1e-6);
 }
 
-/* Mapped colours are clamped to 0 to 255: half of the pixels would be 200 levels beyond white. */
 static void maps_are_cut(void)
 {
     for (int i = 0; i < 4 * PIXELS; i++) {
-        const int pixel = i / 4 % 4;    /* drawn: 0, 100, 200, 200; photograph: 0, 255, 255, 255 */
+        const int pixel = i / 4 % 4;
         drawn[i] = (uint8_t)(pixel == 0 ? 0 : pixel == 1 ? 100 : 200);
         photograph[i] = (uint8_t)(pixel ? 255 : 0);
     }
-    /* the line 46.3636 + 115.9091 x / 100, clamped at 255 */
+    /* The best map is the line 46.3636 + 115.9091 x / 100, clamped at 255. */
     const double at[3] = {46.363636, 162.272727, 255};
     const double mean = (at[0] * at[0] + (255 - at[1]) * (255 - at[1]) + 2 * (255 - at[2]) * (255 - at[2])) / 4;
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / mean)) < 1e-4);
@@ -131,8 +127,7 @@ static void ignored_pixels_have_no_part(void)
     CHECK(fabs(affine - left()) > 1);
 }
 
-/* An ignored pixel in every 11 x 11 leaves no whole window, hence no SSIM. If the first 11 x 11 pixels count but not
-   the next row and column, their window remains. */
+/* An ignored pixel in every 11 x 11 pixels leaves no whole SSIM window, so SSIM is undefined. */
 static void windows_without_ignored_pixels(void)
 {
     static uint8_t counts[PIXELS];

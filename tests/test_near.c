@@ -1,4 +1,4 @@
-/* The near plane: approaching an object looks the same at any size, compared with the double-precision renderer. */
+/* Tests the near plane: a close view of an object must be equal at any size of the object. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +16,7 @@
 
 enum { COUNT = 20000, WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
 
-#define FLOOR 54.0                   /* dB, packed scene against doubles */
+#define FLOOR 54.0                   /* minimum PSNR in dB of the packed scene against doubles */
 
 static fxs_gaussian gaussians[COUNT];
 static fxs_packed_scene packed;
@@ -84,7 +84,6 @@ static double psnr_of(const uint8_t *a, const uint8_t *b)
     return metrics.psnr;
 }
 
-/* Looks from half a unit (of the full size) before the knot's front, with the near plane at 0.02 units. */
 static void check_size(double size, const uint8_t full[PIXELS * 4], uint8_t out[PIXELS * 4])
 {
     static const double up[3] = {0, -1, 0}, place[3] = {0.5, -0.9, -3.6}, target[3] = {0.2, -0.2, 0};
@@ -137,7 +136,6 @@ static void test_sizes_are_framed_alike(void)
     }
 }
 
-/* Every corner of the box is in the picture, and one is close to its edge, for every box and picture. */
 static void test_boxes_are_framed_whole(void)
 {
     static const double boxes[][3] = {{1, 1, 1},       {0.1, 9, 0.1},      {9, 0.1, 9},

@@ -1,4 +1,5 @@
-/* The CUDA back end's errors without a visible device: with a driver, without one, and in builds without CUDA. */
+/* Tests the errors of the CUDA back end without a visible device: with a driver, without a driver, and in builds
+   without CUDA. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,7 +31,6 @@ static void no_device(void)
 }
 #endif
 
-/* The back end is always listed, with the reason why it is unusable. */
 static void table(void)
 {
 #ifdef FXS_WITH_CUDA

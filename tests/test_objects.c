@@ -1,17 +1,15 @@
-/* Frames of several objects. They are compared with the double-precision reference of the merged scene and, if the
- * integers agree, byte for byte with frames of one scene. */
+/* Compares frames of several objects with the reference renderer of the merged scene. Some must equal frames of a
+   single scene. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #include "random_world.h"
 
-#define FLOOR 54.0                 /* dB */
+#define FLOOR 54.0                 /* minimum PSNR in dB */
 enum { WIDTH = 400, HEIGHT = 260 };
 
 static const double up[3] = {0, -1, 0}, y_axis[3] = {0, 1, 0};
-
-/* ---- Against the reference --------------------------------------------------------------------------------------- */
 
 static fxs_camera look(const double eye[3], const double target[3], double fov)
 {
@@ -97,7 +95,7 @@ static void test_tint_and_opacity(void)
     w.objects[1].tint_q13[2] = 0;
     fxs_camera camera = look(front, middle, 45);
     check_against_reference("tint and opacity", &w, &camera, 0.1);
-    w.objects[0].opacity_q16 = 300;            /* alpha at most 1/255 */
+    w.objects[0].opacity_q16 = 300;
     w.objects[1].opacity_q16 = 9000;
     check_against_reference("nearly clear", &w, &camera, 0);
     part_free(&knot);
@@ -120,7 +118,7 @@ static void test_crops(void)
     const fxs_crop out[2] = {crop_of(-0.7, 0.9, 0, 1), crop_of(-0.5, 0.5, 2, 1)};
     if (!part_make(&knot, "knot", 40000))
         return;
-    part_unpack(&knot);                        /* so that a Gaussian at a face is on the same side in both */
+    part_unpack(&knot);
     two_knots(&w, &knot);
     w.objects[0].crops = keep;
     w.objects[0].crop_count = 3;
@@ -199,9 +197,7 @@ static void test_captured_scenes(void)
     check_captured("luma-seal/luma-seal.ply", 0.1);
 }
 
-/* ---- Byte for byte ----------------------------------------------------------------------------------------------- */
-
-static fxs_context plain;          /* C, one thread */
+static fxs_context plain;
 
 static packed_scene scenes[4];
 
@@ -217,7 +213,6 @@ static void free_scenes(void)
         free(scenes[i].data);
 }
 
-/* Draws all targets of a frame in `bytes` of memory; 0: in fxs_frame_bytes. */
 static int draw(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                 const fxs_options *options, size_t bytes, picture *p, fxs_stats *stats)
 {
@@ -237,12 +232,11 @@ static int same_pictures(const picture *a, const picture *b)
     return a->bytes == b->bytes && !memcmp(a->block, b->block, a->bytes);
 }
 
-/* Signed permutation matrices that are rotations. */
 static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 1, 1, 0, 0, 0, 1, 0},
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
-/* Turns the scene by right angles, scales it by a power of two, moves it, and carries the camera along. */
+/* Rotates the scene by right angles, scales the scene by a power of two and moves it. The camera moves along. */
 static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn[9], int shift)
 {
     const fxs_camera before = *camera;
@@ -269,7 +263,7 @@ static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn
     }
 }
 
-/* World depths grow with the object, so the frame is drawn with that many fewer depth bits. */
+/* Depths grow with the object's scale, so the frame has fewer depth bits. */
 static void test_carried_with_the_camera(void)
 {
     int drawn = 0;
@@ -303,7 +297,6 @@ static void test_carried_with_the_camera(void)
     CHECK(drawn > 60);
 }
 
-/* Crop boxes that keep everything change nothing, though they take the other branch of the code. */
 static void test_crop_around_all(void)
 {
     const fxs_crop all[2] = {{{INT64_MIN, INT64_MIN, INT64_MIN}, {INT64_MAX, INT64_MAX, INT64_MAX}, 0},
@@ -328,8 +321,6 @@ static void test_crop_around_all(void)
     }
 }
 
-/* One Gaussian at both ends of its chunk and inside it, with its centre on a face of a crop box, or one step
-   outside. */
 static void test_centres_on_faces_of_crops(void)
 {
     static const uint16_t places[] = {0, 30001, 65535};
@@ -350,8 +341,8 @@ static void test_centres_on_faces_of_crops(void)
             memcpy(packed_scene_rows(&s, 0) + FXS_ROW_POSITION + 512 * k, &(uint16_t){fxs_little_16(place)}, 2);
             centre_q32 = s.chunks->origin_q32[k] + 65537 * (int64_t)place;
         }
-        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opacity */
-        memset(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, 0, 4);     /* identity */
+        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opacity code of an opaque Gaussian */
+        memset(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, 0, 4);     /* identity rotation */
         CHECK(!packed_scene_finish(&s));
         *(is_high ? &crop.high_q32[axis] : &crop.low_q32[axis]) = centre_q32 + (is_high ? -is_beside : is_beside);
         picture p = picture_new(camera.width, camera.height, FXS_FORMAT_RGBA8);
@@ -400,7 +391,6 @@ static void test_hidden_objects(void)
     }
 }
 
-/* At equal depth, the first object of the list is in front. */
 static void test_ties(void)
 {
     int seen = 0;
@@ -476,8 +466,6 @@ static void free_scenario(scenario *s)
     free_scenes();
 }
 
-/* Down to the minimum of memory; one byte less is refused and nothing is written. Returns the largest number of
-   bands. */
 static uint32_t check_bands(scenario *s, const fxs_context *context)
 {
     fxs_stats stats;
@@ -553,7 +541,6 @@ static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_
     return error;
 }
 
-/* Each eye has the bytes of its mono frame, by every version and number of threads. */
 static void test_stereo(void)
 {
     fxs_kernels versions[WORLD_VERSIONS];
@@ -630,7 +617,7 @@ static void test_tint_is_rounded(void)
     }
 }
 
-/* Scaled depths are right to two units of the last place, and clamp at the range of the keys. */
+/* Scaled depths are right to two units of the last place. */
 static void test_depths_are_scaled(void)
 {
     static const uint16_t position[3];
@@ -651,8 +638,6 @@ static void test_depths_are_scaled(void)
     }
     CHECK(cut[0] > 500 && cut[1] > 500);
 }
-
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static struct {
     fxs_object objects[2];
@@ -678,7 +663,7 @@ static int render_good(uint32_t count)
                       good.bytes, 0);
 }
 
-/* Sets a bad value, expects the error and untouched pixels from all three calls, and restores the value. */
+/* Sets a bad value, expects the error and untouched pixels, and restores the value. */
 #define REFUSES(error, place, value) do { \
         memcpy(saved, &(place), sizeof (place)); \
         (place) = (value); \
@@ -719,7 +704,7 @@ static void test_bad_objects(void)
         REFUSES(FXS_ERR_OBJECT, o->rotation_q30[i], INT32_MIN);
         REFUSES(FXS_ERR_OBJECT, o->rotation_q30[i], INT32_MAX);
     }
-    REFUSES(FXS_ERR_OBJECT, o->rotation_q30[4], -(1 << 30));      /* a reflection */
+    REFUSES(FXS_ERR_OBJECT, o->rotation_q30[4], -(1 << 30));      /* a reflection, not a rotation */
     for (int i = 0; i < 3; i++) {
         REFUSES(FXS_ERR_OBJECT, o->translation_q32[i], (INT64_C(1) << 60) + 1);
         REFUSES(FXS_ERR_OBJECT, o->translation_q32[i], INT64_MIN);
@@ -733,12 +718,12 @@ static void test_bad_objects(void)
     for (uint32_t i = 0; i < FXS_MAX_CROPS; i++)
         for (int axis = 0; axis < 3; axis++) {
             o->crop_count = i + 1;
-            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low above high */
+            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low corner above high corner of a box */
         }
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);
     o->crop_count = 0;
-    o->scale_q32 = 1 << 16;                                               /* puts the camera far away */
+    o->scale_q32 = 1 << 16;
     REFUSES(FXS_ERR_OBJECT, good.camera.position_q32[0], INT64_C(1) << 45);
     o->scale_q32 = INT64_C(1) << 32;
     CHECK(render_frame(&plain, 0, 2, &good.camera, &good.options, &good.picture.targets, good.memory, good.bytes, 0) ==
@@ -748,7 +733,6 @@ static void test_bad_objects(void)
     CHECK(render_good(2) == 0 && !untouched(&good.picture));
 }
 
-/* 65,536 objects are accepted, one more is not. The limit of Gaussians per frame holds too. */
 static void test_too_many_objects(void)
 {
     fxs_object *objects = malloc((FXS_MAX_OBJECTS + 1) * sizeof *objects);

@@ -1,4 +1,5 @@
-/* Packing: scene files written here become packed scenes, and each profile's losses, bytes and order are checked. */
+/* Packs scene files, and checks the losses, bytes and order of each profile. A chunk is 256 Gaussians of a packed
+   scene. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,8 +32,6 @@ static fxs_gaussian gaussians[MAX_COUNT];
 static fxs_packed_scene packed;
 static fxs_pack_report report;
 static fxs_message message;
-
-/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t seed;
 
@@ -72,7 +71,7 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
 static enum fxs_profile profile;
 static const fxs_allocator *allocator;
 static size_t bytes_said;
-static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: fxs_pack's own number */
+static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: chosen by fxs_pack */
 
 /* threads 0: no pool. */
 static int pack_with(const char *name, uint32_t threads, const fxs_progress *progress)
@@ -113,8 +112,6 @@ static fxs_scene pack(size_t count, int sh_degree)
     return scene;
 }
 
-/* ---- The packed scene's values ---------------------------------------------------------------------------------- */
-
 static uint32_t word_at(const fxs_scene *scene, uint32_t i, uint32_t row)
 {
     uint32_t word;
@@ -149,14 +146,13 @@ static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t 
     return source_at(p, count);
 }
 
-static double worst_rotation, worst_step;   /* degrees; largest error of the other attributes, in quantisation steps */
+static double worst_rotation, worst_step;
 
 static void note(double difference, double step)
 {
     worst_step = fmax(worst_step, fabs(difference) / step);
 }
 
-/* Packing stores the longest axis first. */
 static void find_order(int order[3], const float scale[3])
 {
     for (int i = 0; i < 3; i++)
@@ -199,7 +195,7 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     }
 }
 
-/* Every packed Gaussian equals its source within half a step, plus the difference between float and double. */
+/* Packed values agree with the source within half a quantisation step. */
 static void check_packed(size_t count, int sh_degree)
 {
     fxs_scene scene = pack(count, sh_degree);
@@ -207,7 +203,7 @@ static void check_packed(size_t count, int sh_degree)
     worst_rotation = worst_step = 0;
     for (uint32_t i = 0; i < scene.count; i++)
         compare_gaussian(&scene, i, source_of(&scene, i, count));
-    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* of the roll, 8 bits */
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
@@ -242,9 +238,9 @@ static void test_largest_errors(void)
             most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
             most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
         }
-        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));   /* codes 1022, 1020 */
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 4088 * log(2));
     }
-    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the roll, plus the error of the first axis */
+    for (uint32_t i = 0; i < scene.count; i++) {
         const uint32_t step = chunk_of(&scene, i)->scale_step_q24;
         most.rotation = fmax(most.rotation,
                              0.1 + ldexp(90, 2 * axis_bits_of_word(0, word_at(&scene, i, FXS_ROW_SCALE), step) - 32));
@@ -300,8 +296,7 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* The inner box holds a head of 3 % and a pedestal of 1 % of the Gaussians, but no floaters or invisible ones, in
-   any order. */
+/* The box holds two objects of 3 % and 1 % of the Gaussians, and excludes floaters. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -326,7 +321,7 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Surroundings that thin out to 100 times the object's size do not grow the inner box beyond 4 times the object. */
+/* Sparse surroundings reach to 100 times the object's size. They must not enlarge the scene's inner box. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -343,7 +338,6 @@ static void test_inner_bounds_in_surroundings(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Invisible Gaussians, or a single one, still give an inner box. */
 static void test_inner_bounds_of_little(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, one[3] = {3, 4, 5};
@@ -372,7 +366,6 @@ static void test_all_equal(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The largest accepted values pack to a valid scene. */
 static void test_extremes(void)
 {
     make_gaussians(512);
@@ -392,9 +385,6 @@ static void test_extremes(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
-
-/* An SH step is the smallest that lets code 127 reach the largest coefficient, up to the format's limit. */
 static void test_sh_steps_up_to_the_limit(void)
 {
     static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
@@ -421,7 +411,7 @@ static void test_sh_steps_up_to_the_limit(void)
         }
 }
 
-/* Residuals of a palette are coded as odd numbers from -7 to 7; packing uses each of the eight. */
+/* Residuals of an SH palette are coded as odd numbers from -7 to 7. */
 static void test_every_residual_code_serves(void)
 {
     uint32_t uses[8] = {0}, all = 0;
@@ -443,7 +433,6 @@ static void test_every_residual_code_serves(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Skips within the read buffer, one byte beyond it, and to the end of the file. */
 static void test_bytes_skipped(void)
 {
     static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
@@ -464,7 +453,6 @@ static void test_bytes_skipped(void)
     CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == FXS_ERR_FILE);
 }
 
-/* The reader returns the announced number, though the file holds more. */
 static void test_no_more_than_announced(void)
 {
     fxs_scene_file *file = NULL;
@@ -504,7 +492,7 @@ static void test_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The share of dropped Gaussians weighs each by opacity times the area of its two largest axes. */
+/* The dropped share weighs each Gaussian by opacity times the area of its two largest axes. */
 static void test_share_of_what_is_dropped(void)
 {
     make_gaussians(100);
@@ -514,15 +502,14 @@ static void test_share_of_what_is_dropped(void)
         gaussians[i].scale[2] = -INFINITY;
     }
     gaussians[10].position[0] = NAN;
-    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* weight 121 of 99 + 121 */
-    gaussians[20].opacity = -INFINITY;                                  /* weight 0 */
-    gaussians[30].dc[2] = NAN;                                          /* weight 1 */
+    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);
+    gaussians[20].opacity = -INFINITY;
+    gaussians[30].dc[2] = NAN;
     pack(100, 0);
     CHECK(report.packed == 97 && report.dropped.not_finite == 2 && report.dropped.transparent == 1);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
     fxs_packed_scene_free(&packed);
-    gaussians[10].scale[0] = INFINITY;                                  /* unknown area: counted from the other
-                                                                           values, weight 11 */
+    gaussians[10].scale[0] = INFINITY;
     pack(100, 0);
     CHECK(report.packed == 97 && fabs(fxs_dropped_share(&report.dropped) - 12 / 109.0) < 1e-5);
     fxs_packed_scene_free(&packed);
@@ -533,8 +520,6 @@ static void test_share_of_what_is_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Gaussians that are hard to hold ---------------------------------------------------------------------------- */
-
 static double packed_scale(const fxs_scene *scene, uint32_t axis)
 {
     const fxs_chunk *chunk = chunk_of(scene, 0);
@@ -543,8 +528,7 @@ static double packed_scale(const fxs_scene *scene, uint32_t axis)
     return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
 }
 
-/* In a chunk of one Gaussian, a thin axis is clamped to the range of the codes, and a large axis to the format's
-   largest. */
+/* Scales are clamped: a thin axis to the range of the codes, a large axis to the format's maximum. */
 static void test_axes_are_held(void)
 {
     static const float cases[][2][3] = {
@@ -565,7 +549,6 @@ static void test_axes_are_held(void)
     }
 }
 
-/* Needles hardly coarsen the scale steps of the other Gaussians of their chunk. */
 static void test_needles_in_a_chunk(void)
 {
     double rms[2];
@@ -583,7 +566,7 @@ static void test_needles_in_a_chunk(void)
     CHECK(rms[1] < 2.3 * rms[0]);
 }
 
-/* A Gaussian beyond the position range is moved in and shrunk, so that it looks the same from the origin. */
+/* A Gaussian beyond the position range is moved closer and shrunk, so that its size seen from the origin stays. */
 static void test_far_ones_are_brought_in(void)
 {
     static const float axis[3] = {1, -0.5f, 0.25f};
@@ -636,8 +619,6 @@ static void test_empty_file(void)
     CHECK(pack_file(0) == FXS_ERR_FILE && message.text[0]);
 }
 
-/* ---- The rest --------------------------------------------------------------------------------------------------- */
-
 static void test_flags(void)
 {
     fxs_scene scene;
@@ -660,8 +641,6 @@ static void test_same_bytes_twice(void)
     fxs_packed_scene_free(&first);
     fxs_packed_scene_free(&packed);
 }
-
-/* ---- Profiles --------------------------------------------------------------------------------------------------- */
 
 static double largest[6], squares[6];
 
@@ -686,7 +665,7 @@ static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degr
         note_loss(5, d->sh[k] - (double)g->sh[k]);
 }
 
-/* The report's losses equal losses computed here, decoded as in docs/format.md. */
+/* Compares the reported losses with losses of values decoded by docs/format.md. */
 static void check_loss(size_t count, int sh_degree)
 {
     fxs_scene s = pack(count, sh_degree);
@@ -703,7 +682,7 @@ static void check_loss(size_t count, int sh_degree)
     }
     for (int i = 0; i < 6; i++) {
         double of_all = sqrt(squares[i] / numbers[i] / (double)count);
-        const double own = i == 5 && profile != FXS_PROFILE_DEFAULT ? 0.002 : 1e-7;   /* half a step of fxs_sh_item */
+        const double own = i == 5 && profile != FXS_PROFILE_DEFAULT ? 0.002 : 1e-7;
         if (!CHECK(fabs(largest[i] - said_most[i]) < 1e-3 * largest[i] + own) ||
             !CHECK(fabs(of_all - said_rms[i]) < 1e-2 * of_all + own / 10))
             printf("  profile %d, degree %d, %d: %g %g, said %g %g\n", profile, sh_degree, i, largest[i], of_all,
@@ -728,7 +707,7 @@ static int is_near(double x, double expected)
     return fabs(x - expected) <= 2e-6 * fmax(1, fabs(expected));
 }
 
-/* Read as a file, a packed scene returns its decoded values. Any changed byte is detected. */
+/* Any changed byte of the file is detected. */
 static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
 {
     static fxs_gaussian read[1000];
@@ -785,7 +764,6 @@ static void test_read_back(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* One coefficient among many exceeds the range of a palette; the report includes its loss. */
 static void test_loss_of_huge_sh(void)
 {
     make_gaussians(1500);
@@ -797,7 +775,6 @@ static void test_loss_of_huge_sh(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Files with 8-bit colours, opacities and SH keep their exact codes when packed. */
 static void test_few_bits_are_kept(void)
 {
     static const char *const names[] = {"luma-seal/luma-seal.splat", "kitchen-marble/kitchen-marble.spz"};
@@ -820,8 +797,6 @@ static void test_few_bits_are_kept(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Laws of opacity, palettes ---------------------------------------------------------------------------------- */
-
 static void set_opacity(fxs_gaussian *g, double opacity)
 {
     g->opacity = (float)log(opacity / (1 - opacity));
@@ -832,8 +807,7 @@ static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
     return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
 }
 
-/* A chunk gets the opacity law, and its finer steps, that just covers its largest opacity. Gaussians that never
-   reach 1/255 are not drawn. */
+/* Of several opacity codes, a chunk gets the finest that covers its largest opacity. */
 static void test_faint_chunks_get_fine_steps(void)
 {
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
@@ -852,7 +826,7 @@ static void test_faint_chunks_get_fine_steps(void)
     }
 }
 
-/* The choice of a law weighs each squared error by 1/opacity, so in a half-opaque chunk the faint half decides. */
+/* Squared opacity errors are weighed by 1/opacity, so in a half-opaque chunk the faint half decides. */
 static void test_faint_half_decides_on_the_law(void)
 {
     make_gaussians(256);
@@ -873,8 +847,7 @@ static void test_offsets_of_codes(void)
         }
 }
 
-/* A palette has the most entries that keep the scene within its bytes per Gaussian. The minimum is the number that
-   costs 0.1 byte per Gaussian, or 0.4 in scenes below 10,000. */
+/* An SH palette has the most entries that keep the scene within its bytes for each Gaussian. */
 static void check_entries(uint32_t count, enum fxs_profile which, int degree)
 {
     const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
@@ -919,7 +892,6 @@ static void check_sh_loss(const char *what, size_t count, int degree, enum fxs_p
     fxs_packed_scene_free(&packed);
 }
 
-/* Each chunk is a cluster with its own SH, and clusters outnumber palette entries: the chunk means hold their SH. */
 static void test_means_of_chunks(void)
 {
     enum { CLUSTERS = 32, COUNT = CLUSTERS * FXS_CHUNK };
@@ -937,7 +909,6 @@ static void test_means_of_chunks(void)
     check_sh_loss("means", COUNT, 3, FXS_PROFILE_COMPACT, 0.0021);
 }
 
-/* A scene with few independent coefficients: palettes fit it well. */
 static void test_palettes_are_good(void)
 {
     enum { COUNT = 20000 };
@@ -957,13 +928,12 @@ static void test_palettes_are_good(void)
 
 enum { ALIKE, SIZES, OPACITIES, FLAT, MIXTURES };
 
-/* True if the SH errors of this Gaussian must cancel. */
 static int matters(int mixture, double scale, double opacity)
 {
     return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
 }
 
-/* Squared sum of those SH errors over the chunk from slot `first`. */
+/* Returns the squared sum of the SH errors of a chunk from Gaussian `first` on. */
 static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
 {
     double sums[9] = {0}, square = 0;
@@ -978,7 +948,7 @@ static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mi
     return square;
 }
 
-/* At one place SH errors cancel: a chunk's sum is as small as the error of a few Gaussians. */
+/* The SH errors of neighbouring Gaussians cancel, so the sum over a chunk is small. */
 static void check_cancelling(int mixture, double most)
 {
     enum { COUNT = 8 * FXS_CHUNK };
@@ -1010,9 +980,7 @@ static void test_errors_of_sh_cancel(void)
         check_cancelling(mixture, most[mixture]);
 }
 
-/* ---- Memory ----------------------------------------------------------------------------------------------------- */
-
-static int live, allocations, failing;      /* live blocks; index of the allocation that fails, from 0 */
+static int live, allocations, failing;      /* number of live memory blocks; index of the allocation that fails */
 
 static fxs_sh_loss code_chunks(unsigned cpu, const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                int8_t mean[48], unsigned char *records)
@@ -1046,7 +1014,6 @@ static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int d
               fxs_pack_stages_choose(~0u)->nearest(groups, p.group_squares[0], count, learned->vectors[1][count]));
 }
 
-/* Every instruction set produces the bytes of C, with few palette entries and with many. */
 static void test_stages(void)
 {
     static const uint32_t entries[] = {1, 2, 9, 23, 77, 128};
@@ -1082,7 +1049,6 @@ static void run_stages(unsigned cpu, enum fxs_profile which, int degree, double 
     }
 }
 
-/* Every instruction set produces the bytes of C, for every opacity law, and in chunks where all values are equal. */
 static void test_stages_of_codes(void)
 {
     static double numbers[2][MAX_COUNT];
@@ -1109,7 +1075,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* Returns the merged Gaussians and each source's target. */
+/* into: index of the merged Gaussian for each source Gaussian. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1128,7 +1094,6 @@ static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t m
     return left;
 }
 
-/* Every instruction set merges like C, also when all Gaussians coincide. */
 static void test_stages_of_merging(void)
 {
     static fxs_coarse out[2][FXS_MERGE_MOST];
@@ -1182,13 +1147,10 @@ static void test_every_allocation_fails(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* ---- Threads ---------------------------------------------------------------------------------------------------- */
-
 static const uint32_t thread_counts[] = {0, 1, 2, 4, 7};
 
 enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
 
-/* Every number of threads produces the same bytes and report. */
 static void check_threads(const char *name)
 {
     fxs_packed_scene first = {0, 0, 0, 0};
@@ -1212,7 +1174,7 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(MAX_COUNT);         /* smaller scenes have palettes of one entry per stage */
+    make_gaussians(MAX_COUNT);         /* smaller scenes have minimal SH palettes */
     CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;
@@ -1283,7 +1245,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
     return entries;
 }
 
-/* The order holds each Gaussian once, dropped ones last, and does not depend on the number of threads. */
+/* Dropped Gaussians come last in the order. */
 static void check_order(uint32_t count, uint32_t threads, int kind)
 {
     static unsigned char seen[MAX_COUNT];
@@ -1316,7 +1278,6 @@ static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), voi
         job(argument, i);
 }
 
-/* Gaussians marked to be kept together (none, a third, all) come after the chunks of the other Gaussians. */
 static void test_likes_are_together(void)
 {
     enum { COUNT = 1000, OTHERS = 666 };
@@ -1340,7 +1301,7 @@ static void test_likes_are_together(void)
     }
 }
 
-/* 200 of 10,184 Gaussians lie up to 2^20 units away; they share 1 of the 40 chunks. */
+/* 200 of 10,184 Gaussians lie up to 2^20 units away and share 1 of the 40 chunks. */
 static void test_strays_are_apart(void)
 {
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
@@ -1366,7 +1327,6 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
-/* 256 far Gaussians among 40,000 that an even sample misses still get a chunk of their own. */
 static void test_no_stray_is_missed(void)
 {
     enum { COUNT = 156 * FXS_CHUNK };
@@ -1389,7 +1349,6 @@ static void test_no_stray_is_missed(void)
     CHECK(strays == FXS_CHUNK);
 }
 
-/* Clusters of 1 to 5 chunks in 5 columns of 4: no two clusters share a chunk. */
 static void test_clusters_are_apart(void)
 {
     enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
@@ -1409,7 +1368,6 @@ static void test_clusters_are_apart(void)
         CHECK(i % FXS_CHUNK == 0 || cluster[entries[i].index] == cluster[entries[i - 1].index]);
 }
 
-/* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 would be 3 units wide at best. */
 static void test_chunks_are_small(void)
 {
     make_gaussians(MAX_COUNT);
@@ -1423,7 +1381,6 @@ static void test_chunks_are_small(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* Moves the last 256 Gaussians away: one to the first distance or beyond, 8 to the second or beyond, and so on. */
 static void make_strays(void)
 {
     static const float away[] = {24569, 763, 146, 87, 80};
@@ -1439,7 +1396,6 @@ static void make_strays(void)
     }
 }
 
-/* Reads the packed scene as a file. Returns the number of Gaussians, or an error. */
 static long read_back(fxs_gaussian *to)
 {
     fxs_scene_file *file;
@@ -1525,7 +1481,6 @@ static void check_progress(uint32_t threads)
     }
 }
 
-/* Several passes over the file for the SH give the same bytes and losses. */
 static void check_held(uint32_t chunks)
 {
     fxs_packed_scene all;
@@ -1558,7 +1513,6 @@ static void test_readings_for_codes(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* Samples hit every step-th Gaussian, and the sampled chunks are consecutive. */
 static void test_sample(void)
 {
     static const uint32_t counts[] = {1, 300, 16384 * 256, 16384 * 256 + 1, 16384 * 300 + 7, 10000019, 1u << 30};
@@ -1590,7 +1544,6 @@ static void test_progress(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
-/* A row in the middle of the file cannot be parsed. */
 static void test_reader_fails(void)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
@@ -1624,15 +1577,13 @@ static int read_changing(void *argument, uint64_t offset, void *out, size_t leng
     if (changing.reads++ < changing.changes_at)
         return 0;
     for (size_t i = 0; i + 4 <= length; i += 4)
-        if (offset + i > 2000) {       /* A file that changes after some read; the new bytes include NaN and
-                                          infinity. */
+        if (offset + i > 2000) {       /* changes the file after some reads; new bytes include NaN and infinity */
             const uint32_t word = fxs_little_32(wrong[(offset + i) / 4 % 53 % 6]);
             memcpy((unsigned char *)out + i, &word, 4);
         }
     return 0;
 }
 
-/* Packed or refused, but never packed to a scene that does not open; refused at least once. */
 static void test_a_file_that_changes(void)
 {
     int refused = 0;

@@ -1,8 +1,7 @@
-/* Paged scenes: a pool holds part of the scene. Once no chunk is missing, frames equal the whole scene's, from
- * memory, a file or slow sources. Also: frames that never wait, and sources that fail, lie, end early or never
- * answer. */
+/* Tests paged scenes, which load chunks from a source into a pool on demand. Once no chunk is missing, frames must
+   equal the whole scene's. Sources may be slow, fail, corrupt data, end early or never answer. */
 #ifdef __linux__
-#define _GNU_SOURCE                    /* RUSAGE_THREAD */
+#define _GNU_SOURCE
 #endif
 #include <math.h>
 #include <string.h>
@@ -32,20 +31,17 @@ static unsigned char pictures[2][PIXELS];
 static void *memory;
 static size_t memory_bytes;
 
-/* ---- Sources ----------------------------------------------------------------------------------------------------- */
-
-/* A source of the packed scene's bytes, with faults. */
 typedef struct bytes_source {
     const unsigned char *bytes;
     uint64_t rate;                     /* bytes per second; 0: unlimited */
-    long reads, fail_from, fail_count; /* reads that fail: fail_count from fail_from on */
-    int failure;                       /* the error that they return */
-    int is_silent;                     /* 1: without a message */
-    int is_back;                       /* 1: reads succeed again; set atomically */
-    uint64_t lie_from, lie_to;         /* corrupted bytes */
-    int hangs;                         /* 1: reads return only when cancelled; set atomically */
+    long reads, fail_from, fail_count; /* reads from number fail_from on fail, fail_count times */
+    int failure;                       /* the error code of failing reads */
+    int is_silent;                     /* 1: failing reads give no message */
+    int is_back;                       /* 1: failing reads succeed from now on; set atomically */
+    uint64_t lie_from, lie_to;         /* range of the corrupted bytes */
+    int hangs;                         /* 1: a read returns only when it is cancelled; set atomically */
     int is_hanging, cancelled, closed;
-    uint64_t most;                     /* largest read */
+    uint64_t most;                     /* largest number of bytes in a read */
 } bytes_source;
 
 static void hang(bytes_source *s)
@@ -101,8 +97,6 @@ static fxs_pager *open_with(bytes_source *s, uint32_t places, fxs_message *why)
     return fxs_pager_open("made.fxs", &source, &options, &pager, why) ? 0 : pager;
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
 static fxs_camera camera_on_way(int i)
 {
     const double angle = i * 0.021, out = 5.2 + 3.6 * sin(i * 0.037);
@@ -122,7 +116,7 @@ static fxs_stats frame_of(const fxs_scene *scene, fxs_pager *pager, fxs_camera c
     return stats;
 }
 
-/* Renders until no chunk is missing or nothing more arrives. Returns the number of frames. */
+/* Renders until no chunk is missing or no chunk arrives any more. Returns the number of frames. */
 static int settle(fxs_pager *pager, fxs_camera camera, uint32_t budget, fxs_pager_state *state)
 {
     int frames = 0, error;
@@ -143,9 +137,6 @@ static int is_as_whole(fxs_camera camera, uint32_t budget)
     return !memcmp(pictures[0], pictures[1], PIXELS);
 }
 
-/* ---- Tests ------------------------------------------------------------------------------------------------------- */
-
-/* After camera jumps, a pool of a third of the scene gives the same bytes. */
 static void test_same_bytes(void)
 {
     const uint32_t places = fxs_scene_chunks(&whole) / 3;
@@ -170,7 +161,6 @@ static void test_same_bytes(void)
     CHECK(s.closed == 1);
 }
 
-/* Without a budget all leaves are drawn, and finally the pool holds all chunks. */
 static void test_all(void)
 {
     bytes_source s = {.reads = 0};
@@ -184,7 +174,6 @@ static void test_all(void)
     fxs_pager_close(pager);
 }
 
-/* From a file: the same bytes. Also a file being written, truncated, missing, or a folder. */
 static void test_file(void)
 {
     char path[128];
@@ -211,7 +200,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* another file replaced it; the open one is unchanged */
+        else                                                   /* the reader still has the old file open */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }
@@ -221,7 +210,6 @@ static void test_file(void)
     CHECK(fxs_pager_open_file(path, &options, &pager, &why) == FXS_ERR_FILE && strstr(why.text, "No such file"));
 }
 
-/* Bytes before the rows damaged anywhere, or cut at any length: an error, and no pager. */
 static void test_damaged_heads(void)
 {
     fxs_message why;
@@ -245,7 +233,6 @@ static void test_damaged_heads(void)
     CHECK(!open_with(&s, 15, &why) && strstr(why.text, "too little"));
 }
 
-/* Scene and source claim a billion Gaussians: the first reads fail before memory is allocated for the rest. */
 static void test_large_claim(void)
 {
     fxs_packed_header h;
@@ -269,7 +256,7 @@ static void test_large_claim(void)
     free(bytes);
 }
 
-/* Chunks with wrong checksums are lost after three attempts; coarser chunks replace them. */
+/* Chunks with wrong checksums are given up after three attempts. Coarser chunks replace them. */
 static void test_lies(void)
 {
     const uint64_t first = (uint64_t)(whole.rows - (unsigned char *)packed.data);
@@ -295,7 +282,6 @@ static void test_lies(void)
     fxs_pager_close(pager);
 }
 
-/* A temporary failure is retried; a permanent one is an error, whatever the source returns. */
 static void test_failures(void)
 {
     fxs_message why;
@@ -314,7 +300,7 @@ static void test_failures(void)
         const int error = fxs_pager_turn(pager, &state, &why);
         CHECK(error == (way == 0 ? 0 : way == 1 ? FXS_ERR_DEVICE : FXS_ERR_FILE));
         CHECK(!way || !strcmp(why.text, way == 1 ? "the line is cut" : "made.fxs: cannot be read"));
-        if (way == 1) {                                        /* the source recovers */
+        if (way == 1) {
             __atomic_store_n(&s.is_back, 1, __ATOMIC_RELEASE);
             for (int i = 0; i < 50 && fxs_pager_turn(pager, &state, &why); i++)
                 nanosleep(&(struct timespec){0, 100000000}, 0);
@@ -349,7 +335,6 @@ static void test_never_answers(void)
     CHECK(s.closed == 1 && s.cancelled && fxs_clock(0) - start < 20 * SECOND);
 }
 
-/* A pool too small for a frame reports it; frames go on with as many chunks as fit. */
 static void test_no_room(void)
 {
     bytes_source s = {.reads = 0};
@@ -376,7 +361,6 @@ static double seconds_of_thread(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* How often this thread has waited; 0 if not counted. Losing the processor to others does not count. */
 static long waits_of_thread(void)
 {
 #ifdef RUSAGE_THREAD
@@ -387,8 +371,7 @@ static long waits_of_thread(void)
 #endif
 }
 
-/* 300 frames of a moving camera from a source of 50 MB/s. No frame waits, except rarely for the reader's thread at
-   the lock. With a still camera the picture converges. */
+/* The source has 50 MB/s. Frames of a moving camera must not wait for the source. */
 static void test_path(void)
 {
     bytes_source s = {.rate = 50000000};

@@ -1,11 +1,11 @@
-/* Photographs load to the same bytes on every machine: JPEG, lens, size and background. Needs only libjpeg-turbo, so
-   that other processors can build it (tests/scripts/processors.sh). */
+/* Photographs must load to the same bytes on every machine. The test needs only libjpeg-turbo, so that other
+   processors can build it. */
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include <fixsplat/system.h>
 
-/* Hash of everything read from the folder. */
+/* Hash of the pixels of all photographs. */
 #define EXPECTED 0xac8c35eeu
 
 #define EXPECTED_WARP 0x91768e01u
@@ -86,7 +86,7 @@ static void same_bytes(void)
     fxs_photos_free(&photos);
 }
 
-/* The reverse, as in `render --lens`. */
+/* Renders through a lens, the reverse of undistortion. */
 static void same_warps(void)
 {
     static const fxs_lens lenses[] = {

@@ -1,5 +1,5 @@
-/* Photographs with their cameras: every folder layout, sizes, backgrounds and lenses against plain reference code,
-   points, bad input, and the real sets if present. */
+/* Tests photographs with their cameras: every folder layout, sizes, backgrounds, lenses, points, bad input, and real
+   sets if present. */
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
 #include "src/fit/blocks.h"
@@ -7,11 +7,8 @@
 #include <fixsplat/system.h>
 #include <time.h>
 
-/* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
-
 enum { VIEWS = 9 };
 
-/* FNV-1a of the real sets' pixels to fit. */
 #define SNOWMIKU_HASH 0xa49170f0u
 #define LEGO_HASH 0xf7f298f0u
 
@@ -28,7 +25,7 @@ static void add_double(double value)
     add_integer(bits, 8);
 }
 
-/* Point i lies at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
+/* Writes point i at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
 static void make_points_bin(uint64_t count)
 {
     add_integer(count, 8);
@@ -47,7 +44,6 @@ static void make_points_bin(uint64_t count)
     }
 }
 
-/* Two sizes of photographs, named from last to first. Camera 5 is half the size of its photographs. */
 static void put_colmap(int binary)
 {
     if (binary) {
@@ -143,7 +139,6 @@ static uint32_t hash_of_pixels(void)
     return hash;
 }
 
-/* By its folder, its model's folder and its files; binary and text. */
 static void colmap(void)
 {
     static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
@@ -167,7 +162,7 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
-    /* COLMAP 3.12 adds these; images.bin still has all poses */
+    /* COLMAP 3.12 adds rigs.bin and frames.bin. images.bin still has all poses. */
     put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
     put_file("c/sparse/0/frames.bin", "", 0);
     check_colmap("c");
@@ -175,7 +170,7 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* Equal to the points of the set without points read last. */
+/* The random points must equal those of the previous set without points. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -197,7 +192,7 @@ static void bad_points(void)
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
     make_points_bin(3);
-    memset(text + 8 + 8 + 6, 255, 2);   /* x of the first point becomes NaN */
+    memset(text + 8 + 8 + 6, 255, 2);   /* changes x of the first point to NaN */
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: point 0 is not finite");
     for (int i = 0; i < 2; i++) {
@@ -217,7 +212,7 @@ static void bad_points(void)
     CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
     remove_file("c/sparse/0/points3D.bin");
     CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
-    /* the cameras are at -8 to 0 on a line: a cube of 24 units around its middle */
+    /* The cameras stand at -8 to 0 on a line. Random points fill a cube of 24 units around the middle of the line. */
     double low[3] = {99, 99, 99}, high[3] = {-99, -99, -99};
     for (size_t i = 0; i < photos.point_count; i++)
         for (int k = 0; k < 3; k++) {
@@ -235,8 +230,6 @@ static void bad_points(void)
     put_colmap(0);
     put_colmap(1);
 }
-
-/* ---- Bad photographs --------------------------------------------------------------------------------------------- */
 
 static int stop(void *argument, double done)
 {
@@ -295,7 +288,7 @@ static void bad_photos(void)
 static void proportions(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* one pixel off, as by rounding */
+    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* a photograph that is one pixel larger than its camera */
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/4.ppm: 24 x 30 pixels, its camera has 24 x 20");
@@ -325,7 +318,7 @@ static void missing_folders(void)
     put_colmap(1);
 }
 
-/* One camera is enough. Held out, it leaves nothing to fit. An all-black photograph is accepted. */
+/* If the only camera is held out for testing, the fit is refused. */
 static void one_camera(void)
 {
     static const uint8_t black[24 * 20 * 3];
@@ -347,9 +340,7 @@ static void one_camera(void)
     check_refused("one", &options, FXS_ERR_FILE, "every photograph of 1 would be held out");
 }
 
-/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
-
-/* The overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
+/* Overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
 static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
 {
     const int64_t low = i * to > j * from ? i * to : j * from;
@@ -396,17 +387,14 @@ static void averages(void)
     }
 }
 
-/* ---- Lenses ------------------------------------------------------------------------------------------------------ */
-
 enum { WIDE = 160, HIGH = 120 };
 
-/* A smooth scene, by direction. */
 static double scene(double x, double y, int c)
 {
     return 128 + 50 * sin(4 * x + c) + 50 * cos(3 * y - 2 * x + 2 * c);
 }
 
-/* Inverts the lens by Newton's method with differences. */
+/* Inverts the lens formula by Newton's method. */
 static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 {
     const double step = 1e-6;
@@ -428,10 +416,9 @@ static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 
 static const struct {
     const char *model;
-    fxs_lens lens;                 /* parameters as in the model's line */
+    fxs_lens lens;                 /* lens parameters in the order of the COLMAP model */
     double fx, fy, cx, cy;
-    int widens;                    /* the pinhole sees more (1) or less (0) than the photograph's size at its focal
-                                      length */
+    int widens;                    /* 1: undistortion widens the view, 0: narrows the view */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -467,8 +454,7 @@ static fxs_lens lens_of(size_t number)
     return lens;
 }
 
-/* OpenCV's formulas, from "Camera Calibration and 3D Reconstruction" and its fisheye page, and COLMAP's, from
-   src/colmap/sensor/models.h. */
+/* Lens formulas of OpenCV ("Camera Calibration and 3D Reconstruction") and of COLMAP (src/colmap/sensor/models.h). */
 static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
 {
     const double r = sqrt(x * x + y * y), t = atan(r), *k = l->k, *p = l->p, *s = l->s;
@@ -551,7 +537,6 @@ static void lens_models(void)
         check_lens(i);
 }
 
-/* A pinhole leaves pixels untouched. A lens that folds the picture is refused. */
 static void lens_limits(void)
 {
     static uint8_t rgb[3 * WIDE * HIGH];
@@ -577,7 +562,7 @@ static void put_lens(const char *camera)
     put_text("one/cameras.txt");
 }
 
-/* Fisheyes of 180 degrees and more are cut at 60 degrees from the axis on the farthest side. Inside, pixels stay. */
+/* Fisheye pictures of 180 degrees and more are cropped at 60 degrees from the axis. */
 static void lens_widest(void)
 {
     static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
@@ -620,8 +605,6 @@ static void lens_faults(void)
     check_refused("one", &options, FXS_ERR_FILE, "a camera model that is not known here");
 }
 
-/* ---- JSON -------------------------------------------------------------------------------------------------------- */
-
 #ifdef FXS_WITH_CJSON
 
 #define MATRIX "\"transform_matrix\":[[1,0,0,%d],[0,1,0,0],[0,0,1,4],[0,0,0,1]]"
@@ -637,7 +620,6 @@ static void say_frames(const char *top, const char *format, int count)
     say("]}");
 }
 
-/* Blender's layout: no size, names without endings, a separate test list, random points. */
 static void blender(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 8, .seed = 1};
@@ -673,7 +655,7 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
-    fxs_fit_block block;           /* used when no size is given */
+    fxs_fit_block block;
     if (CHECK(!fxs_fit_block_read(in_folder("b"), &options, NULL, 1, 1, &block, &message) && block.photos.fit_count))
         fxs_fit_block_free(&block);
     char said[256] = "";
@@ -735,8 +717,7 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for /, or with the ending in the other case, give the same set and order: "a0/1" comes after "a/0",
-   though "a0\1" comes before "a\0". A real \ in a name works too. */
+/* Names with \ for / give the same order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0". */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -767,7 +748,7 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
-    put_ppm("w/z.ppm", 24, 20, NULL);  /* of a path from another machine, the last part is used */
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* a path of another machine, of which only the file name counts */
     say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
     put_text("w/transforms.json");
     said[0] = 0;
@@ -785,7 +766,6 @@ static void names_of_windows(void)
 #define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
                    "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
 
-/* nerfstudio undoes the same lens as COLMAP's OPENCV, and starts with the points of its .ply. */
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -808,7 +788,7 @@ static void nerfstudio(void)
           photos.points[0].position[1] == 2 && photos.points[1].colour[2] == 255 && photos.points[0].colour[0] == 4);
     say("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\nproperty short n\nproperty double y\n"
         "property float z\nend_header\n");
-    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* floats 2, 258, 3, -4 */
+    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);
     length += 22;
     const size_t whole = length;
     for (size_t i = whole - 25; i < whole; i++) {
@@ -835,7 +815,6 @@ static void nerfstudio(void)
     remove_file("one/transforms.json");
 }
 
-/* Colours of every type and name found in point clouds become 8 bits. */
 static void colours_of_points(void)
 {
     static const struct { const char *type, *prefix, *values; uint8_t colour[3]; } cases[] = {
@@ -868,7 +847,6 @@ static void colours_of_points(void)
 #define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
                     "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
-/* nerfstudio's and instant-ngp's fisheyes undo the same distortion as COLMAP's. */
 static void nerfstudio_fisheye(void)
 {
     static const struct {
@@ -902,7 +880,6 @@ static void nerfstudio_fisheye(void)
     remove_file("one/transforms.json");
 }
 
-/* Each frame may have its own camera; missing values come from the file's top. */
 static void nerfstudio_cameras(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -923,13 +900,12 @@ static void nerfstudio_cameras(void)
     put_ppm("n/a.ppm", 24, 20, NULL);
 }
 
-/* A transforms.json may list the photographs to fit and to hold out. */
 static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* photographs, with hold_out = 8 */
-        char first, held;          /* the first name of each */
+        size_t fit, held_out;      /* numbers of photographs to fit and held out, with hold_out = 8 */
+        char first, held;          /* first letters of the first photograph of each set */
     } files[] = {
         {"", 4, 1, '1', '0'},
         {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
@@ -968,7 +944,6 @@ static void nerfstudio_parts(void)
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
 }
 
-/* Many equal names for many frames are matched in time proportional to both. */
 static void one_name(void)
 {
     enum { NAMES = 400000, FRAMES = 20000 };
@@ -1016,7 +991,7 @@ static void nerfstudio_part_faults(void)
     }
 }
 
-/* The folder of an Inria model: names without endings, points in input.ply. */
+/* A folder of an Inria model has names without endings and points in input.ply. */
 static void inria(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -1047,12 +1022,10 @@ static void inria(void)
 
 #endif
 
-/* ---- Alpha ------------------------------------------------------------------------------------------------------- */
-
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* Colour * alpha + background * (1 - alpha), before averaging, rounded once. */
+/* Transparent pixels become colour * alpha + background * (1 - alpha), before averaging, rounded once. */
 static void alpha(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 6, .background = {255, 128, 3}};
@@ -1077,8 +1050,6 @@ static void alpha(void)
     }
 }
 #endif
-
-/* ---- The real sets ----------------------------------------------------------------------------------------------- */
 
 #if defined(FXS_WITH_CJSON) && defined(FXS_WITH_PNG) && defined(FXS_WITH_JPEG)
 

@@ -1,4 +1,4 @@
-/* pixel.h over its whole input range, against 64-bit integers and doubles. */
+/* Tests the functions of pixel.h over their whole input range against 64-bit integers and doubles. */
 #include <math.h>
 #include <stdint.h>
 
@@ -13,7 +13,7 @@
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
-enum { COARSE = 61 };   /* under a sanitizer: overflow happens at the ends, so a prime stride suffices */
+enum { COARSE = 61 };   /* a prime stride, because builds with a sanitizer are slow */
 #else
 enum { COARSE = 1 };
 #endif
@@ -25,7 +25,7 @@ static int next(int x, int stride, int last)
     return x < last && last - x < stride ? last : x + stride;
 }
 
-/* round(a b / 2^15), with a b accumulated along the row in 64 bits. */
+/* Compares round(a b / 2^15) for all b, with a b accumulated in 64 bits. */
 static unsigned row_difference(int a)
 {
     unsigned difference = 0;
@@ -68,12 +68,12 @@ static void test_coordinate(void)
     CHECK(wrong == 0);
 }
 
-/* coordinate^2 + base for every coordinate: within half a unit of rounding, saturating at the top. */
+/* Counts wrong results of level = coordinate^2 + base. A level may be half a unit off and saturates at the top. */
 static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int base_q11)
 {
     int64_t wrong = 0;
     for (int c = -32767; c <= 32767; c++) {
-        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounded: halves up */
+        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounds to nearest, half up */
         int64_t got = level(c, base_q11);
         wrong += got != (twice > 2 * FXS_LEVEL_MAX_Q11 ? FXS_LEVEL_MAX_Q11 : twice / 2);
     }
@@ -122,7 +122,6 @@ static void test_alpha(void)
     CHECK(fxs_alpha_q15(0) == FXS_ALPHA_MAX_Q15 && fxs_alpha_q15(FXS_FAINT_Q11) > 0);
 }
 
-/* A weight never takes a negative amount, or more transmittance than is left. */
 static void test_weight(void)
 {
     int least = 0, most = 0, over = 0;
@@ -133,10 +132,9 @@ static void test_weight(void)
             most |= t - weight;
             over |= FXS_CLEAR_Q15 - (t - weight);
         }
-    CHECK(least >= 0 && most >= 0 && over >= 0);   /* no sign bit seen */
+    CHECK(least >= 0 && most >= 0 && over >= 0);   /* checks that no result has its sign bit set */
 }
 
-/* All products of weight and colour, then all sums with each size of product. */
 static void test_accumulate(void)
 {
     int sign = 0, most = 0, wrong = 0;
@@ -155,7 +153,6 @@ static void test_accumulate(void)
     CHECK(wrong == 0);
 }
 
-/* The weights of a pixel add up to its lost transmittance, for any alphas. */
 static void test_weights_add_up(void)
 {
     for (int start = 0; start < FXS_FAINT_Q11; start += 7) {

@@ -1,4 +1,4 @@
-/* Reads .ply files made here in every encoding, faulty ones, and real scenes. */
+/* Reads .ply files made by the test in every encoding, faulty files, and real scenes. */
 #include <math.h>
 #include <string.h>
 
@@ -6,12 +6,10 @@
 
 enum { ROWS = 3 };
 
-/* Making a file */
-
 static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
 enum { ASCII, LITTLE, BIG };
 
-/* A whole number that fits every type, or for real types an exact fraction. */
+/* Returns a whole number that fits every type, or for real types an exact fraction. */
 static double value_of(const char *name, int row, int is_whole)
 {
     unsigned hash = 17u * (unsigned)row + 5;
@@ -20,7 +18,6 @@ static double value_of(const char *name, int row, int is_whole)
     return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
 }
 
-/* The bits of a half float; value must be exact. */
 static uint32_t half_of(double value)
 {
     int exponent = 0;
@@ -113,8 +110,6 @@ static void make_file(int encoding, int count, int is_whole)
         put_row(encoding, properties, count, row, is_whole);
 }
 
-/* Reading it */
-
 static void expect_gaussian(fxs_gaussian *g, int row, int rest, int is_whole)
 {
     char name[32];
@@ -182,7 +177,7 @@ static void every_type(void)
         for (int encoding = ASCII; encoding <= BIG; encoding++) {
             int count = fill_properties(9);
             if (encoding != ASCII && (!strcmp(types[type], "ushort") || !strcmp(types[type], "uint16")))
-                continue;                /* halves */
+                continue;
             for (int i = 0; i < CORE; i++) {
                 snprintf(text[i], sizeof text[i], "%s %s", types[type], strchr(core[i], ' ') + 1);
                 properties[i] = text[i];
@@ -192,8 +187,7 @@ static void every_type(void)
         }
 }
 
-/* Half floats of each sign and exponent, ends and special values. `ushort` has the same bytes in a binary file. An
-   infinite logit is read as 20. */
+/* The type `ushort` means half floats. An infinite logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -205,7 +199,7 @@ static void halves(void)
     enum { CASES = sizeof cases / sizeof *cases };
     fxs_gaussian gaussians[CASES + 1];
     for (int type = 0; type < 4; type++)
-        for (int wide = 0; wide < 2; wide++)   /* positions as float */
+        for (int wide = 0; wide < 2; wide++)   /* 1: positions have the type float */
             for (int encoding = LITTLE; encoding <= BIG; encoding++) {
                 size = 0;
                 put("ply\nformat %s 1.0\nelement vertex %d\n", encodings[encoding], CASES);
@@ -231,7 +225,7 @@ static void halves(void)
             }
 }
 
-/* A single ushort among floats is a half too; 0x3555 is 0.333. */
+/* A single ushort among floats is a half float too. 0x3555 is 0.333. */
 static void one_half(void)
 {
     fxs_gaussian g;
@@ -253,11 +247,10 @@ static void one_half(void)
             float sum = 0;
             for (int i = 0; i < 14; i++)
                 sum += ((float *)&g)[i];
-            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: a normal, ignored */
+            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));
         }
 }
 
-/* An infinite logit in any encoding is opaque or transparent; NaN stays. */
 static void infinite_opacities(void)
 {
     static const char *const types[] = {"float", "double", "half"};
@@ -290,7 +283,7 @@ static void infinite_opacities(void)
 
 /* ---- Properties under other names ---- */
 
-/* Writes a file of one Gaussian: every property is 1, followed by the given ones, each "type name". */
+/* Writes a .ply of one Gaussian with all properties 1, followed by further properties "type name". */
 static void put_with(const char *const *more, const double *values, int count, int encoding)
 {
     size = 0;
@@ -312,7 +305,6 @@ static void put_with(const char *const *more, const double *values, int count, i
     put_file(size);
 }
 
-/* Colours instead of f_dc: 0 to full brightness. */
 static void colours(void)
 {
     static const struct { const char *names[3]; double values[3]; double full; } cases[] = {
@@ -338,7 +330,8 @@ static void colours(void)
     check_fails("element vertex has no property f_dc_0");
 }
 
-/* sigma' = sqrt(sigma^2 + f^2); the opacity is multiplied by the ratio of the products of sigma and sigma'. */
+/* The filter f widens to sigma' = sqrt(sigma^2 + f^2). The opacity is multiplied by product(sigma) /
+   product(sigma'). */
 static void filters(void)
 {
     static const char *const names[] = {"float f_dc_0", "float f_dc_1", "float f_dc_2", "float filter_3D"};
@@ -358,7 +351,7 @@ static void filters(void)
         }
 }
 
-/* Unused properties that affect other programs' pictures are named in a message; others are silent. */
+/* A message names unused properties that affect the pictures of other programs. */
 static void unused_properties(void)
 {
     static const struct { const char *properties[4]; const char *named; } cases[] = {
@@ -384,13 +377,12 @@ static void unused_properties(void)
         }
 }
 
-/* 2D Gaussians have two scales. */
 static void flat_gaussians(void)
 {
     fxs_gaussian gaussians[ROWS + 1], expected;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         fill_properties(45);
-        properties[10] = "float other";   /* scale_2 */
+        properties[10] = "float other";   /* renames scale_2, so that Gaussians are flat */
         make_file(encoding, CORE + 45, 0);
         put_file(size);
         if (!CHECK(read_file(gaussians, ROWS + 1) == 0 && info.count == ROWS && info.sh_degree == 3))
@@ -569,7 +561,6 @@ static void ascii_numbers(void)
     CHECK(read_ascii_x("1\n", &x) == FXS_ERR_FILE && strstr(message.text, "too few values"));
 }
 
-/* Random floats printed with 9 digits read back bit for bit. */
 static void ascii_round_trip(void)
 {
     enum { COUNT = 1000 };
@@ -606,7 +597,6 @@ static void not_finite_values_pass(void)
     CHECK(gaussians[ROWS - 1].rotation[3] == -INFINITY);
 }
 
-/* A UTF-8 byte order mark shifts the rows by three bytes. */
 static void utf8_mark(void)
 {
     static fxs_gaussian plain[ROWS], marked[ROWS];
@@ -681,7 +671,6 @@ static void faulty_headers(void)
     }
 }
 
-/* Point clouds and meshes are refused by kind, with a hint at their use. */
 static void points_and_meshes(void)
 {
     size = 0;
@@ -751,7 +740,6 @@ static void wrong_rest_counts(void)
     check_fails("element vertex has no property f_rest_4");
 }
 
-/* A count that the file cannot hold is refused before anything is allocated. */
 static void absurd_counts(void)
 {
     for (int encoding = ASCII; encoding <= BIG; encoding++) {

@@ -1,4 +1,4 @@
-/* The generated scenes: hashes of their bytes, plausible values, each scene's special property, and the .ply writer. */
+/* Tests the procedural scenes: hashes of their bytes, plausible values, and each scene's special property. */
 #include "tools/command/procedural.h"
 #include "scene_writer.h"
 #include "check.h"
@@ -20,7 +20,6 @@ static uint32_t bits_of(float value)
     return bits;
 }
 
-/* FNV-1a, 64 bits, over the floats' little-endian bytes. */
 static uint64_t scene_hash(const fxs_procedural_scene *scene, uint64_t count, uint32_t seed)
 {
     uint64_t hash = UINT64_C(0xCBF29CE484222325);
@@ -133,7 +132,7 @@ static void test_meadow_has_strays_and_discs(void)
     }
 }
 
-/* At every count, nearly all Gaussians of the fence are 5 to 40 times as long as wide. */
+/* Nearly all Gaussians of the scene "fence" are 5 to 40 times as long as wide. */
 static void test_fence_has_needles(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("fence");
@@ -149,7 +148,6 @@ static void test_fence_has_needles(void)
     }
 }
 
-/* The layers have equal depths, whose order renderers must keep. */
 static void test_layers_have_ties(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("layers");
@@ -206,7 +204,7 @@ static float float_at(const unsigned char *bytes)
     return value;
 }
 
-/* Every float of a degree 3 row in its place; f_rest is channel-major. */
+/* f_rest of a .ply is stored channel by channel. */
 static void check_row(const unsigned char *row, const fxs_gaussian *g)
 {
     int wrong = 0;
@@ -265,7 +263,6 @@ static void test_ply_degrees(void)
     }
 }
 
-/* Each failure gives a message, leaves no temporary file, and keeps an existing file. */
 static void test_ply_failures(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("cubes");

@@ -1,7 +1,6 @@
-/* Quality floors. 8-bit frames are compared with an independent double-precision renderer (reference.c) of the
- * unquantised file: mean and worst PSNR of four views, for each profile's packed scene, for the pixel stage alone
- * (blend and resolve) on splats projected in doubles, and for .spz. FXS_PROCESSORS=all renders four times as many
- * pixels and prints rows of the table in docs/measured.md. */
+/* Tests image quality. 8-bit frames are compared with a double-precision renderer (reference.c) of the unquantised
+   file. Mean and worst PSNR of four views must reach minimum values. FXS_PROCESSORS=all renders more pixels and
+   prints rows of the table in docs/measured.md. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,19 +29,19 @@
 #include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
-enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: bytes are checked from this count on */
+enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: minimum count for a size limit */
 typedef struct grade {
     double psnr, ssim;
 } grade;
-/* MATT: like most captures. GLOSSY: metal and varnish, with SH far above a capture's. FEW: few Gaussians, so that
-   the SH palette has few entries. */
+/* MATT: like most captures. GLOSSY: metal and varnish, with large SH. FEW: a small scene, so that the SH palette has
+   few entries. */
 enum { MATT, GLOSSY, FEW, KINDS };
 static const struct {
     const char *name;
     struct {
-        grade mean, worst;              /* minimum */
+        grade mean, worst;              /* minimum PSNR in dB */
     } least[KINDS];
-    double bytes;                       /* largest, per Gaussian at SH degree 3 */
+    double bytes;                       /* maximum number of bytes for each Gaussian at SH degree 3 */
 } floors[FORMS] = {
     {"default", {{{56, 0.998}, {52, 0.996}}, {{54, 0.998}, {50, 0.996}}, {{56, 0.998}, {52, 0.996}}}, 64.1},
     {"compact", {{{53, 0.99}, {48, 0}}, {{50, 0.99}, {46, 0}}, {{53, 0.99}, {48, 0}}}, 40},
@@ -51,25 +50,23 @@ static const struct {
 };
 
 enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
-static int width = 480, height = 320;       /* 960x640 for the table */
+static int width = 480, height = 320;       /* size of the pictures in pixels */
 
 typedef struct subject {
     fxs_scene_file_info info;
     fxs_packed_scene packed[FORMS];
-    double bytes[FORMS], seconds[FORMS];   /* of the packed scene or file; processor time of the import */
+    double bytes[FORMS], seconds[FORMS];   /* size of the scene in bytes; CPU time of the import in seconds */
     fxs_pack_report report;
     fxs_gaussian *gaussians;
     size_t count;
     fxs_view views[VIEWS];
     struct reference_options reference;
-    double *linear[VIEWS];                 /* the reference picture of each view */
+    double *linear[VIEWS];
     int rendered[VIEWS];
 } subject;
 
 static fxs_pool *pool;
 static uint8_t expected[MOST_PIXELS * 4], actual[MOST_PIXELS * 4];
-
-/* ---- The pixel stage, fed from doubles --------------------------------------------------------------------------- */
 
 typedef struct splat_list {
     fxs_splat *splats;
@@ -79,7 +76,7 @@ typedef struct splat_list {
     uint32_t count;
 } splat_list;
 
-/* Rounds a reference splat to the blend stage's record. Returns 0 if it touches no pixel. */
+/* Converts a splat (projected Gaussian). Returns 0 if the splat touches no pixel. */
 static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r)
 {
     double offset = -2 * log(r->opacity), cx = r->x - 0.5, cy = r->y - 0.5;
@@ -142,8 +139,6 @@ static void pixel_stage(const subject *s, const fxs_view *file_view, const struc
     free(list.depths);
 }
 
-/* ---- Scenes and views -------------------------------------------------------------------------------------------- */
-
 static double processor_seconds(void)
 {
     struct timespec now;
@@ -151,7 +146,6 @@ static double processor_seconds(void)
     return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
 }
 
-/* .spz 4, packed for rendering, for comparison. Skipped without zstd. */
 static void load_spz(subject *s)
 {
     char path[] = "/tmp/fixsplat-quality-XXXXXX";
@@ -220,20 +214,19 @@ static int views_of_file(subject *s, const char *path)
     return count > 0 ? 0 : -1;
 }
 
-/* Close: where a user walks up to, the scene far larger than the picture. */
 static const char *const view_names[VIEWS] = {"close", "middle", "far", "side"};
 
 typedef struct aspect {
     double up[3];
-    double front;                          /* direction the scene faces: degrees about up, from fxs_view_frame_box */
-    double close;                          /* close view, in the units of distance[]; nearer, the camera is inside */
-    double tilt;                           /* turn of scene and cameras, degrees about tilt_axis */
-    int kind;                              /* its row of floors */
+    double front;                          /* direction of the scene's front in degrees about the up axis */
+    double close;                          /* distance of the close view, in the units of distance[] */
+    double tilt;                           /* rotation of scene and cameras in degrees about tilt_axis */
+    int kind;
 } aspect;
 
 static const double tilt_axis[3] = {0.48, -0.36, 0.8};
 
-/* Distances are fractions of the distance where the inner bounds' sphere fills the picture. */
+/* View distances are relative to the distance at which the scene's bounding sphere fills the picture. */
 static int views_around(subject *s, const aspect *a)
 {
     const double distance[VIEWS] = {a->close, 0.6, 1.2, 0.5}, turn[VIEWS] = {0, -23, 11, 63}, degree = acos(-1) / 180;
@@ -284,7 +277,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_view *view)
     const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = fxs_processors()};
     fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    context.config.kernels = kernels_for(fxs_cpu_detect());   /* same bytes, faster */
+    context.config.kernels = kernels_for(fxs_cpu_detect());   /* fast kernels, which give the same bytes */
 #endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
@@ -314,7 +307,7 @@ static double share_drawn(void)
 
 typedef struct summary {
     grade mean, worst;
-    int worst_view;          /* by PSNR */
+    int worst_view;          /* index of the view with the worst PSNR */
 } summary;
 
 static void add_view(summary *sum, int v)
@@ -396,7 +389,7 @@ static void check_scene(const char *name, const char *path, const char *cameras,
 
 static const struct {
     const char *name, *file;
-    int cameras;                        /* cameras.json is in its folder */
+    int cameras;                        /* 1: cameras.json is in the scene's folder */
     aspect aspect;
 } shared[] = {
     {"snowmiku", "snowmiku.ply", 1, {{0, -1, 0}, 0, 0, 0, MATT}},
@@ -425,16 +418,15 @@ static void quality_of_shared_scene(void)
     check_scene(name, scene, shared[which].cameras ? cameras : 0, 0, &shared[which].aspect);
 }
 
-/* Needle scenes also vary in size and tilt, which exposes the coded rotations; other scenes use the first variant. */
 static const struct {
-    uint64_t count;                     /* 0: the scene's default */
+    uint64_t count;                     /* number of Gaussians; 0: the scene's default */
     double tilt;
     const char *size;
 } variants[] = {{0, 0, ""}, {8192, 0, " 8192"}, {8192, 37.3, " 8192"}, {50000, 71.9, " 50000"},
                 {200000, 203.1, " 200000"}};
 enum { VARIANTS = sizeof variants / sizeof *variants };
 
-/* Stands are for scenes with ground and sky in their inner bounds. Other scenes are viewed from around. */
+/* Scenes with ground and sky are viewed from places within. Other scenes are viewed from around. */
 static const struct {
     const char *name;
     size_t variants;

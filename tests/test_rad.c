@@ -1,5 +1,5 @@
-/* Reads .rad files made here: every encoding of every property, palettes of SH, trees and their levels, faulty
-   files; and written files. */
+/* Reads .rad files that the test makes: every encoding of every property, SH palettes, level-of-detail trees, faulty
+   files. */
 #include "scene_writer.h"
 #include "rad_bytes.h"
 
@@ -30,8 +30,6 @@ static float float_value(int property, int row, int i)
     return (float)half_value(half_bits(property, row, i)) * 1.0001f;
 }
 
-/* ---- Columns ----------------------------------------------------------------------------------------------------- */
-
 enum { CENTER, ALPHA, RGB, SCALES, ORIENTATION, SH1, SH2, SH3, CHILD_COUNT, CHILD_START, SH_LABEL, PROPERTIES };
 
 static const struct { const char *name; int numbers; } properties[PROPERTIES] = {
@@ -39,7 +37,7 @@ static const struct { const char *name; int numbers; } properties[PROPERTIES] = 
     {"child_count", 1}, {"child_start", 1}, {"sh_label", 1}
 };
 
-/* The decoded value of code_of. Encodings with ends use -1 and 3. */
+/* Encodings with a value range use the range -1 to 3. */
 static double value_of(const char *encoding, int property, int row, int i)
 {
     const int code = code_of(property, row, i);
@@ -75,7 +73,7 @@ static void put_bytes_of(const char *encoding, int property, int first, int rows
             }
 }
 
-/* Rotations shorter than 1. */
+/* Writes rotations with x, y, z shorter than 1. */
 static void put_rotations(const char *encoding, int first, int rows)
 {
     if (strcmp(encoding, "oct88r8") == 0)
@@ -118,8 +116,6 @@ static void make(int degree, int compressed)
     rad_end(COUNT, CHUNK, more);
 }
 
-/* ---- Reading ----------------------------------------------------------------------------------------------------- */
-
 static int reads(uint64_t count)
 {
     put_file(size);
@@ -130,7 +126,7 @@ static int reads(uint64_t count)
     return CHECK(info.count == count && strcmp(info.format, "rad") == 0 && !info.antialiased);
 }
 
-/* x, y, z, w by Spark's formulas: an octahedral axis, and an angle of 0 to pi. */
+/* Decodes a rotation by Spark's formulas: an octahedral axis and an angle of 0 to pi. */
 static void expected_rotation(int row, double q[4])
 {
     int code[3];
@@ -173,8 +169,6 @@ static void check_gaussian(const fxs_gaussian *g, int row, int degree)
         CHECK(is_near(g->sh[i], d < degree ? value_of(encodings[SH1 + d], SH1 + d, row, i - first) : 0, 2e-6));
     }
 }
-
-/* ---- Tests ------------------------------------------------------------------------------------------------------- */
 
 static const char *const all_encodings[] = {
     "f32", "f16", "f32_lebytes", "f16_lebytes", "r8", "r8_delta", "s8", "s8_delta", "ln_0r8", "ln_f16", "oct88r8",
@@ -233,7 +227,6 @@ static void steps_of_colours(void)
     CHECK(reads(COUNT) && info.colour.step == 0);
 }
 
-/* A palette of two in the first chunk, labels in both. */
 static void palettes(void)
 {
     static const int labels[COUNT] = {1, 0, 1, 1, 0};
@@ -260,12 +253,12 @@ static void palettes(void)
                     CHECK(is_near(out[row].sh[i], value, 2e-6));
                 }
     }
-    bytes[size - 8]++;                 /* the last column: a deflated u32 label */
+    bytes[size - 8]++;                 /* damages the last column, a deflated label */
     put_file(size);
     CHECK(read_file(out, 64) == FXS_ERR_FILE);
 }
 
-/* The children of node i are `start` to `start + count` (exclusive). Two chunks. */
+/* The children of node i are the `count` nodes from `start` on. */
 static void make_tree(const int (*children)[2], int count, int chunk, float alpha)
 {
     rad_begin(1);
@@ -302,7 +295,7 @@ static int has_node(int row)
     return 0;
 }
 
-/* 0 has children 1, 2, 3; 1 has 4, 5; 5 has 6. */
+/* Each entry is the first child and the number of children of a node. */
 static const int tree[7][2] = {{1, 3}, {4, 2}, {0, 0}, {0, 0}, {0, 0}, {6, 1}, {0, 0}};
 
 static void levels(void)
@@ -326,7 +319,7 @@ static void levels(void)
     open_options.level = 0;
 }
 
-/* Code 1.5 is D = 3, A = e^(8/e): the node is opaque and grows by A^(1/3). */
+/* Opacity code 1.5 decodes to D = 3 and A = e^(8/e). The node is opaque and grows by A^(1/3). */
 static void more_than_opaque(void)
 {
     static const int alone[1][2] = {{0, 0}};
@@ -349,7 +342,7 @@ static void bad_trees(void)
     }
 }
 
-/* A node with two parents is drawn once. A chain of any length has 255 levels. */
+/* A node with two parents is drawn once. A chain of nodes has at most 255 levels. */
 static void chains(void)
 {
     static int chain[600][2];
@@ -363,8 +356,6 @@ static void chains(void)
     CHECK(reads(1));
     open_options.level = 0;
 }
-
-/* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
 enum { MANY = 3000 };
 
@@ -382,7 +373,6 @@ static void write_line(int count, float opacity)
     size = file_size;
 }
 
-/* Each level keeps the moments of the whole: mean, colours, and variance along the line. */
 static void check_level(int level, uint64_t before)
 {
     static fxs_gaussian all[MANY];
@@ -409,7 +399,6 @@ static void check_level(int level, uint64_t before)
     CHECK(fabs(sqrt(variance / sum) - MANY / 64.0 / sqrt(12)) < 0.1);
 }
 
-/* The same bytes twice. The last level is one Gaussian, as wide as all. */
 static void written_trees(void)
 {
     static uint8_t again[MAX_FILE];
@@ -430,7 +419,7 @@ static void written_trees(void)
         count = info.count;
     }
     CHECK(count == 1);
-    open_options.level = levels - 1;       /* opaque leaves: the merged one is more than opaque */
+    open_options.level = levels - 1;       /* merged opaque leaves are more than opaque */
     write_line(MANY, 6);
     put_file(size);
     CHECK(read_file(out, 64) == 0 && out[0].opacity == 20);
@@ -448,8 +437,6 @@ static void small_trees(void)
         CHECK((info.levels > 1) == (counts[i] > 1));
     }
 }
-
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static void replace(const char *from, const char *to)
 {

@@ -1,6 +1,5 @@
-/* Random packed scenes, cameras and options, drawn small. The hashes of all frames fold into one constant for every
- * compiler, optimisation level and processor. `test_random N` prints the hash of case N with the default profile. Needs
- * only src/. */
+/* Renders random packed scenes. A constant hash of all frames must hold for every compiler, optimisation level and
+   processor. `test_random N` prints the hash of case N. Needs only src/. */
 #include <inttypes.h>
 
 #include "one_scene.h"
@@ -74,11 +73,10 @@ static void test_near_planes(void)
     check_profile(FXS_PROFILE_DEFAULT, 1, EXPECTED_NEAR);
 }
 
-/* ---- Worlds: several objects, every target, an occluder and a backdrop ------------------------------------------ */
+/* ---- Several objects, every target, an occluder and a background ------------------------------------------------ */
 
 enum { OBJECTS = 8, MOST_PIXELS = 100 * 80 };
 
-/* Folds values independently of byte order. */
 static void fold(uint64_t *hash, const void *pixels, size_t count, size_t size)
 {
     for (size_t i = 0; i < count; i++) {

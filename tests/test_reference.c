@@ -1,4 +1,4 @@
-/* The reference renderer against closed forms derived here by other means. */
+/* Tests the double-precision reference renderer against closed formulas. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "reference.h"
 
 #define PI 3.14159265358979323846
-#define SIZE 48   /* pixels, width and height of pictures rendered from splats */
+#define SIZE 48   /* width and height of the rendered pictures in pixels */
 
 static int near(double value, double expected, double tolerance)
 {
@@ -26,7 +26,7 @@ static const fxs_view front = {
     FXS_PERSPECTIVE, 0
 };
 
-/* Half opaque, grey (SH degree 0 is 0), round, sigma 1. */
+/* Makes a round, half opaque, grey Gaussian with sigma 1. */
 static fxs_gaussian gaussian_at(float x, float y, float z)
 {
     fxs_gaussian g;
@@ -56,7 +56,7 @@ static void render(const struct reference_splat *splats, size_t count, const str
 
 static void test_projected_centre_and_peak(void)
 {
-    /* x = 50 * 0.4 / 4 + 30.25 = 35.25, y = 60 * -0.6 / 4 + 22.5 = 13.5; 0.25 off the pixel centre in x */
+    /* x = 50 * 0.4 / 4 + 30.25 = 35.25, y = 60 * -0.6 / 4 + 22.5 = 13.5. x is 0.25 off the pixel centre. */
     fxs_gaussian g = gaussian_at(0.4f, -0.6f, 4);
     double rgb[64 * 40 * 3];
     for (int i = 0; i < 3; i++)
@@ -66,7 +66,7 @@ static void test_projected_centre_and_peak(void)
     CHECK(near(s.x, 35.25, 1e-6) && near(s.y, 13.5, 1e-6) && near(s.depth, 4, 0));
     CHECK(near(s.opacity, 0.5, 1e-15) && near(s.colour[1], 0.5, 1e-15));
 
-    /* a round Gaussian: a = s^2 fx^2 / z^2 (1 + (x/z)^2) + 0.3, b = s^2 fx fy / z^2 (x/z) (y/z), c like a */
+    /* A round Gaussian: a = s^2 fx^2 / z^2 (1 + (x/z)^2) + 0.3, b = s^2 fx fy / z^2 (x/z) (y/z), c like a. */
     double variance = exp(-4);
     CHECK(near(s.a, variance * 156.25 * 1.01 + 0.3, 1e-6));
     CHECK(near(s.b, variance * 187.5 * 0.1 * -0.15, 1e-6));
@@ -80,7 +80,7 @@ static void test_projected_centre_and_peak(void)
 
 static void test_slope_is_clamped(void)
 {
-    /* x/z = 5 is clamped to (64 - 30.25) / 50 + 0.3 * 64 / 100, y/z = -6 to -22.5 / 60 - 0.3 * 40 / 120 */
+    /* x/z = 5 is clamped to (64 - 30.25) / 50 + 0.3 * 64 / 100, y/z = -6 to -22.5 / 60 - 0.3 * 40 / 120. */
     fxs_gaussian g = gaussian_at(10, -12, 2);
     double u = 33.75 / 50 + 0.192, v = -0.375 - 0.1, variance = exp(6);
     for (int i = 0; i < 3; i++)
@@ -111,7 +111,7 @@ static void test_compensation(void)
 
 static void test_mahalanobis_cutoff(void)
 {
-    /* variance 4: the pixel 6 away lies at distance 3 exactly, alpha 0.9 exp(-4.5) > 1/255 */
+    /* Variance 4: the pixel at distance 6 has Mahalanobis distance 3 and alpha 0.9 exp(-4.5) > 1/255. */
     struct reference_splat s = round_splat(20.5, 4, 0.9, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0.9, 1e-15));
@@ -125,11 +125,11 @@ static void test_mahalanobis_cutoff(void)
 
 static void test_alpha_limits(void)
 {
-    /* 0.01 exp(-d2 / 2) is 1/255 at d2 = 2 ln 2.55 = 1.87; with variance 4 that is 2.7 pixels */
+    /* 0.01 exp(-d2 / 2) is 1/255 at d2 = 2 ln 2.55 = 1.87. With variance 4 the distance is 2.7 pixels. */
     struct reference_splat s = round_splat(20.5, 4, 0.01, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(22, 20), 0.01 * exp(-0.5), 1e-15) && near(red_at(23, 20), 0, 0));
-    s.opacity = 0.00391;   /* 0.997 / 255 */
+    s.opacity = 0.00391;   /* alpha is 0.997 / 255, below the limit 1/255 */
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0, 0));
     s.opacity = 0;
@@ -142,13 +142,14 @@ static void test_alpha_limits(void)
 
 static void test_square_cutoff(void)
 {
-    /* Pixel 8, radius 8: tiles floor(0 / 16) to floor(31 / 16), so pixel 0 counts (d2 = 64 / 6.25) and 16 does not */
+    /* Pixel 8, radius 8: tiles floor(0 / 16) to floor(31 / 16). Pixel 0 counts (d2 = 64 / 6.25) and pixel 16 does
+       not. */
     struct reference_splat s = round_splat(8.5, 6.25, 1, 1);
     render(&s, 1, &black_square);
     CHECK(near(red_at(0, 8), exp(-5.12), 1e-15) && near(red_at(8, 0), exp(-5.12), 1e-15));
     CHECK(near(red_at(16, 8), 0, 0) && near(red_at(8, 16), 0, 0));
 
-    /* Three quarters of a pixel on, floor(31.75 / 16) is still 1; a whole pixel on, the square touches the next tile */
+    /* A square moved by 3/4 pixel has floor(31.75 / 16) = 1. Moved by a pixel, the square touches the next tile. */
     s.x = 9.25;
     render(&s, 1, &black_square);
     CHECK(near(red_at(15, 8), exp(-3.125), 1e-15) && near(red_at(16, 8), 0, 0));
@@ -170,7 +171,7 @@ static void test_square_radius(void)
     for (int i = 0; i < 3; i++)
         g.scale[i] = (float)(0.5 * log(0.156));
     CHECK(reference_project(&g, &view, &black_square, &s) == 1 && s.radius == 13);
-    g.scale[0] = 0;   /* the long axis decides */
+    g.scale[0] = 0;   /* the longer axis decides the radius of the splat */
     CHECK(reference_project(&g, &view, &black_square, &s) == 1 && s.radius == 31);
 }
 
@@ -178,13 +179,13 @@ static void test_layers_and_background(void)
 {
     struct reference_options options = { REFERENCE_MAHALANOBIS, 3, 0, { 0.25, 0.5, 1 } };
     struct reference_splat s[2] = { round_splat(20.5, 4, 0.5, 0.1), round_splat(20.5, 4, 0.75, 0.8) };
-    s[0].depth = 2;   /* the second in front */
+    s[0].depth = 2;   /* the second splat is in front */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.75 * 0.8 + 0.25 * 0.5 * 0.1 + 0.125 * 0.25, 1e-15));
     CHECK(near(image[3 * (20 * SIZE + 20) + 2], 0.125, 1e-15));
     CHECK(near(red_at(0, 0), 0.25, 0));
 
-    s[0].depth = 1;   /* a tie: the first in front */
+    s[0].depth = 1;   /* at equal depth, the first splat is in front */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.5 * 0.1 + 0.5 * 0.75 * 0.8 + 0.125 * 0.25, 1e-15));
 
@@ -194,7 +195,8 @@ static void test_layers_and_background(void)
 
 static void test_early_stop(void)
 {
-    /* 0.99 leaves 0.01, 0.95 leaves 0.0005; the third would leave 0.000025, so neither it nor the fourth counts */
+    /* Alpha 0.99 leaves transmittance 0.01, alpha 0.95 leaves 0.0005. The third splat would leave 0.000025 and is
+       not drawn. */
     struct reference_options options = { REFERENCE_MAHALANOBIS, 3, 0, { 1, 0, 0 } };
     struct reference_splat s[4];
     for (int i = 0; i < 4; i++)
@@ -289,7 +291,7 @@ static void project_point(const fxs_view *view, const double *point, double pixe
     pixel[1] = view->fy * c[1] / c[2] + view->cy;
 }
 
-/* v + 2 w (q x v) + 2 q x (q x v), for the unit quaternion w, q */
+/* Rotates v: v + 2 w (q x v) + 2 q x (q x v), for the unit quaternion w, q. */
 static void rotate(const double *quaternion, double v[3])
 {
     const double *q = quaternion + 1;
@@ -346,7 +348,7 @@ static void test_culling(void)
 
     fxs_gaussian g = gaussian_at(0, 0, 5);
     CHECK(is_visible(g));
-    g.opacity = -6;   /* 1 / (1 + e^6) < 1/255 */
+    g.opacity = -6;   /* opacity 1 / (1 + e^6) < 1/255 */
     CHECK(!is_visible(g));
 }
 
@@ -367,7 +369,7 @@ static void test_bad_values_are_dropped(void)
     g.rotation[0] = 0;
     CHECK(!is_visible(g));
     g = good;
-    g.scale[0] = 3e38f;   /* its exponential overflows */
+    g.scale[0] = 3e38f;   /* the exponential of the scale overflows */
     CHECK(!is_visible(g));
     g = good;
     g.position[0] = -3e38f;

@@ -1,5 +1,5 @@
-/* Refined levels of detail: pictures within a budget come closer to the full picture, the bytes do not depend on
-   threads or kernels, and hostile options and trees are refused. */
+/* Tests the refinement of levels of detail against photographs. Pictures within a budget must come closer to the
+   full picture. Damaged options and trees are refused. */
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
@@ -31,7 +31,7 @@ static float number(uint32_t *state)
     return (float)((*state = *state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
 }
 
-/* A ball with squares in two colours, and as many hidden Gaussians inside it. */
+/* The ball has squares in two colours, and as many hidden Gaussians inside. */
 static void make(void)
 {
     uint32_t state = 3;
@@ -153,8 +153,6 @@ static void check_better(enum fxs_profile profile, int antialiased)
     fxs_packed_scene_free(&measured);
 }
 
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
-
 static void check_same(size_t view_count, uint64_t count)
 {
     const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .tree = 1};
@@ -179,8 +177,7 @@ static void check_kept(void)
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
         return;
     CHECK(!refine_with(&packed, STEPS, 2, ~0u, VIEWS) && !fxs_scene_open(&scene, packed.data, packed.bytes));
-    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* equal except for the
-                                                                                           version */
+    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));
     for (uint32_t i = 0; i + 1 < scene.chunk_count; i++) {
         fxs_node node;
         fxs_chunk own, below;
@@ -200,8 +197,6 @@ static void check_kept(void)
     fxs_packed_scene_free(&packed);
     fxs_packed_scene_free(&plain);
 }
-
-/* ---- Hostile ----------------------------------------------------------------------------------------------------- */
 
 static int stop(void *calls, double done)
 {
@@ -238,7 +233,6 @@ static void check_refused(void)
     fxs_packed_scene_free(&plain);
 }
 
-/* Headers and nodes with changed numbers and right checksums: an error, or drawable levels. */
 static void check_damaged(void)
 {
     const fxs_pack_options with = {.size = sizeof(fxs_pack_options), .tree = 1};

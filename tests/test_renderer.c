@@ -1,5 +1,4 @@
-/* The front door (renderer.h): a scene in memory in two formats gives the same picture; limits, damage and wrong
-   arguments. */
+/* Tests the simple interface renderer.h: a scene in memory in two formats, limits, damaged data and wrong arguments. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +8,7 @@
 
 enum { COUNT = 40, WIDTH = 64, HEIGHT = 48 };
 
-static uint8_t records[COUNT][32];              /* .splat: position, sigma, rgba, quaternion bytes */
+static uint8_t records[COUNT][32];              /* .splat records: position, sigma, RGBA, quaternion bytes */
 static uint8_t pixels[HEIGHT][WIDTH][4], again[HEIGHT][WIDTH][4];
 static fxs_message why;
 
@@ -53,7 +52,7 @@ static void the_same_from_bytes(void)
     uint8_t *room = malloc(splat->bytes + 128), *data = (uint8_t *)(((uintptr_t)room + 63) / 64 * 64);
     memcpy(data, splat->data, splat->bytes);
     CHECK(fxs_file_seal(data, splat->bytes) == 0);
-    for (int shift = 0; shift < 2; shift++) {                /* aligned, then unaligned, which is copied */
+    for (int shift = 0; shift < 2; shift++) {                /* passes aligned data, then unaligned data */
         memmove(data + 4 * shift, data, splat->bytes);
         CHECK(fxs_open_memory("a.fxs", data + 4 * shift, splat->bytes, &careful, &fxs, &why) == 0);
         CHECK(fxs && !strcmp(fxs->info->format, "fxs") && (fxs->data == data) == !shift);
@@ -108,7 +107,7 @@ static void wrong_arguments(void)
     fxs_request_init(&request, &object, 1);
     request.targets[0].colour = (fxs_image){pixels, 4 * WIDTH};
     CHECK(fxs_opened_camera(opened, WIDTH, HEIGHT, &request.cameras[0], &why) == 0);
-    request.cameras[0].width = 20000;                        /* the renderer's first request */
+    request.cameras[0].width = 20000;
     CHECK(fxs_renderer_render(renderer, &request, NULL, &why) == FXS_ERR_SIZE);
     fxs_renderer_destroy(renderer);
     fxs_close(opened);

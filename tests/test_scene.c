@@ -1,4 +1,4 @@
-/* Damaged or random packed scenes give one error code or a picture, never anything else. */
+/* Opens and renders damaged or random packed scenes. The result must be an error code or a picture. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "one_scene.h"
 #include "packed_scene.h"
 
-static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
+static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -27,11 +27,8 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* ---- Opening ---------------------------------------------------------------------------------------------------- */
-
 enum { COUNT = 300, CHUNKS = 2, DEGREE = 1 };
 
-/* A scene of two chunks, all zero except the header; all values are in range. */
 static struct {
     unsigned char *bytes;
     size_t size;
@@ -121,7 +118,7 @@ static void test_open_damaged_header(void)
     GIVES(0, h->count, 512);
     GIVES(FXS_ERR_SCENE, h->count, 513);
     GIVES(FXS_ERR_SCENE, h->count, FXS_MAX_COUNT);
-    GIVES(FXS_ERR_SCENE, h->count, UINT32_MAX);      /* rounds up to chunk 0 */
+    GIVES(FXS_ERR_SCENE, h->count, UINT32_MAX);      /* the number of chunks overflows to 0 */
     CHECK(open_scene() == 0);
     free(s.bytes);
 }
@@ -152,7 +149,7 @@ static void check_chunk_ranges(fxs_chunk *c)
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, -(32 << 16) - 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, INT32_MIN);
-    GIVES(0, c->scale_step_q24, 513);                       /* 2^21 2^8 / 1023^2 = 513.001 */
+    GIVES(0, c->scale_step_q24, 513);                       /* largest valid step: 2^21 2^8 / 1023^2 = 513.001 */
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, 514);
     c->scale_q16 = 32 << 16;
     GIVES(0, c->scale_step_q24, 1026);
@@ -174,7 +171,7 @@ static void check_chunk_ranges(fxs_chunk *c)
         GIVES(0, c->colour_q16[i], 64 << 16);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], (64 << 16) + 1);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], INT32_MIN);
-        GIVES(0, c->colour_step_q20[i], 131328);            /* 64 / 511 */
+        GIVES(0, c->colour_step_q20[i], 131328);            /* largest valid step in Q20: 64 / 511 */
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], 131329);
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], UINT32_MAX);
         GIVES(0, c->sh_step_q19[i], 32767);
@@ -196,8 +193,6 @@ static void test_open_chunk_out_of_range(void)
         check_chunk_ranges(s.chunks[i]);
     free(s.bytes);
 }
-
-/* ---- Sizes ------------------------------------------------------------------------------------------------------ */
 
 static void test_scene_bytes(void)
 {
@@ -241,8 +236,6 @@ static void test_frame_bytes(void)
     free(s.bytes);
 }
 
-/* ---- Rendering random bytes ------------------------------------------------------------------------------------- */
-
 static int64_t any(int most_bits)
 {
     int n = (int)(bits() % (uint32_t)(most_bits + 1));
@@ -275,7 +268,7 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Scales of the first and last codes only, and rotations with only the first, the last and 0. */
+/* Rotation codes are the first code, the last code or 0. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
@@ -288,7 +281,6 @@ static void extreme_codes(unsigned char *rows)
         }
 }
 
-/* Rows of a random rotation, sometimes with swapped axes. */
 static void random_rotation(int32_t m_q30[9])
 {
     double q[4], norm = 0;
@@ -319,7 +311,6 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = any(60);
 }
 
-/* Moves the camera into or near the first chunk's box, with an ordinary field of view. */
 static void move_close(fxs_camera *camera)
 {
     const int64_t limit = (int64_t)1 << 60;

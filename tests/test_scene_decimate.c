@@ -1,4 +1,4 @@
-/* Merged scenes: their counts, the moments a merge keeps, and errors. */
+/* Tests scenes with merged Gaussians: counts, the moments that a merge keeps, and errors. */
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include "scene_bytes.h"
@@ -16,7 +16,7 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* Discs, too faint for any opacity to saturate. */
+/* The discs are too faint for any merged opacity to saturate. */
 static void make(void)
 {
     uint32_t state = 7;
@@ -124,7 +124,6 @@ static void moments(void)
     fxs_scene_file_close(file);
 }
 
-/* The two equal Gaussians merge; the two different ones stay. */
 static void alike_first(void)
 {
     make();
@@ -142,7 +141,7 @@ static void alike_first(void)
     fxs_scene_file_close(file);
 }
 
-/* Merged opacity is at most 0.99, or the larger of the two if that is more. */
+/* A merged opacity is at most 0.99, or the largest source opacity if that is more. */
 static void opaque(void)
 {
     for (int clear = 0; clear < 2; clear++) {

@@ -1,4 +1,4 @@
-/* Filtered scene files: the remaining Gaussians, their count before reading, and the same filter through fxs_pack. */
+/* Tests filtered scene files: the remaining Gaussians, their count before reading, and packing through a filter. */
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include "scene_writer.h"
@@ -49,7 +49,7 @@ static int open_filtered(void)
     return result;
 }
 
-/* Reads twice, `step` Gaussians at a time; only the last read may be shorter. Returns their number. */
+/* Reads the filtered file twice, `step` Gaussians a call. Returns the number of Gaussians. */
 static long read_left(fxs_gaussian *out, long step)
 {
     long total = 0, n = step;
@@ -66,7 +66,6 @@ static long read_left(fxs_gaussian *out, long step)
     return total;
 }
 
-/* The file must return the Gaussians with `left` true, in order, for every step. */
 static void check_left(int (*left)(int i))
 {
     static fxs_gaussian out[COUNT + COUNT];
@@ -100,7 +99,6 @@ static int in_box(int i)
     return i >= 100 && i <= 300 && i % 10 >= 3;
 }
 
-/* A box includes its edges. */
 static void box(void)
 {
     make();
@@ -117,7 +115,6 @@ static int in_sphere(int i)
     return (i - 200) * (i - 200) + y * y + (i - 200) * (i - 200) <= 50 * 50;
 }
 
-/* A sphere includes its surface. */
 static void sphere(void)
 {
     make();
@@ -128,8 +125,6 @@ static void sphere(void)
     filter.high[0] = 100;
     CHECK(open_filtered() == FXS_ERR_FILE && report.outside == COUNT);
 }
-
-/* ---- Floaters ---------------------------------------------------------------------------------------------------- */
 
 static int level(int i)
 {
@@ -142,8 +137,7 @@ static int compare_levels(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-/* True if Gaussian i has neighbours `sigmas` from its centre along its longest axis. Odd ones are turned by a
-   quarter about z. */
+/* True if Gaussian i has neighbours at `sigmas` times sigma along its longest axis. */
 static int has_neighbours(int i, double width, int sigmas)
 {
     const float *s = made[i].scale;
@@ -161,7 +155,6 @@ static int has_neighbours(int i, double width, int sigmas)
     return near > FXS_FLOATER_NEIGHBOURS;
 }
 
-/* The rule of scene_filter.h, computed pair by pair. */
 static int stays(int i)
 {
     static int levels[COUNT], known = 0;
@@ -178,7 +171,6 @@ static int stays(int i)
            (filter.floaters < 5 || (has_neighbours(i, width, 1) && has_neighbours(i, width, -1)));
 }
 
-/* Sizes and places over several octaves, on both sides of 0. */
 static void floaters(void)
 {
     uint32_t state = 3;
@@ -211,8 +203,7 @@ static void floaters(void)
     }
 }
 
-/* Floaters are counted after the other filters: in a heap of 8 each has 7 neighbours, of 9 each has 8. NaN is no
-   floater. */
+/* In a heap of 8 Gaussians each has 7 neighbours, in a heap of 9 each has 8. NaN is no floater. */
 static void floaters_of_what_is_left(void)
 {
     for (int count = 8; count <= 9; count++) {
@@ -241,7 +232,6 @@ static int is_first_or_last(int i)
     return i < 2 || i >= COUNT - 5;
 }
 
-/* Boxes as shapes, together with the filter's own box, and a shape of an unknown kind. */
 static void shapes(void)
 {
     fxs_filter_shape of[] = {{FXS_FILTER_BOX, {0, 0, -1, 1, 1, 0}},
@@ -262,7 +252,6 @@ static int is_half(int i)
     return i % 20 >= 10;
 }
 
-/* A logit of 0 is an opacity of 1/2. */
 static void opacity(void)
 {
     make();
@@ -313,7 +302,7 @@ static void make_undrawable(void)
     made[6].position[0] = -INFINITY;
     made[7].opacity = INFINITY;
     CHECK(write_made(3));
-    made[7].opacity = 20;                /* read as opaque */
+    made[7].opacity = 20;                /* a logit of 20 counts as opaque */
 }
 
 static void undrawable(void)
@@ -323,12 +312,11 @@ static void undrawable(void)
     filter.drawable = 1;
     check_left(is_drawable);
     CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 2 && report.dropped.transparent == 1);
-    filter.sh_degree = 0;   /* drops the infinite SH */
+    filter.sh_degree = 0;   /* removes an infinite SH coefficient */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }
 
-/* Of Gaussians 1 to 99 one was moved out. Opacity NaN counts as not finite, opacity minus infinity as faint. */
 static void undrawable_in_a_box(void)
 {
     make_undrawable();
@@ -355,7 +343,6 @@ static void nothing_left(void)
     CHECK(open_filtered() == FXS_ERR_FILE && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
 }
 
-/* Packing through a filter equals packing a file with only the remaining Gaussians. */
 static void packed(void)
 {
     static fxs_gaussian out[COUNT];

@@ -1,14 +1,12 @@
-/* Every format gives the same Gaussians from a file, from memory and by functions. Every failed allocation or read
-   is an error without a leak, and opening allocates little. */
+/* Every format must give the same Gaussians from a file, from memory and by read functions. A failed allocation or
+   read must be an error without a leak. */
 #include <fixsplat/internal/allocator.h>
 
 #include "every_format_bytes.h"
 
 enum { MOST = 64 };
 
-/* ---- A counting allocator -------------------------------------------------------------------------------------- */
-
-static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: call number, from 0; -1: none */
+static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: index of a call; -1: none */
 
 static void *allocate(void *argument, size_t length)
 {
@@ -36,9 +34,7 @@ static void count_from_0(long fails_at)
     memory.fails_at = fails_at;
 }
 
-/* ---- Files by functions ---------------------------------------------------------------------------------------- */
-
-static struct { long reads, open, fails_from; } input_calls;   /* fails_from: read number, from 0; -1: none */
+static struct { long reads, open, fails_from; } input_calls;   /* fails_from: first failing read; -1: none */
 
 static int read_made(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -75,8 +71,6 @@ static void forget_calls(long fails_from)
     input_calls.reads = input_calls.open = 0;
     input_calls.fails_from = fails_from;
 }
-
-/* ---- Reading --------------------------------------------------------------------------------------------------- */
 
 typedef enum way { BY_PATH, BY_MEMORY, BY_INPUT } way;
 
@@ -148,8 +142,6 @@ static void file_that_is_not_there(void)
     }
 }
 
-/* ---- Neighbour files ------------------------------------------------------------------------------------------- */
-
 static void move_and_link(const char *from, const char *to)
 {
     CHECK(rename(from, to) == 0 && symlink(to, from) == 0);
@@ -160,7 +152,6 @@ static void move_back(const char *from, const char *to)
     CHECK(unlink(from) == 0 && rename(to, from) == 0);
 }
 
-/* A neighbour file may link within the folder, but not out of it, nor through a linked folder. */
 static void links_stay_in_the_folder(void)
 {
     static fxs_gaussian out[MOST];
@@ -173,7 +164,7 @@ static void links_stay_in_the_folder(void)
         write_made(folder);
         snprintf(linked, sizeof linked, "%s/%.31s", folder, files[file_count - 1].name);
         CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
-        while (strlen(linked) > strlen(folder)) {   /* the file, then its folder */
+        while (strlen(linked) > strlen(folder)) {   /* first the file is a link, then its folder */
             move_and_link(linked, outside);
             if (!CHECK(read_made_scene(BY_PATH, NULL, out) == FXS_ERR_FILE &&
                        strstr(message.text, ": leaves the folder of ")))
@@ -189,7 +180,6 @@ static void links_stay_in_the_folder(void)
     }
 }
 
-/* A scene that is a link is read, with the neighbour files of the link. */
 static void linked_scene(void)
 {
     static fxs_gaussian out[MOST];
@@ -206,7 +196,6 @@ static void linked_scene(void)
     }
 }
 
-/* A pipe, device or folder is refused without waiting, as the scene or as a neighbour file. */
 static void only_regular_files(void)
 {
     static fxs_gaussian out[MOST];
@@ -230,8 +219,6 @@ static void only_regular_files(void)
         }
     }
 }
-
-/* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
 static int is_one_line(void)
 {
@@ -295,7 +282,6 @@ static void make_large_spz(void)
     size = spz_gzip(plain, sizeof plain, bytes, MAX_FILE);
 }
 
-/* The count is known before memory for the Gaussians is allocated. */
 static void count_comes_first(void)
 {
     static fxs_gaussian one;
@@ -306,7 +292,7 @@ static void count_comes_first(void)
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0))
         return;
     CHECK(info.count == MANY && info.sh_degree == 0 && memory.largest < 100000);
-    memory.fails_at = memory.calls + 1;   /* after the gzip stream's buffer */
+    memory.fails_at = memory.calls + 1;   /* fails the allocation after the gzip buffer */
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_MEMORY && strstr(message.text, "out of memory"));
     memory.fails_at = -1;
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == 1 && memory.largest >= MANY_BYTES);
@@ -323,9 +309,7 @@ static void count_comes_first(void)
 
 #endif
 
-/* ---- Progress -------------------------------------------------------------------------------------------------- */
-
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: call number, from 0; -1: none */
+static struct { int calls, stops_at; double done; } progress;   /* stops_at: call that stops; -1: none */
 
 static int note_progress(void *argument, double done)
 {
@@ -404,8 +388,6 @@ static void every_progress_stops(void)
 
 #endif
 
-/* ---- The allocator's helpers ----------------------------------------------------------------------------------- */
-
 static void allocator_helpers(void)
 {
     const fxs_allocator *both[] = {NULL, &counting};
@@ -433,7 +415,6 @@ static void allocator_helpers(void)
     }
 }
 
-/* Writes each format to its own folder and prints the files to open, for other readers. */
 static int write_all(const char *parent)
 {
     for (int i = 0; i < FORMATS; i++) {

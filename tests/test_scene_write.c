@@ -1,4 +1,4 @@
-/* Scene files written in each format and read again, checks of the formats' own numbers, and errors. */
+/* Writes scene files in each format and reads them back. Checks the numbers in the files, and errors. */
 #include <locale.h>
 #include <stdlib.h>
 
@@ -22,7 +22,7 @@ static double random_between(double low, double high)
     return low + (high - low) * (state >> 8) / 16777216.0;
 }
 
-/* Far enough apart to be told apart in any format. */
+/* Gaussians are far apart, so that they can be identified after quantisation. */
 static void make(int sh_degree)
 {
     state = 1;
@@ -41,7 +41,7 @@ static void make(int sh_degree)
         for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
             g->sh[k] = (float)random_between(-0.5, 0.5);
     }
-    wanted[5].opacity = -9;                  /* code 0 keeps its colour */
+    wanted[5].opacity = -9;                  /* a Gaussian with opacity code 0 keeps its colour */
 }
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
@@ -95,24 +95,21 @@ static const fxs_gaussian *nearest(const fxs_gaussian *to)
     return best;
 }
 
-/* Tolerances of a format. */
 typedef struct tolerance {
     const char *ending, *format;
-    double position, scale, rotation, opacity, dc, sh;   /* rotation: 1 - cosine of half the angle */
+    double position, scale, rotation, opacity, dc, sh;   /* rotation tolerance: 1 - cosine of half the angle */
     int antialiased;
-    double finer;      /* the scale's tolerance falls by this power of sigma, from sigma 1 / e on */
+    double finer;      /* the scale tolerance falls by this power of sigma, below sigma 1 / e */
 } tolerance;
 
 static const tolerance formats[] = {
     {".ply", "ply", 0, 0, 1e-6, 0, 0, 0, 1, 0},
     {".glb", "gltf", 0, 1e-6, 1e-6, 1e-6, 0, 0, 0, 0},
     {".spz", "spz", 1e-6, 0.033, 1e-4, 0.002, 0.014, 0.004, 1, 0},
-    /* half floats: 4 to 8, and 0.5 to 1 for opacities and colours; SH: half of 1/127 and of 1/4096 */
     {".rad", "rad", 0, 0.002, 1e-6, 0.00025, 0.0009, 0.0041, 0, 0},
-    /* 6.4 / 1023 / 2; 5 / 1023 / 2; 3 / 255 / 2; 8 / 256 / 2 and half a 4096th */
     {".compressed.ply", "compressed ply", 0.0032, 0.0025, 1e-5, 0.002, 0.006, 0.0159, 1, 0},
-    /* positions: ln(1 + |x|) from -1.4 to 1.4, times 4.2. The others use codebooks of 900 values, for scales finer
-       by the cube root of sigma^1.25. SH here are noise, too much for a palette: see below */
+    /* Positions are stored as ln(1 + |x|). All other values use codebooks of 900 values. The test's SH are noise,
+       too much for a palette. */
     {".sog", "sog", 1e-4, 0.008, 1e-4, 0.002, 0.02, 1.02, 1, 1.25 / 3}
 };
 
@@ -149,7 +146,7 @@ static void written_and_read(void)
         }
 }
 
-/* 256 palette entries for 300 Gaussians: most SH are exact to their codebook. */
+/* 256 palette entries serve 300 Gaussians, so most SH are exact to their codebook. */
 static void sh_of_sog(void)
 {
     double squares = 0;
@@ -163,7 +160,7 @@ static void sh_of_sog(void)
             const double off = (double)wanted[i].sh[k] - nearest(&wanted[i])->sh[k];
             squares += off * off;
         }
-    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* without SH it would be 0.29 */
+    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* the error without any SH is 0.29 */
 }
 
 static void what_splat_cannot_hold(void)
@@ -188,7 +185,7 @@ static float float_at(size_t offset)
     return value;
 }
 
-/* Rows of 236 bytes after the JSON: y up, unit rotation x, y, z, w, opacity and scale unchanged. */
+/* Each row of the .glb has 236 bytes. Axes are y up. Rotations are x, y, z, w. */
 static void bytes_of_glb(void)
 {
     make(3);
@@ -206,13 +203,13 @@ static void bytes_of_glb(void)
     CHECK(is_near(square, 1, 1e-6));
     CHECK(is_near((double)float_at(row + 12), exp((double)g->scale[0]), 1e-6));
     CHECK(is_near((double)float_at(row + 40), opacity_of(g), 1e-6) && float_at(row + 44) == g->dc[0]);
-    /* degree 1 is y, z, x: two of three change sign */
+    /* SH of degree 1 are y, z, x. Two of three coefficients change sign. */
     CHECK(float_at(row + 56) == -g->sh[0] && float_at(row + 68) == g->sh[3] && float_at(row + 80) == -g->sh[6]);
     bytes[row] = 0;
     CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
 }
 
-/* Two chunks of 72 bytes; neighbours share one, so its box is smaller than the scene. */
+/* Each chunk header has 72 bytes. A chunk holds neighbours, so its box is smaller than the scene. */
 static void bytes_of_compressed_ply(void)
 {
     make(0);
@@ -321,8 +318,6 @@ static void extremes(void)
     }
 }
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
-
 static int stop(void *calls, double done)
 {
     CHECK(done >= 0 && done <= 1);
@@ -382,8 +377,6 @@ static void stopped(void)
     }
 }
 
-/* ---- Codebooks --------------------------------------------------------------------------------------------------- */
-
 static void books(void)
 {
     float values[5000], book[FXS_BOOK];
@@ -392,7 +385,7 @@ static void books(void)
         values[i] = (float)((i % 200) * (i % 200));
     CHECK(fxs_book_learn(book, values, 5000, 0) == 0);
     for (int i = 0; i < 200; i++)
-        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* 200 values fit exactly */
+        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* a codebook has a place for each of 200 values */
     double squares = 0;
     for (int i = 0; i < 5000; i++)
         values[i] = (float)(random_between(-1, 1) * random_between(0, 1) * random_between(0, 1));
@@ -407,8 +400,8 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* better than 256 even steps */
-    for (int i = 0; i < 5000; i++)     /* ten large scales */
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* the error is below that of 256 even steps */
+    for (int i = 0; i < 5000; i++)     /* ten of the scales are large */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);
     for (int i = 0; i < 5000; i++)
@@ -417,7 +410,6 @@ static void books(void)
     CHECK(fxs_book_learn(book, values, 1, 0) == 0 && book[fxs_book_find(book, 3)] == 3);
 }
 
-/* Every `of`-th scale belongs to a flat Gaussian, the others to a captured scene. */
 static void book_of_flat(float flat, int of, double spread)
 {
     float values[6000], book[FXS_BOOK];
@@ -432,7 +424,6 @@ static void book_of_flat(float flat, int of, double spread)
             printf("  %g is %g, one of %d flat\n", (double)values[i], (double)book[fxs_book_find(book, values[i])], of);
 }
 
-/* Thickening a thin axis is visible, however small its own size. */
 static void books_of_flat(void)
 {
     static const int of[] = {6000, 100, 3, 2};
@@ -444,7 +435,6 @@ static void books_of_flat(void)
         }
 }
 
-/* 2D Gaussians stay flat in a .sog, whether all are flat or a few. */
 static void flat_in_sog(void)
 {
     for (int of = 1; of <= 100; of += 99) {
@@ -466,7 +456,6 @@ static int stop_at_once(void *argument, double done)
     return done > 0;
 }
 
-/* The palette finds 64 centres, up to a little noise. */
 static void palettes(void)
 {
     enum { VECTORS = 4096, CENTRES = 64, ENTRIES = 1024 };

@@ -1,6 +1,5 @@
-/* A scene that changes while it is rendered gives some picture or FXS_ERR_SCENE, and writes only to the memory and
- * the pixels. Only the last few pages touched are open, so the change comes at a chosen touch of another page:
- * between plan and band, or within a chunk, in every version of the stages. */
+/* Tests a scene that changes while it is rendered. Rendering may write only to its memory and the pixels. The pages
+   of the scene are protected, so that the scene can change at a chosen access to a page. */
 #define _DEFAULT_SOURCE
 #include <signal.h>
 #include <sys/mman.h>
@@ -15,11 +14,11 @@
 #endif
 
 enum {
-    OPEN = 4,                      /* open pages; one access may need two */
-    SCENES = 3,                    /* one per profile */
-    SEEN = 4,                      /* visible Gaussians per chunk in the faint scene */
-    CHANGES = 12,                  /* touches that change the scene, per run */
-    ZONE = 1 << 20                 /* closed bytes before and after memory and pixels */
+    OPEN = 4,                      /* number of accessible pages; an access may need two */
+    SCENES = 3,                    /* number of scenes, one for each packing profile */
+    SEEN = 4,                      /* number of visible Gaussians of each chunk in the faint scene */
+    CHANGES = 12,                  /* number of page accesses that change the scene in a run */
+    ZONE = 1 << 20                 /* protected bytes before and after memory and pixels */
 };
 
 typedef struct bytes {
@@ -27,24 +26,21 @@ typedef struct bytes {
     size_t size;
 } bytes;
 
-/* The scene, and the state of its changes. */
 static struct {
     unsigned char *data;
     size_t size, page;
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    unsigned char *bright, *faint;         /* the original, and one with all but SEEN opacities per chunk set to 0 */
+    unsigned char *bright, *faint;         /* bright: the original scene; faint: most opacities are 0 */
 } drawn;
 
 static struct {
     unsigned char *recent[OPEN];
     int oldest;
-    uint64_t touches, first, every;        /* changes at touch `first`, then every `every` touches; every 0: once */
-    int wild;                              /* 1: to random bytes; 0: to the bright scene */
+    uint64_t touches, first, every;        /* the scene changes at access `first` and then at every `every`-th */
+    int wild;                              /* 1: the scene changes to random bytes; 0: to the bright scene */
 } watch;
-
-/* ---- Pages ------------------------------------------------------------------------------------------------------ */
 
 static void protect(void *start, size_t size, int how)
 {
@@ -69,7 +65,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* outside the renderer's memory: the retried access ends the process */
+        signal(number, SIG_DFL);           /* the address is outside the scene */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -101,7 +97,6 @@ static uint64_t end_watch(void)
     return watch.touches;
 }
 
-/* Allocates a multiple of 64 bytes that ends where a closed zone begins. The zone before it is closed too. */
 static bytes make_room(size_t size)
 {
     const size_t whole = (size + drawn.page - 1) / drawn.page * drawn.page;
@@ -124,8 +119,6 @@ static int free_room(bytes room)
     return untouched;
 }
 
-/* ---- Frames ----------------------------------------------------------------------------------------------------- */
-
 enum call { SLICES, HALF, WHOLE, STEREO, PAIRS, CALLS };
 static const char *const call_names[CALLS] = {"least memory", "half the memory", "whole memory", "stereo",
                                               "count_pairs"};
@@ -135,7 +128,6 @@ static size_t to_multiple_of_64(size_t size)
     return (size + 63) / 64 * 64;
 }
 
-/* Memory for the faint scene only, so that the bright one does not fit. */
 static size_t memory_for(const fxs_context *context, enum call call)
 {
     fxs_frame_memory memory;
@@ -195,7 +187,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* Runs in a child, which a write outside the memory ends. */
+/* A write outside the memory ends the child process. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;
@@ -215,8 +207,6 @@ static void check_call(const fxs_context *context, const char *name, enum call c
         printf("  %s, %s, profile %d: %s %d\n", name, call_names[call], (int)drawn.scene.profile,
                WIFSIGNALED(status) ? "signal" : "status", WIFSIGNALED(status) ? WTERMSIG(status) : status);
 }
-
-/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
 
 static uint32_t visible(const unsigned char *scene)
 {
@@ -285,7 +275,7 @@ static void check_versions(enum call call)
         fxs_context_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
-        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* PAIRS always runs plain C */
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* counting pairs always runs in plain C */
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
                 context.config.kernels = kernels_for(flag);

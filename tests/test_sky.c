@@ -1,4 +1,5 @@
-/* Where the sky begins, and that distant Gaussians are treated like near ones of the same apparent size. */
+/* Tests the sky of a fit: where the sky begins, and that distant Gaussians are treated like near Gaussians of the
+   same apparent size. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +20,7 @@ static fxs_fit_sky sky;
 
 static const double middle[3] = {3, -2, 7};
 
-/* Camera i looks along the horizon, 90 degrees wide, from `aside` units right of the middle. */
+/* Camera i looks along the horizon with a field of view of 90 degrees, from `aside` units right of the middle. */
 static void aim(int i, double angle, double aside)
 {
     const double c = cos(angle), s = sin(angle), rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
@@ -42,7 +43,7 @@ static void paint(void)
     }
 }
 
-/* Points 1 to 9 units away, 6 to 60 degrees below the horizon; the last 1/50 at 500 units. */
+/* Points are 1 to 9 units away, 6 to 60 degrees below the horizon. The last 1/50 of the points are 500 units away. */
 static void lay_ground(void)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -79,7 +80,6 @@ static int is_seen(const double d[3], int count, double margin)
     return 0;
 }
 
-/* The sky has all directions seen above the horizon and none of the ground, in order, with the right colours. */
 static void above_the_ground(void)
 {
     const double radius = 1000 * (1 + 8 * 0.95);
@@ -104,7 +104,6 @@ static void above_the_ground(void)
     CHECK(fabs((double)sky.far.middle[1] - middle[1]) < 1e-6 && sky.far.inverse == 0.5f);
 }
 
-/* Even spacing: neighbours overlap, and no gap is twice the mean. */
 static void is_even(void)
 {
     double worst = 0, best = INFINITY;
@@ -139,7 +138,7 @@ static void is_the_same_everywhere(void)
         printf("  %016llx\n", (unsigned long long)hash);
 }
 
-/* Points within 1.7 degrees of straight ahead. */
+/* Counts points within 1.7 degrees of straight ahead. */
 static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
 {
     int n = 0;
@@ -151,7 +150,7 @@ static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
     return n;
 }
 
-/* A direction is sky if most photographs see no point before it: here 1 of 3, then 2. */
+/* A direction is sky if most photographs see no point in front: here 1 of 3, then 2. */
 static void most_photographs_decide(void)
 {
     fxs_fit_point before[2] = {{{3, -2, 17}, {0}}, {{8, -2, 17}, {0}}};
@@ -159,7 +158,7 @@ static void most_photographs_decide(void)
     CHECK(ahead(3, before, 2) == 0);
     before[1].position[1] = -7;
     CHECK(ahead(3, before, 2) > 2);
-    CHECK(ahead(2, before, 2) == 0);    /* 1 of 2 is no majority */
+    CHECK(ahead(2, before, 2) == 0);    /* one of two photographs is no majority */
 }
 
 static void masked(void)
@@ -180,7 +179,7 @@ static void masked(void)
     CHECK(!sky.count);
 }
 
-/* The mean over photographs that see the direction free, rounded half up. The third has a point before it. */
+/* A point hides the sky from the third photograph. */
 static void mean_colour(void)
 {
     static uint8_t shades[3][sizeof pixels];
@@ -199,14 +198,12 @@ static void mean_colour(void)
     }
 }
 
-/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
-
 static float *at(const fxs_fit_model *m, int plane, size_t i)
 {
     return &m->parameters[(size_t)plane * m->stride + i];
 }
 
-/* Gaussian 0 lies within the radius, 1 at it, 2 eight times as far and as large, 3 near and as large as 2. */
+/* Gaussian 0 lies within the radius of the scene, 1 at the radius. Gaussian 2 is eight times as far and as large. */
 static fxs_fit_model at_distances(void)
 {
     static const float distances[] = {1, 2, 16, 1}, sizes[] = {0.25f, 0.25f, 2, 2};
@@ -230,7 +227,6 @@ static int is_near(float a, float b)
     return fabs((double)a - (double)b) <= 1e-5 * fabs((double)b);
 }
 
-/* The first moment of the mean scale's gradient is scaled by the size unit. */
 static void mean_scale(const fxs_fit_stages *stages)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -250,7 +246,7 @@ static void mean_scale(const fxs_fit_stages *stages)
     }
 }
 
-/* Eight times as far and as large, the noise is eight times as long. */
+/* At eight times the distance and size, the random moves of a Gaussian are eight times as long. */
 static void noise(const fxs_fit_stages *stages)
 {
     float ways[2][4];
@@ -280,7 +276,7 @@ static void fates(void)
         for (size_t i = 0; i < 4; i++)
             m.by_centre[i] = m.views[i] = 1;
         CHECK(!fxs_fit_model_densify(&m, &d) && m.count == 8);
-        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));    /* cloned: it stays */
+        CHECK(is_near(*at(&m, FXS_FIT_SCALE, 2), is_far ? logf(2) : logf(0.25f)));
         fxs_fit_model_free(&m);
     }
 }
@@ -296,9 +292,6 @@ static void sizes(void)
     fates();
 }
 
-/* ---- The fit ----------------------------------------------------------------------------------------------------- */
-
-/* Sky Gaussians follow those of the points, with the sky's places and sizes. A limit keeps the same share of both. */
 static void begins_a_fit(void)
 {
     fxs_fit_options options;

@@ -1,5 +1,5 @@
-/* Reads .sog files made here: both versions, every SH degree, as a zip and as a folder; streamed; faulty; and a real
-   one. */
+/* Reads .sog files that the test makes: both versions, every SH degree, zips and folders, streamed scenes, faulty
+   files. */
 #include <fixsplat/scene.h>
 
 #include <math.h>
@@ -10,7 +10,7 @@
 static fxs_message message;
 static fxs_scene_file_info info;
 
-/* Reads at most `capacity` Gaussians twice, a few at a time. Returns their number, or -1 and the message. */
+/* Reads the scene twice, a few Gaussians in each call. Returns the number of Gaussians, or -1. */
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
 {
     fxs_scene_file *file;
@@ -61,14 +61,12 @@ enum { SCALE_VALUES, COLOUR_VALUES, SH_VALUES };
 static const char *const image_names[IMAGES] = {"low.webp", "high.webp", "scales.webp", "quats.webp", "sh0.webp",
                                                 "centroids.webp", "labels.webp"};
 
-/* ---- Making a scene -------------------------------------------------------------------------------------------- */
-
 typedef struct made_scene {
     int version, degree;
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json last */
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];
 static int file_count;
 
 static void forget_files(void)
@@ -91,7 +89,7 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* A byte of a made image. Gaussian 0 is opaque with scale code 0, Gaussian 1 has opacity 0. */
+/* Gaussian 0 is opaque with scale code 0. Gaussian 1 has opacity 0. */
 static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
 {
     unsigned h = m->seed * 977u + (unsigned)image * 131u + (unsigned)pixel * 7919u;
@@ -227,7 +225,6 @@ static void put_folder(const char *name)
     }
 }
 
-/* folder_of_zip ends with its separator. */
 static void put_zip_in(const char *name, const char *folder_of_zip, int method)
 {
     int error;
@@ -259,8 +256,6 @@ static size_t get(const char *name, uint8_t *bytes, size_t capacity)
     return size;
 }
 
-/* ---- Expected values ------------------------------------------------------------------------------------------- */
-
 static double value_of(const made_scene *m, int values, int channel, int code)
 {
     double low = bound(values, channel, 0), high = bound(values, channel, 1);
@@ -269,7 +264,7 @@ static double value_of(const made_scene *m, int values, int channel, int code)
 
 static void expect_rotation(const made_scene *m, int i, float *rotation)
 {
-    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* indexes into w, x, y, z */
+    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
     int omitted = byte_of(m, QUATS, i, 3) - 252;
     double sum = 0;
     memset(rotation, 0, 4 * sizeof *rotation);
@@ -303,7 +298,6 @@ static void expect(const made_scene *m, int i, fxs_gaussian *g)
         }
 }
 
-/* Equal to a few units of the last place. */
 static int same(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     const float *x = (const float *)a, *y = (const float *)b;
@@ -336,8 +330,6 @@ static void check_scene(const char *name, const made_scene *m)
         printf("  %s, version %d, degree %d\n", name, m->version, m->degree);
 }
 
-/* ---- One scene ------------------------------------------------------------------------------------------------- */
-
 static void every_version_and_degree(void)
 {
     for (int version = 1; version <= 2; version++)
@@ -357,7 +349,7 @@ static void every_version_and_degree(void)
 
 static const made_scene plain = {2, 1, 5};
 
-/* As PlayCanvas writes it: sizes and checksum follow the data; in the local headers they are 0. */
+/* PlayCanvas writes the sizes and the checksum of a zip entry after its data. */
 static void zip_with_data_descriptors(void)
 {
     static uint8_t bytes[1 << 18], out[1 << 18];
@@ -393,8 +385,7 @@ static void zip_with_data_descriptors(void)
     check_scene("a.sog", &plain);
 }
 
-/* Old writers store null as a codebook's first value. It is read as the second value minus the mean spacing of the
-   others. */
+/* Old writers store null as the first value of a codebook. The reader extrapolates from the other values. */
 static void null_in_codebook(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -442,7 +433,6 @@ static void tags(void)
     }
 }
 
-/* A zipped folder, with the extra folder that the macOS Finder adds. */
 static void zip_of_a_folder(void)
 {
     static const char *const folders[] = {"scene/", "a b/scene/", "scene\\"};
@@ -469,8 +459,6 @@ static void empty_scene(void)
     put_zip("a.sog", ZIP_CM_STORE);
     CHECK(read_level("a.sog", 0, &none, 1) == 0 && info.count == 0);
 }
-
-/* ---- Faults ---------------------------------------------------------------------------------------------------- */
 
 static void faulty_meta(void)
 {
@@ -566,7 +554,6 @@ static void faulty_images(void)
     check_fails("scene", "centroids.webp: not as wide as a palette");
 }
 
-/* Single-colour images are a few bytes, however large. */
 static void absurd_sizes(void)
 {
     enum { SIDE = 1500 };
@@ -594,7 +581,6 @@ static void absurd_sizes(void)
 
 static uint8_t zip_bytes[1 << 18];
 
-/* Each byte is changed in turn: the file is refused, or the byte does not matter. */
 static void damaged_zip(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -623,12 +609,10 @@ static void faulty_zip(void)
     put_zip("a.sog", ZIP_CM_STORE);
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes), at = size - 22;
     at = zip_bytes[at + 16] | (size_t)zip_bytes[at + 17] << 8 | (size_t)zip_bytes[at + 18] << 16;
-    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* both sizes of the first entry */
+    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* changes both sizes of the first zip entry */
     put_file("a.sog", zip_bytes, size);
     check_fails("a.sog", "more than this file can hold");
 }
-
-/* ---- Streamed -------------------------------------------------------------------------------------------------- */
 
 static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last is the environment */
 
@@ -670,7 +654,7 @@ static void streamed(void)
     all_same(&chunks[1], g + 32, 0, 37);
     all_same(&chunks[3], g + 69, 0, COUNT);
     CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 12 + 37 + COUNT && info.levels == 2);
-    all_same(&chunks[1], g, 0, 12);   /* from a leaf without level 1 */
+    all_same(&chunks[1], g, 0, 12);
     all_same(&chunks[2], g + 12, 0, 37);
     all_same(&chunks[3], g + 49, 0, COUNT);
     check_level_fails("", 2, "no level 2: levels of detail in this scene: 2");
@@ -692,15 +676,14 @@ static void streamed(void)
         CHECK(g[i].scale[2] <= -20);
 }
 
-/* The levels of one leaf, and the Gaussians read at each level. */
 static void nearest_level(void)
 {
     static const struct { const char *lods; int counts[5]; } cases[] = {
-        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},       /* 2 is as near to 0 as to 4: the finer is used */
+        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},       /* level 2 is as near to 0 as to 4; the finer level is used */
         {"\"4\":5,\"0\":1", {1, 1, 1, 5, 5}},
         {"\"3\":4", {4, 4, 4, 4, 4}},
         {"\"1\":2,\"2\":3", {2, 2, 3, 3, 3}},
-        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present and empty */
+        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present, but has no Gaussians */
         {"", {0, 0, 0, 0, 0}}
     };
     fxs_gaussian g[COUNT];
@@ -720,7 +703,7 @@ static void nearest_level(void)
             all_same(&chunks[0], g, 7, 7 + cases[i].counts[level]);
         }
     }
-    /* A node with children is no leaf; its missing levels are not replaced. */
+    /* A node with children is no leaf. Its missing levels are not replaced. */
     length = 0;
     say("{\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\"],\"tree\":{\"lods\":{\"1\":{\"file\":0,\"offset\":0,"
         "\"count\":5}},\"children\":[{\"lods\":{\"0\":{\"file\":0,\"offset\":5,\"count\":9}}}]}}");
@@ -729,7 +712,6 @@ static void nearest_level(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* An environment in a zip: named by the index, also in a folder, or only present. */
 static void environment(void)
 {
     static const struct { const char *file, *member; } cases[] = {
@@ -781,7 +763,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* The axes of .lcc2: z up. */
+/* The axes of .lcc2 have z up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -794,7 +776,6 @@ static int is_turned(const made_scene *m, const fxs_gaussian *g)
     return 1;
 }
 
-/* .lcc2: a tree with any number of children, as arrays or by name; the sky at each level; older names. */
 static void lcc2(void)
 {
     static const char *const names[] = {"l/0.sog", "l/1.sog", "l/2.sog", "l/sky.sog"};
@@ -827,7 +808,7 @@ static void lcc2(void)
         put_file("scene.lcc2", text, length);
         check_fails("scene.lcc2", faults[i].words);
     }
-    remove(in_folder("l/sky.sog"));    /* the sky is optional */
+    remove(in_folder("l/sky.sog"));
     put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
     CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
     put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);
@@ -876,7 +857,6 @@ static void faulty_index(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* The smallest memory for the streamed scene; loaded files are not kept then. */
 static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
 {
     fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = 1 << 12};
@@ -889,7 +869,6 @@ static uint64_t least_memory(fxs_gaussian gaussians[4 * COUNT])
     return options.max_memory - (1 << 10);
 }
 
-/* Truncated while open, then loaded again. */
 static void changed_while_open(void)
 {
     fxs_gaussian gaussians[4 * COUNT];
@@ -908,8 +887,6 @@ static void changed_while_open(void)
     fxs_scene_file_close(file);
     remove(in_folder("lod-meta.json"));
 }
-
-/* ---- Real ------------------------------------------------------------------------------------------------------ */
 
 /* The .ply was converted with opacities 1e-6 off 0 and 1. */
 static int same_but_for_ends(fxs_gaussian a, const fxs_gaussian *b)

@@ -1,4 +1,4 @@
-/* Reads .splat files made here, other files, and a real scene; writes files and reads them back. */
+/* Reads .splat files that the test makes and a real scene. Writes files and reads them back. */
 #include "scene_writer.h"
 #include "scene_bytes.h"
 
@@ -57,7 +57,6 @@ static void ends_of_ranges(void)
         CHECK(g[0].scale[i] == -20 && g[1].scale[i] > 18 && g[1].scale[i] < 20 && g[2].scale[i] == -20);
 }
 
-/* Discs: no record has three scales above 0. */
 static void flat_scene(void)
 {
     fxs_gaussian g[3];
@@ -70,7 +69,7 @@ static void flat_scene(void)
         CHECK(g[row].scale[row] == -20 && g[row].scale[(row + 1) % 3] > -1);
 }
 
-/* R S S R' has no sign. */
+/* The covariance R S S R' does not depend on the sign of S. */
 static void scales_below_0(void)
 {
     fxs_gaussian g[2][3];
@@ -102,7 +101,6 @@ static void implausible_records(void)
     check_fails("not a scene file of a known format");
 }
 
-/* Detection reads only the first records; the importer handles the others. */
 static void wild_record_at_the_end(void)
 {
     fxs_gaussian g[ROWS];
@@ -113,8 +111,6 @@ static void wild_record_at_the_end(void)
     CHECK(read_file(g, ROWS) == 0 && info.count == ROWS);
     CHECK(isnan(g[ROWS - 1].position[0]) && isnan(g[ROWS - 1].scale[0]));
 }
-
-/* ---- Writing --------------------------------------------------------------------------------------------------- */
 
 static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t count)
 {
@@ -128,7 +124,6 @@ static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t 
     return result;
 }
 
-/* Within half a step of the format. */
 static void written_and_read(void)
 {
     static fxs_gaussian wanted[ROWS], got[ROWS];
@@ -151,7 +146,6 @@ static void written_and_read(void)
     }
 }
 
-/* Everything that fxs_pack draws can be read back. */
 static void written_extremes(void)
 {
     fxs_gaussian got[3], wild[3] = {

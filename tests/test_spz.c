@@ -1,4 +1,4 @@
-/* Reads .spz files made here in every version, faulty ones, and a real scene. */
+/* Reads .spz files that the test makes in every version, faulty files, and a real scene. */
 #include "scene_writer.h"
 #include "scene_bytes.h"
 #include "spz_bytes.h"
@@ -8,8 +8,6 @@ enum { PLAIN, GZIP, ZSTD, CONTAINERS };
 
 static spz_bytes s;
 static fxs_gaussian out[COUNT + 1];
-
-/* ---- Making a file --------------------------------------------------------------------------------------------- */
 
 static void fill(int version, int degree)
 {
@@ -26,12 +24,12 @@ static void fill(int version, int degree)
         }
     if (version == 1)
         for (int k = 1; k < 6 * COUNT; k += 2)
-            s.arrays[0][k] &= 0xbf;   /* half floats below 2 */
+            s.arrays[0][k] &= 0xbf;   /* clears a bit, so that the half floats are below 2 */
     s.arrays[1][0] = 0;
     s.arrays[1][1] = 255;
 }
 
-/* Returns 0 if this build lacks the container's library. */
+/* Returns 0 in builds without the library that compresses the .spz. */
 static int make(int container)
 {
     static uint8_t plain[MAX_FILE];
@@ -49,8 +47,6 @@ static int make(int container)
 #endif
     return size > 0;
 }
-
-/* ---- Reading it ------------------------------------------------------------------------------------------------ */
 
 static int reads(uint64_t count)
 {
@@ -73,7 +69,6 @@ static double expected_position(int i, int axis)
     return (value >= 8388608 ? value - 16777216 : value) / pow(2, s.fractional_bits);
 }
 
-/* Returns x, y, z, w. */
 static void expected_rotation(int i, double q[4])
 {
     double rest = 1;
@@ -96,7 +91,7 @@ static void expected_rotation(int i, double q[4])
     q[largest] = sqrt(fmax(rest, 0));
 }
 
-/* `sign`: signs of x, y, z. */
+/* sign: expected signs of x, y, z. */
 static void check_gaussians(const double sign[3])
 {
     const fxs_gaussian *g = out;
@@ -120,8 +115,6 @@ static void check_gaussians(const double sign[3])
 }
 
 static const double to_rdf[3] = {1, -1, -1};
-
-/* ---- Tests ----------------------------------------------------------------------------------------------------- */
 
 static void every_version_and_degree(void)
 {
@@ -182,8 +175,7 @@ static void coordinate_systems(void)
             fill(container == ZSTD ? 4 : 3, 3);
             s.flags = 2;
             s.extensions = records;
-            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* other extensions are
-                                                                                                skipped */
+            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);
             s.extensions_size = (size_t)(spz_put(spz_put(spz_put(to, 0xadbe0003, 4), 4, 4), system, 4) - records);
             if (!make(container))
                 continue;
@@ -269,7 +261,6 @@ static void empty_scene(void)
     }
 }
 
-/* A header with too low or too high a count before a stream that goes on. */
 static void gzip_bombs(void)
 {
 #ifdef FXS_WITH_ZLIB
@@ -306,14 +297,13 @@ static void damaged_gzip(void)
     fill(3, 3);
     if (!make(GZIP))
         SKIP("built without zlib");
-    for (size_t i = size - 8; i < size; i++) {   /* checksum and length */
+    for (size_t i = size - 8; i < size; i++) {   /* checksum and length of the gzip stream */
         bytes[i] ^= 1;
         check_fails("the gzip stream is damaged");
         bytes[i] ^= 1;
     }
 }
 
-/* Without its library, a container is refused by name. */
 static void libraries(void)
 {
     fill(4, 0);
@@ -360,7 +350,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* rotations' entry */
+        uint8_t *last = bytes + 32 + 4 * 16;     /* table entry of the array of rotations */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);
@@ -424,7 +414,7 @@ static int nothing_clamped(void)
     return clamped.position == 0 && clamped.scale == 0 && clamped.dc == 0 && clamped.sh == 0;
 }
 
-/* Within half a step of the format, or of the reference writer: 5 bits for SH degree 1, 4 above. */
+/* SH of degree 1 have 5 bits, higher degrees have 4. */
 static void written_and_read(void)
 {
     const double place = is_fine ? 0x1p-22 : 0x1p-14, first = is_fine ? 1 : 8, higher = is_fine ? 1 : 16;
@@ -465,7 +455,6 @@ static void usual_precision(void)
     is_fine = 1;
 }
 
-/* Written and read again, it is the same, up to the ends of the ranges. */
 static void read_and_written(void)
 {
     for (int version = 3; version <= 4; version++) {
@@ -479,8 +468,7 @@ static void read_and_written(void)
     }
 }
 
-/* The most fractional bits that hold the largest coordinate, up to 24. Below 12 bits, one coordinate in a hundred
-   may be out of range. */
+/* The number of fractional bits is the largest that holds the largest coordinate, up to 24. */
 static void chosen_bits(void)
 {
     static const struct { float largest, second; int bits; uint32_t beyond; } cases[] = {
@@ -503,7 +491,6 @@ static void chosen_bits(void)
     }
 }
 
-/* One of seven is moved in; the others keep their steps. */
 static void far_ones_are_brought_in(void)
 {
     fill_gaussians(0);
@@ -521,7 +508,7 @@ static void far_ones_are_brought_in(void)
     }
 }
 
-/* y and z change sign in the file. A Gaussian clamped by a step or more is counted once. */
+/* y and z change sign in the file. A clamped Gaussian is counted once. */
 static void written_extremes(void)
 {
     const float far[COUNT] = {1e30f, -1e30f, 3, 1.5f, -0.999f, -3.4f, 0};
@@ -539,7 +526,7 @@ static void written_extremes(void)
     CHECK(out[6].rotation[0] == 1);
 }
 
-/* A thin axis counts as clamped only if its Gaussian's largest axis is below e^9 times the written size. */
+/* A thin axis counts as clamped only if the Gaussian's largest axis is below e^9 times the written size. */
 static void written_discs(void)
 {
     static const float largest[COUNT] = {4, 0, -0.9f, -1.2f, -9, -11, 5};
@@ -555,13 +542,12 @@ static void written_discs(void)
         CHECK(out[i].scale[2] <= -10);
 }
 
-/* Requested axes override the file's. */
 static void asked_axes(void)
 {
     uint8_t record[16];
     for (uint32_t system = 3; system <= 6; system += 3)
         for (int axes = FXS_AXES_OF_FILE; axes <= FXS_AXES_RDF; axes++) {
-            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* RDF; LUB */
+            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* axis systems RDF and LUB */
             fill(3, 3);
             s.flags = 2;
             s.extensions = record;
@@ -614,7 +600,6 @@ static int note_progress(void *argument, double done)
     return !forward || done >= h->limit;
 }
 
-/* 6.5 MB, several pieces. */
 static void progress(void)
 {
     enum { MANY = 100000 };

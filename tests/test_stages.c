@@ -1,6 +1,6 @@
-/* The stages on random scenes packed here. Single stages are compared with the double-precision reference; whole
- * frames must equal a brute-force renderer with the same per-pixel math that visits every splat in order at every
- * pixel, without tiles. */
+/* Tests the renderer's stages on random packed scenes against a double-precision reference. Whole frames must equal
+   a brute-force renderer with the same per-pixel formula. A splat is a projected Gaussian. A chunk is 256 Gaussians
+   of a packed scene. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,9 +15,7 @@
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
 
-/* ---- Random scenes ---------------------------------------------------------------------------------------------- */
-
-static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
+static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -38,10 +36,10 @@ static double uniform(double low, double high)
 }
 
 typedef struct recipe {
-    double reach;                   /* centres within +-reach, scene units */
-    double sigma_low, sigma_high;   /* log2(sigma) */
-    int needle;                     /* one axis at sigma_high, two at sigma_low */
-    int opacity_low, opacity_high;  /* codes */
+    double reach;                   /* Gaussian centres lie within +-reach scene units */
+    double sigma_low, sigma_high;   /* range of log2(sigma) of random Gaussians */
+    int needle;                     /* 1: one axis at sigma_high, two axes at sigma_low */
+    int opacity_low, opacity_high;  /* range of the opacity codes of random Gaussians */
 } recipe;
 
 static const recipe ordinary = {1, -9, -3, 0, 1, 255};
@@ -68,7 +66,6 @@ static void random_quaternion(double q[4])
         q[i] /= sqrt(norm);
 }
 
-/* A random rotation word, with X and Y no longer than 1. */
 static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 {
     const int n = axis_bits_of_word(0, scale_word, scale_step_q24);
@@ -83,7 +80,7 @@ static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 static uint32_t scale_word(const recipe *r)
 {
     uint32_t word = 0;
-    for (int i = 0; i < 3; i++) {        /* packing stores the longest axis first */
+    for (int i = 0; i < 3; i++) {        /* packing stores the longest axis of a Gaussian first */
         double code = r->needle ? (i == 0 ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
         word |= i < 2 ? (uint32_t)code << 10 * i : (uint32_t)code / 2 << 20;
     }
@@ -144,7 +141,6 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
     return s;
 }
 
-/* Rows of a rotation matrix. */
 static void random_rotation(double m[9])
 {
     double q[4];
@@ -172,17 +168,14 @@ static fxs_camera make_camera(int width, int height, double distance)
     return camera;
 }
 
-/* ---- Projected scenes ------------------------------------------------------------------------------------------- */
-
 static struct {
     fxs_stage_view view;
     fxs_splat splats[MAX_COUNT];
     fxs_bounds bounds[MAX_COUNT];
     uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
-    fxs_key keys[MAX_COUNT];       /* sorted */
+    fxs_key keys[MAX_COUNT];       /* keys in ascending order of depth */
 } all;
 
-/* Insertion sort: stable. */
 static void sort_keys(void)
 {
     for (uint32_t i = 0; i < all.count; i++) {
@@ -212,7 +205,7 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     project_chunks(scene);
 }
 
-/* Includes every chunk within 255 times its depth of the axis. */
+/* Projects all chunks within 255 times their depth of the camera's axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
     CHECK(one_view_init(&all.view, scene, camera, options) == 0);
@@ -233,11 +226,9 @@ static struct reference_options reference_of(const fxs_options *options, const f
     return r;
 }
 
-/* ---- project ---------------------------------------------------------------------------------------------------- */
-
 static struct errors {
-    double centre, shape, opacity, radius, colour;   /* largest errors */
-} worst, worst_large;   /* splats up to 128 pixels, and larger ones: needles over 1000 pixels are widened */
+    double centre, shape, opacity, radius, colour;   /* largest errors against the reference */
+} worst, worst_large;   /* worst: splats up to 128 pixels; worst_large: larger splats */
 
 /* f sigma_max / z: a Gaussian's largest size in the picture, pixels. */
 static double size_of(const fxs_gaussian *g, const fxs_view *view, double z)
@@ -245,15 +236,15 @@ static double size_of(const fxs_gaussian *g, const fxs_view *view, double z)
     return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
 }
 
-/* sigma_max / sigma_min */
+/* elongation = sigma_max / sigma_min of a splat */
 static double elongation(const struct reference_splat *r)
 {
     double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
     return (mid + spread) / sqrt(r->a * r->c - r->b * r->b);
 }
 
-/* Largest entry of W Sigma W^T - I; 0 if the whitening rows W match the covariance Sigma. The short axis of a needle
-   has the absolute error of its long axis. */
+/* Largest entry of W Sigma W^T - I, which is 0 if the whitening rows W match the covariance Sigma. The short axis
+   has the absolute error of the long axis. */
 static double shape_error(const fxs_splat *s, const struct reference_splat *r)
 {
     double ux = ldexp(s->ux_q24, -24), uy = ldexp(s->uy_q24, -24), vy = ldexp(s->vy_q24, -24);
@@ -266,7 +257,7 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
 {
     const fxs_splat *s = &all.splats[slot];
     const fxs_bounds *b = &all.bounds[slot];
-    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;    /* a veil has no centre or radius */
+    const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;
     double dx = ldexp(b->cx_q14, -14) + 0.5 - r->x, dy = ldexp(b->cy_q14, -14) + 0.5 - r->y;
     e->centre = fmax(e->centre, veil ? 0 : hypot(dx, dy));
     e->shape = fmax(e->shape, shape_error(s, r));
@@ -290,14 +281,12 @@ static void compare_visible(const packed_scene *s, const fxs_camera *camera, con
     }
 }
 
-/* ---- Veils ------------------------------------------------------------------------------------------------------ */
-
 static double alpha_of(double opacity, double level)
 {
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* The alpha error at a pixel; 0 within 2 % of the splat's edge. */
+/* Returns the alpha error at a pixel, or 0 near the splat's edge. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -320,7 +309,6 @@ static int is_narrow(const struct reference_splat *r, const fxs_stage_view *view
     return (r->a * r->c - r->b * r->b) / (mid + spread) < least;
 }
 
-/* A veil's alpha at the corners and the middle equals the reference. */
 static void test_veils(void)
 {
     static const recipe discs = {20, -4, 7, 0, 20, 255}, off_axis = {300, 2, 9, 0, 20, 255};
@@ -391,7 +379,7 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* In a chunk 40 units wide, a coordinate step is 0.005 pixels at the near plane for f = 4000, and more off the axis. */
+/* The quantisation step of positions is 0.005 pixels at the near plane for f = 4000. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -419,8 +407,7 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_view *vie
     return 0;
 }
 
-/* Culled Gaussians count at no pixel; the others are in front of the near plane and not too faint. In pictures of a
-   few pixels, project also drops Gaussians farther from the axis than 64 times their depth. */
+/* Culled Gaussians must be invisible. In pictures of a few pixels, Gaussians far from the axis are culled too. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_view view = view_of(camera);
@@ -455,7 +442,6 @@ static void test_culls(void)
     }
 }
 
-/* Near planes from 2^-14 to 4 units. */
 static void random_near(fxs_camera *camera)
 {
     camera->near_q32 = (int64_t)ldexp(1, 18 + below(16)) + (int64_t)below(1 << 18);
@@ -487,7 +473,6 @@ static void test_padding_and_opacity_0_are_never_drawn(void)
     free(s.data);
 }
 
-/* Depth keys compare across chunks of any size and place, exact to the last bit of a coordinate. */
 static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
@@ -512,8 +497,6 @@ static void test_depth_order(void)
         free(s.data);
     }
 }
-
-/* ---- shade ------------------------------------------------------------------------------------------------------ */
 
 static void check_shade(uint32_t scene_degree, int degree)
 {
@@ -540,9 +523,7 @@ static void test_shade_against_reference(void)
     }
 }
 
-/* ---- sort ------------------------------------------------------------------------------------------------------- */
-
-/* `pool` counts the calls, or is null. */
+/* pool: counts the calls; may be null. */
 static void run_backwards(void *pool, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
 {
     if (pool)
@@ -557,7 +538,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The sort is stable by depth; slots arrive in order, so by the whole key. `mask`: bits of the depth in use. */
+/* mask: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
     enum { MOST = 70000 };
@@ -570,7 +551,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
-    for (uint32_t i = 0; i < count; i++)           /* a list's slots arrive a little out of order */
+    for (uint32_t i = 0; i < count; i++)           /* the splats of a list arrive slightly out of order */
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
     fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
@@ -585,7 +566,7 @@ static void test_sort(void)
             check_sort(counts[i], masks[k], parts[(i + k) % 4]);
 }
 
-/* ---- bin: no entry is missing ----------------------------------------------------------------------------------- */
+/* ---- Stage bin lists every splat -------------------------------------------------------------------------------- */
 
 static int level_at(uint32_t slot, int x, int y)
 {
@@ -624,8 +605,8 @@ static struct {
     int64_t missed, wrapped, in_cut_off;
 } lists;
 
-/* A pixel counts in blend exactly if its level is within the limit, and with the square cutoff also its tile within
-   the square. */
+/* A pixel is covered if level = -2 ln(alpha) is within the limit. With the square cut-off, the pixel's tile must
+   also be in the square. */
 static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 {
     const fxs_splat *s = &all.splats[slot];
@@ -671,7 +652,6 @@ static void test_lists_of_small_pictures(void)
     }
 }
 
-/* Long splats in pictures of few tiles on one side and many on the other. */
 static void test_lists_of_narrow_pictures(void)
 {
     for (int i = 0; i < 4 * RECIPES; i++) {
@@ -688,7 +668,6 @@ static void test_lists_of_large_pictures(void)
         check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
 }
 
-/* Squares with edges on tile edges, or one step of the centre to either side. */
 static void test_squares_at_tile_edges(void)
 {
     static unsigned char listed[4096];
@@ -715,8 +694,6 @@ static void test_squares_at_tile_edges(void)
     CHECK(missed == 0 && beyond == 0);
     free(s.data);
 }
-
-/* ---- frame ------------------------------------------------------------------------------------------------------ */
 
 static struct {
     int transmittance_q15[MAX_SIDE * 80], sum_q13[3][MAX_SIDE * 80];
@@ -757,7 +734,6 @@ static void store(unsigned char *pixel, int i, const fxs_options *options, enum 
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
-/* Without tiles, lists or rows, and without culling chunks by place. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                          enum fxs_format format, unsigned char *pixels, ptrdiff_t stride)
 {
@@ -802,7 +778,7 @@ static int draw_tiles(void *argument, const fxs_tile_run *run)
     return 0;
 }
 
-/* A back end without lists. Returns the number of Gaussians it received in order. */
+/* A back end without tile lists. Returns the number of Gaussians that arrived in order. */
 static int draw_keys(void *argument, const fxs_tile_run *run)
 {
     uint32_t *ordered = argument;
@@ -820,7 +796,8 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* Back ends: one gives the same bytes in one call per run, one without lists gets the order, one returns its error. */
+/* The first back end must give the same bytes. The second gets the splats in order of depth. The third returns its
+   error. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -848,7 +825,6 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     free(pixels);
 }
 
-/* Runs fxs_render in exactly the memory it asks for, and compares all bytes, padding included. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
                              ptrdiff_t stride)
@@ -869,7 +845,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(!context.config.workers.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
-    /* Counters include the whole of each tile. */
+    /* The statistics count whole tiles, even outside the picture. */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
     check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
@@ -944,7 +920,7 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* More list entries than fit: the frame is rendered in several runs of tiles. */
+/* The lists exceed their memory, so the frame is rendered in several runs of tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
@@ -966,7 +942,7 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
-/* With a clock that advances by one per call, stages timed equally often report equal times. */
+/* The clock advances by one a call, so stages with equally many calls report equal times. */
 static void test_times_are_shared_out(void)
 {
     uint64_t ticks = 0;
@@ -982,7 +958,7 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* The layout of memory counts as project. Macro tile lists and tile lists both count as bin. */
+        /* Memory layout counts as time of stage project. All lists of tiles count as time of stage bin. */
         CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 2 + t[FXS_BLEND]);
         CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
@@ -991,9 +967,7 @@ static void test_times_are_shared_out(void)
     free(s.data);
 }
 
-/* ---- Chunks outside the picture ---------------------------------------------------------------------------------- */
-
-/* A Gaussian near an edge of the picture; slope[i] is x/z or y/z of its centre. */
+/* A Gaussian near an edge of the picture. slope[i] is x/z or y/z of its centre. */
 typedef struct beside {
     double slope[2], depth, log2_sigma;
 } beside;
@@ -1003,7 +977,6 @@ static double focal_of(const fxs_camera *camera, int axis)
     return ldexp(axis ? camera->fy_q12 : camera->fx_q12, -12);
 }
 
-/* Sets an off-axis picture with pixel 0 at this x/z or y/z. */
 static void aim(fxs_camera *camera, int axis, double focal, double slope)
 {
     *(axis ? &camera->fy_q12 : &camera->fx_q12) = (int32_t)ldexp(focal, 12);
@@ -1025,7 +998,7 @@ static void step_out(beside *b, const fxs_stage_view *view, const fxs_camera *ca
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* the reach depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* iterates because the radius depends on the slope */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }
@@ -1055,10 +1028,9 @@ static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside
 }
 
 static struct {
-    int touching, farthest;        /* frames with a covered pixel; frames with the centre beyond 0.99 of the reach */
+    int touching, farthest;        /* numbers of frames with covered pixels */
 } beside_tally;
 
-/* Draws the sphere at each side and corner of the picture, within reach and just out of it. */
 static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
     fxs_stage_view view;
@@ -1085,7 +1057,6 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
     free(s.data);
 }
 
-/* Tiny pictures at all angles; Gaussians from a point to far larger than the picture. */
 static void test_chunks_beside_the_picture(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1099,7 +1070,7 @@ static void test_chunks_beside_the_picture(void)
             aim(&camera, axis, focal, slope);
             most = fmax(most, focal / b.depth);
         }
-        /* A quarter has no size but the dilation. The others have up to 4096 pixels, which for some is far away. */
+        /* A quarter of the Gaussians have no size but the dilation. All others have up to 4096 pixels. */
         b.log2_sigma = i % 4 ? uniform(-1, 12) - log2(most) : -31;
         if (b.log2_sigma > -31.5 && b.log2_sigma < 31)
             check_beside(&camera, &b, i % 2 ? 0 : b.depth * exp2(uniform(-8, 1)));
@@ -1108,8 +1079,7 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where the bound on a sphere's reach is tightest: x/z at the Jacobian's limit with length exactly the bounding
-   power of two, the sphere on the far side, and too large for the picture's margin to matter. */
+/* The bound on a sphere's radius in pixels is tightest with x/z at the limit of the Jacobian's clamp. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1127,8 +1097,6 @@ static void test_chunks_at_the_bound_of_their_reach(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* Where one unit of the chunk's place covers most pixels: the longest focal length on one axis, slope 60 on the
-   other. */
 static void test_chunks_of_the_coarsest_units(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1136,18 +1104,17 @@ static void test_chunks_of_the_coarsest_units(void)
         fxs_camera camera = make_camera(16, 16, 0);
         const int axis = i & 1;
         beside b = {{0, 0}, exp2(uniform(2, 15)), 0};
-        for (int k = 0; k < 9; k++)                          /* no turn: the units follow the larger coordinate */
+        for (int k = 0; k < 9; k++)
             camera.rotation_q30[k] = k % 4 ? 0 : 1 << 30;
         aim(&camera, axis, 524287, 0);
         aim(&camera, !axis, 8000, i & 2 ? 60 : -60);
-        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* a reach of about 7 units, and of less than one */
+        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);
         check_beside(&camera, &b, 0);
     }
     if (!CHECK(beside_tally.touching > 100) || !CHECK(beside_tally.farthest > 10))
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The far corner of the chunk is slightly in front of the near plane, or slightly behind it. */
 static void test_chunks_across_the_near_plane(void)
 {
     int touching = 0, behind = 0;
@@ -1156,10 +1123,10 @@ static void test_chunks_across_the_near_plane(void)
         const double hair = (i % 3 ? 1 : -1) * exp2(uniform(-24, -8));
         const beside b = {{uniform(-0.3, 0.3), uniform(-0.3, 0.3)}, 0.2 + hair, -6};
         packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));   /* error of a place */
+        const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
-        for (int axis = 0; axis < 3; axis++) {               /* the foremost corner */
+        for (int axis = 0; axis < 3; axis++) {               /* the corner nearest to the camera */
             const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
             const int forward = camera.rotation_q30[6 + axis] > 0;
             s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;
@@ -1175,7 +1142,7 @@ static void test_chunks_across_the_near_plane(void)
     CHECK(touching > 150 && behind > 80);
 }
 
-/* A Gaussian on the near plane is culled; one unit in front of it, it is drawn. Part of the chunk is farther. */
+/* A Gaussian on the near plane is culled. A unit beyond the near plane, the Gaussian is drawn. */
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1185,23 +1152,20 @@ static void test_near_plane_itself(void)
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
     place_sphere(&s, &camera, &b, 0);
-    s.chunks->step_q32[2] = 2;                               /* one unit of cv, since its shift is 1 */
+    s.chunks->step_q32[2] = 2;
     ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
     for (int ahead = -1; ahead <= 1; ahead++) {
-        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* near plane 0.2 */
+        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;
         CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
     }
     free(s.data);
 }
-
-/* ---- The camera ------------------------------------------------------------------------------------------------- */
 
 static void check_slope(int32_t q23, double slope, double most)
 {
     CHECK(fabs(ldexp(q23, -23) - fmax(-most, fmin(slope, most))) < ldexp(1, -22));
 }
 
-/* The slopes of a view, up to their clamp. */
 static void test_view_slopes(void)
 {
     const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1229,8 +1193,6 @@ static void test_view_slopes(void)
     CHECK(cut > 100 && cut < 1900);
     free(s.data);
 }
-
-/* ---- Errors ----------------------------------------------------------------------------------------------------- */
 
 static struct {
     fxs_context context;
@@ -1297,13 +1259,13 @@ static void test_render_refuses_cameras(void)
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, ((int64_t)1 << 60) + 1);
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, INT64_MIN);
     for (int i = 0; i < 3; i++)
-        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a reflection */
+        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a reflection, not a rotation */
     CHECK(render_good() == FXS_ERR_CAMERA && untouched(good.pixels, sizeof good.pixels));
     free(good.scene.data);
     free(good.memory);
 }
 
-/* near 0 means 0.2. Both ends of the range are accepted; at the far end the picture is empty. */
+/* near 0 means 0.2. At the largest near plane the picture is empty. */
 static void test_near_range(void)
 {
     static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};

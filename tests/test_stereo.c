@@ -1,5 +1,5 @@
-/* Stereo: the bytes and tile lists of two mono frames, on any number of threads, with every version of the stages, and in
- * any memory. */
+/* A stereo frame must have the bytes and tile lists of two mono frames, on any number of threads, with every kernel
+   set, and in any memory. */
 #include <inttypes.h>
 
 #include <fixsplat/system.h>
@@ -18,8 +18,8 @@ typedef struct pair {
     fxs_camera cameras[2];
     fxs_options options;
     enum fxs_format format;
-    ptrdiff_t stride;              /* of the two pictures side by side */
-    size_t bytes;                  /* of both pictures */
+    ptrdiff_t stride;              /* stride in bytes of two pictures side by side */
+    size_t bytes;
     fxs_stats stats;
 } pair;
 
@@ -57,7 +57,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memo
     return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Two mono frames. Returns their list entries. */
+/* Returns the number of entries of all tile lists. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = bytes_of(p, context, 0);
@@ -70,12 +70,9 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
     return stats[0].entries + stats[1].entries;
 }
 
-/* ---- Random scenes ----------------------------------------------------------------------------------------------- */
-
-/* Case by case: eyes with unrelated directions, at one place, side by side (twice), apart in any direction. */
+/* Relations of the two eyes: unrelated directions, at one place, side by side (twice), apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
-/* Returns the format. */
 static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, int which)
 {
     random_camera(&cameras[0]);
@@ -102,7 +99,7 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* Renders in memory for all splats and in just enough; one byte less is refused and nothing is written. */
+/* With one byte less than the minimum memory nothing may be written. */
 static void check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries)
 {
     unsigned char *pixels = malloc(p->bytes);
@@ -156,7 +153,6 @@ static void test_random_pairs(void)
     CHECK(sum == EXPECTED);
 }
 
-/* One eye looks straight ahead, the other is turned about x or y, to either side. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
@@ -271,7 +267,6 @@ static void test_arguments(void)
     free(packed.data);
 }
 
-/* A clock that advances faster with each call. */
 typedef struct looked {
     uint64_t calls, first, last;
 } looked;
@@ -285,7 +280,6 @@ static uint64_t look_at_clock(void *argument)
     return l->last;
 }
 
-/* From the first clock call to the last, including all stages. */
 static void test_time(void)
 {
     fxs_scene scene;
@@ -311,7 +305,7 @@ static void test_time(void)
     free(packed.data);
 }
 
-/* More slots than a band may have: two eyes are drawn in bands, as one is. */
+/* The two eyes have more splats than a band may have. */
 static void test_too_many_slots(void)
 {
     static fxs_object objects[FXS_MAX_OBJECTS];

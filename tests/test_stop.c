@@ -1,5 +1,5 @@
-/* Frames stopped at every place that polls the stop callback: FXS_ERR_STOPPED, and no other damage. A callback that
- * always says no leaves the bytes unchanged. --threads runs only the test of several threads, for ThreadSanitizer. */
+/* Stops frames at every call of the stop callback. A stopped frame must return FXS_ERR_STOPPED without other damage.
+   --threads runs only the test of several threads, for ThreadSanitizer. */
 #include <fixsplat/board.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/declarations.h>
@@ -9,7 +9,6 @@
 
 enum { SIDE = 100, THREADS = 4 };
 
-/* Says stop once, at call number `at`. */
 typedef struct asked {
     int times, at;
 } asked;
@@ -84,7 +83,7 @@ static int draw_strips(bench *b)
     return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
-/* `room`: memory above the minimum, in sixteenths of the memory for a whole frame. */
+/* room: memory above the minimum, in sixteenths of the memory of a whole frame. */
 static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;
@@ -110,8 +109,7 @@ static void bench_free(bench *b)
     free(b->packed.data);
 }
 
-/* Draws without a stop, with one that says no, with stops at each call (or 50 of them), and again without. Returns
-   the number of calls. */
+/* Renders with stops at each call of the stop callback. Returns the number of calls. */
 static int stop_everywhere(bench *b, draw_fn *draw)
 {
     asked a = {0, 0};
@@ -171,9 +169,7 @@ static void test_stopped_in_little_memory(void)
     CHECK(most > 200);
 }
 
-/* ---- Threads ------------------------------------------------------------------------------------------------------- */
-
-/* Stops at random, once in *argument calls; each thread has its own series, so nothing is shared. */
+/* Stops at random, once in *argument calls. Each thread has its own random numbers. */
 static int stop_by_chance(void *argument)
 {
     static __thread uint32_t series;

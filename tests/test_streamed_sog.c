@@ -1,4 +1,4 @@
-/* Written streamed SOG: its levels read back, its index, and that errors leave no files. */
+/* Tests the writer of streamed SOG: levels, index, and errors that must leave no files. */
 #include <sys/stat.h>
 
 #include <fixsplat/scene.h>
@@ -8,7 +8,7 @@
 
 #include <cjson/cJSON.h>
 
-enum { COUNT = 40000, LEVELS = 7 };     /* 157 sets, three leaves */
+enum { COUNT = 40000, LEVELS = 7 };     /* the scene has 157 chunks in three leaves */
 
 static fxs_gaussian wanted[COUNT], got[COUNT];
 static char folder[] = "/tmp/fixsplat-streamed-XXXXXX";
@@ -20,7 +20,6 @@ static const char *in_folder(const char *name)
     return full;
 }
 
-/* A grid of 40 x 40 x 25. */
 static void make(void)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -43,7 +42,7 @@ static int write_scene(const char *name, int count, int announced, const fxs_pro
     return result ? result : closed;
 }
 
-/* Returns the number of Gaussians, or an error. */
+/* Returns the number of Gaussians, or an error code. */
 static long read_level(const char *name, int level)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
@@ -109,8 +108,8 @@ static void has_the_middle(const sums *s, double off)
     }
 }
 
-/* Each level has half the Gaussians of the one before, with the same middle and colours, weighted by optical depth
-   and by opacity. At the coarsest level opacity saturates, so only optical depth is compared. */
+/* The means of a level are weighted by optical depth and by opacity. At the coarsest level opacity saturates, so
+   only optical depth is compared. */
 static void coarser_levels(void)
 {
     long before = COUNT;
@@ -139,7 +138,7 @@ static double number(const cJSON *object, const char *name, int i)
     return (i < 0 ? item : cJSON_GetArrayItem(item, i))->valuedouble;
 }
 
-/* Checks bounds and errors of a node and its children. Returns the number of leaves. */
+/* Checks a node of the JSON tree and its children. Returns the number of leaves. */
 static int check_node(const cJSON *node, const double low[3], const double high[3])
 {
     const cJSON *bound = cJSON_GetObjectItemCaseSensitive(node, "bound"), *child;

@@ -1,6 +1,6 @@
-/* Pictures in strips, and the turntable, must equal fxs_render byte for byte. test_strip SCENE.fxs WIDTH HEIGHT FRAMES
- * [BUDGET] prints the hashes that a board's firmware should print. test_strip SCREEN.ppm prints the hash of a screen's
- * picture. */
+/* Pictures in strips, and the turntable, must equal fxs_render byte for byte. test_strip SCENE.fxs WIDTH HEIGHT
+   FRAMES [BUDGET] prints the hashes that a board's firmware should print. test_strip SCREEN.ppm prints the hash of a
+   screen's picture. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +21,8 @@ static fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3, .back
 typedef struct collected {
     unsigned char *pixels;
     int32_t row_bytes, next, strips;
-    void *other;                   /* buffer for the next strip; null: the same one */
-    int error;                     /* returned at the second strip */
+    void *other;                   /* the buffer for the next strip; null: all strips share a buffer */
+    int error;                     /* the error that the callback returns at the second strip */
 } collected;
 
 static int collect(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
@@ -72,7 +72,7 @@ static void bench_free(bench *b)
     free(b->strip.pixels);
 }
 
-/* Renders to b->want, and in strips within `bytes` of memory; returns the latter's result. */
+/* Returns the result of rendering in strips. */
 static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camera, void *memory, size_t whole,
                      size_t bytes, fxs_stats *stats)
 {
@@ -91,7 +91,6 @@ static int same(const bench *b, const fxs_camera *camera)
            !memcmp(b->got.pixels, b->want, (size_t)(b->got.row_bytes * camera->height));
 }
 
-/* A larger picture, with splats on too many tiles for the lists to fit. */
 static void enlarge(packed_scene *scene, fxs_camera *camera)
 {
     for (uint32_t c = 0; c < scene->scene.chunk_count; c++)
@@ -102,8 +101,6 @@ static void enlarge(packed_scene *scene, fxs_camera *camera)
     camera->cy_q12 = camera->height * 2048;
 }
 
-/* Random scenes in every format, in strips of at least 16 rows, with one buffer and two, at once and with less and
-   less memory. */
 static void test_strips_are_the_picture(void)
 {
     int banded = 0, sliced = 0;
@@ -179,7 +176,6 @@ static void test_wrong_strips(void)
     bench_free(&b);
 }
 
-/* Step 0 is the untransformed scene; after a quarter turn x is where z was; a whole turn equals step 0. */
 static void test_turntable_turns(void)
 {
     packed_scene scene = random_scene(FXS_PROFILE_SMALL, 500);
@@ -235,7 +231,7 @@ static void test_turntable_frames(void)
     free(scene.data);
 }
 
-/* ---- A board's output -------------------------------------------------------------------------------------------- */
+/* ---- Output of a board ------------------------------------------------------------------------------------------- */
 
 static uint64_t fnv1a64(const unsigned char *bytes, size_t count)
 {
@@ -245,7 +241,6 @@ static uint64_t fnv1a64(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* As the firmware prints for its strips. */
 static int print_hashes(char **arguments)
 {
     fxs_mapping file;

@@ -1,4 +1,4 @@
-/* Finds the subject of the cameras, and crops a fit to it. */
+/* Finds the subject that the cameras surround, and crops a fit to the subject. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static void aim(int i, const double eye[3], const double target[3])
     photos[i].pixels = pixels;
 }
 
-/* Cameras around `middle` that see distance * 24 / 60 units up and down; points near it and beyond. */
+/* The cameras around `middle` see distance * 24 / 60 units up and down. */
 static void set_up(const double middle[3], const double distances[PHOTOS])
 {
     for (int i = 0; i < PHOTOS; i++) {
@@ -40,7 +40,6 @@ static void set_up(const double middle[3], const double distances[PHOTOS])
         }
 }
 
-/* Turns the first cameras around, on the same axes. */
 static void turn_back(int count)
 {
     for (int i = 0; i < count; i++)
@@ -80,7 +79,7 @@ static double reach_of(const fxs_gaussian *g, const double middle[3])
     return sqrt(square) + exp((double)fmaxf(fmaxf(g->scale[0], g->scale[1]), g->scale[2]));
 }
 
-/* With 20 steps, the last two fit codes. */
+/* A fit of 20 steps quantises values in its last two steps. */
 static void cropped(uint32_t steps)
 {
     static const double middle[3] = {2, -3, 5};
@@ -137,36 +136,35 @@ static void no_subject(void)
     turn_back(PHOTOS / 4 + 1);
     refuses("do not look at one thing: 8 of 12 photographs");
     set_up(middle, NULL);
-    turn_back(PHOTOS);                          /* cameras look outward, as in a room */
+    turn_back(PHOTOS);                          /* the cameras look outward, as in a room */
     for (int i = 0; i < POINTS; i++)
         points[i].position[2] *= 10;
     refuses("do not look at one thing: 0 of 12 photographs");
-    for (int i = 0; i < PHOTOS; i++) {          /* cameras side by side, looking at something far away */
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras stand side by side and look at a distant object */
         const double eye[3] = {0.05 * i, 0, 0};
         aim(i, eye, far);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* around it, but aimed 0.4 of the distance to its side */
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras aim beside the subject by 0.4 of the distance */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {-0.4 * eye[2], 0, 0.4 * eye[0]};
         aim(i, eye, target);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < PHOTOS; i++) {          /* aimed 0.3 of the distance above and below in turn */
+    for (int i = 0; i < PHOTOS; i++) {          /* the cameras aim above and below in turn, by 0.3 of the distance */
         const double *p = photos[i].view.position, eye[3] = {p[0], p[1], p[2]};
         const double target[3] = {0, i % 2 ? 3 : -3, 0};
         aim(i, eye, target);
     }
     refuses("do not look at one thing: 0 of 12 photographs");
     set_up(middle, NULL);
-    for (int i = 0; i < POINTS; i++)            /* points only above and below */
+    for (int i = 0; i < POINTS; i++)            /* all points lie above and below the cameras */
         points[i].position[1] += i % 2 ? 60 : -60;
     refuses("no Gaussian lies where the cameras look");
 }
 
-/* The radius is that which half of the photographs show whole. */
 static void radius_of_the_median(void)
 {
     static const double middle[3] = {0, 0, 0};

@@ -1,17 +1,14 @@
-/* Depths, ids, coverage, occluders and backdrops: equal to a loop over every pixel and splat in order, close to the
- * double-precision reference, and consistent with each other. */
+/* Tests the targets depths, ids, coverage, occluders and backgrounds. They must equal a loop over every pixel and
+   splat (projected Gaussian) in order of depth. */
 #include "src/core/frame.h"
 #include "one_scene.h"
 #include "random_scene.h"
 #include "splat_level.h"
 #include "random_world.h"
 
-static fxs_context plain;          /* C, one thread */
+static fxs_context plain;          /* a context with plain C kernels and a single thread */
 static const double up[3] = {0, -1, 0};
 
-/* ---- Pixel by pixel ---------------------------------------------------------------------------------------------- */
-
-/* Every splat of a world, and their order. */
 static struct {
     uint32_t count, room;
     fxs_splat *splats;
@@ -69,11 +66,10 @@ static void collect(const fxs_object *objects, uint32_t count, const fxs_camera 
         qsort(all.order, all.count, sizeof *all.order, by_depth);
 }
 
-/* A pixel during blending. */
 typedef struct brute {
     int t_q15, sum_q13[3], most_q15, weights;
     uint32_t median, largest;
-    double depths, error;          /* sum of weight * depth; the renderer's tolerance for it */
+    double depths, error;          /* sum of weight * depth; the renderer's tolerance for this sum */
 } brute;
 
 static double depth_of(uint32_t key)
@@ -81,7 +77,6 @@ static double depth_of(uint32_t key)
     return ldexp((double)(1u << 26 | (key & 0x3ffffff)), (int)(key >> 26) - 32 - 26);
 }
 
-/* The renderer rounds a depth within its octave to 2^-15, and each product with a weight. */
 static void add_depth(brute *b, uint32_t key, int weight_q15)
 {
     const double octave = ldexp(1, (int)(key >> 26) - 32);
@@ -117,7 +112,7 @@ static uint32_t splats_of_row(int y, uint32_t *row)
     return count;
 }
 
-/* True if the splat's width plus two pixels reaches column x. */
+/* True if the width of the splat plus two pixels reaches column x. */
 static int may_touch(uint32_t slot, int x)
 {
     const fxs_bounds *b = &all.bounds[slot];
@@ -136,7 +131,7 @@ static brute brute_pixel(const uint32_t *row, uint32_t count, int x, int y, uint
 
 static struct {
     double largest;                /* largest relative error of a mean depth */
-    long pixels, hidden;           /* pixels with a mean depth; pixels where the occluder hides something */
+    long pixels, hidden;           /* numbers of pixels with a mean depth and with a hidden splat */
 } tally;
 
 static int same_mean(const brute *b, uint32_t mean, int bits)
@@ -170,7 +165,7 @@ static uint32_t expected_median(const brute *b, int bits)
     return depth < FXS_NOTHING - 1 ? (uint32_t)depth : FXS_NOTHING - 1;
 }
 
-/* A depth as the renderer compares it: 26 bits after the leading one. */
+/* Converts a depth to the renderer's key: 26 bits after the leading bit. */
 static uint32_t key_of(uint32_t depth, int bits)
 {
     int exponent;
@@ -260,7 +255,7 @@ static int draw(const scenario *s, const fxs_targets *targets)
     return draw_in(&plain, s, bytes_of(&plain, s), targets, 0);
 }
 
-/* Random depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
+/* Makes random depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
 static uint32_t *random_occluder(const scenario *s, int bits)
 {
     const int pixels = s->camera.width * s->camera.height;
@@ -303,8 +298,6 @@ static void test_every_target_pixel_by_pixel(void)
     CHECK(tally.pixels > 15000 && tally.hidden > 15000 && tally.largest < 0.004);
 }
 
-/* ---- Against the reference --------------------------------------------------------------------------------------- */
-
 enum { WIDTH = 400, HEIGHT = 260, PIXELS = WIDTH * HEIGHT };
 
 /* Shares of pixels: with a value, ties (skipped), and wrong. */
@@ -320,7 +313,7 @@ static void print_shares(const char *what, shares *s)
            rest, 100 * s->ties / fmax(1, s->with));
 }
 
-/* A transmittance within 1/1024 of 1/2 is a tie. */
+/* Pixels are ties where the transmittance is within 1/1024 of 1/2. */
 static void check_median(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};
@@ -340,7 +333,7 @@ static void check_median(const picture *p, const reference_world *r)
     CHECK(s.wrong <= 0.001);
 }
 
-/* Two largest weights within 1/1024 are a tie. */
+/* Pixels are ties where the two largest weights are within 1/1024 of each other. */
 static void check_id(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};
@@ -486,9 +479,7 @@ static void test_captured_against_reference(void)
         SKIP("the scenes are not here");
 }
 
-/* ---- A mesh in between ------------------------------------------------------------------------------------------- */
-
-/* A slanted wall through a point, as depths along the pixels' rays; FXS_NOTHING at every 37th pixel. */
+/* Makes the depths of a slanted wall. Every 37th pixel is FXS_NOTHING. */
 static void make_wall(const fxs_camera *camera, double through, uint32_t *depths, double *in_doubles)
 {
     const fxs_view view = view_of(camera);
@@ -562,7 +553,6 @@ static void fill(uint32_t *depths, int count, uint32_t depth)
         depths[i] = depth;
 }
 
-/* An occluder of FXS_NOTHING gives the frame without one; directly before the camera, the background. */
 static void test_empty_and_full_occluders(void)
 {
     state = 33;
@@ -591,8 +581,6 @@ static void test_empty_and_full_occluders(void)
     }
 }
 
-/* ---- Targets against each other ---------------------------------------------------------------------------------- */
-
 static fxs_image *image_of(fxs_targets *t, int i)
 {
     fxs_image *const images[] = {&t->colour, &t->coverage, &t->mean_depth, &t->median_depth, &t->id, &t->occluder,
@@ -600,8 +588,7 @@ static fxs_image *image_of(fxs_targets *t, int i)
     return images[i];
 }
 
-/* More splats at the occluder's depth than one part of a tile's list holds: all are visible, and one depth nearer
-   none is. */
+/* More splats lie at the occluder's depth than a part of a tile's list holds. */
 static void test_many_at_the_limit(void)
 {
     enum { SIZE = 16, BITS = 26 };
@@ -640,7 +627,6 @@ static void test_many_at_the_limit(void)
     free(flat.data);
 }
 
-/* Any subset of targets gives the bytes of all together. */
 static void test_every_subset(void)
 {
     state = 34;
@@ -688,7 +674,7 @@ static unsigned char *colour_of(const scenario *s, enum fxs_format format, const
     return pixels;
 }
 
-/* The 16-bit colour determines the sum, and the sum the 8-bit colour. */
+/* True if each 8-bit colour follows from its 16-bit colour. */
 static int same_wide(const uint16_t *wide, const uint8_t *rgba)
 {
     int same = 1;
@@ -742,7 +728,7 @@ static void test_formats_against_each_other(void)
     }
 }
 
-/* A backdrop pixel is the background of its pixel. The backdrop may be the colour target itself. */
+/* A background image gives each pixel its own background. The image may be the colour target itself. */
 static void test_backdrops(void)
 {
     static const enum fxs_format formats[] = {FXS_FORMAT_RGBA8, FXS_FORMAT_RGB565, FXS_FORMAT_BGRA8,
@@ -764,7 +750,7 @@ static void test_backdrops(void)
             memcpy(backdrop + 4 * k, colours[k % 3 == 0], 3);
             backdrop[4 * k + 3] = (uint8_t)next();
         }
-        s.options.background[1] = (uint8_t)~s.options.background[1];   /* unused */
+        s.options.background[1] = (uint8_t)~s.options.background[1];
         unsigned char *mixed = colour_of(&s, formats[i % 4], &(fxs_image){backdrop, width * 4});
         for (int k = 0; k < width * height; k++)
             CHECK(!memcmp(mixed + bytes * k, of_colour[k % 3 == 0] + bytes * k, (size_t)bytes));
@@ -781,7 +767,6 @@ static void test_backdrops(void)
     }
 }
 
-/* An image with padded rows, maybe bottom up, in a block of guard bytes. */
 typedef struct padded {
     unsigned char *block;
     size_t bytes;
@@ -804,7 +789,6 @@ static padded padded_new(int width, int height, int bytes, int alignment)
     return p;
 }
 
-/* The rows equal the unpadded ones; the padding is untouched. */
 static int same_padded(const padded *p, const unsigned char *tight, int height)
 {
     unsigned char *expected = malloc(p->bytes);
@@ -875,7 +859,7 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    for (int side = -4; side <= 4; side += 8) {      /* overlaps the row before, or after */
+    for (int side = -4; side <= 4; side += 8) {      /* the second image overlaps the previous row or the next row */
         t.colour.pixels = both + 4 * width + side;
         CHECK(draw(&s, &t) == FXS_ERR_TARGET);
     }
@@ -883,8 +867,6 @@ static void test_interlaced_targets(void)
     picture_free(&p);
     free_scenario(&s);
 }
-
-/* ---- Picking ----------------------------------------------------------------------------------------------------- */
 
 static int is_on_ray(const fxs_pick_result *r, const fxs_camera *camera, int x, int y)
 {
@@ -950,8 +932,6 @@ static void test_pick(void)
     CHECK(hits > 300 && misses > 30);
 }
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
-
 static scenario good;
 static picture good_picture;
 
@@ -987,8 +967,7 @@ static void check_image(const fxs_targets *fit, int i, int bytes, int alignment)
     }
 }
 
-/* Every pair of images is refused if they share a place, or one's first row overlaps the other's last. Only the
-   backdrop may be the colour target. */
+/* Images that share a byte are refused. Only the background image may be the colour target. */
 static void check_overlaps(const fxs_targets *fit)
 {
     const int last = good.camera.height - 1;
@@ -1041,7 +1020,7 @@ static void test_bad_targets(void)
     for (int i = 0; i < 4; i++) {
         static const int formats[] = {6, -1, FXS_FORMAT_RGBA8_COVERAGE, FXS_FORMAT_RGBA16_COVERAGE};
         fxs_targets t = fit;
-        t.format = (enum fxs_format)formats[i];    /* an unknown format, or one without backdrops */
+        t.format = (enum fxs_format)formats[i];    /* an unknown format, or a format without background images */
         refuses("format", &t);
     }
     check_overlaps(&fit);

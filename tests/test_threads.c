@@ -1,7 +1,6 @@
-/* Thread safety: threads share one context and one pool, and each has its own memory.
-   tests/scripts/threads_and_cpus.sh runs this under ThreadSanitizer too. */
+/* Tests thread safety. Threads share one context and one pool, and each thread has its own memory. */
 #ifdef __linux__
-#define _GNU_SOURCE                        /* sched_setaffinity */
+#define _GNU_SOURCE
 #include <sched.h>
 #endif
 #include <pthread.h>
@@ -28,7 +27,7 @@ typedef struct frame {
 static frame frames[FRAMES];
 static fxs_context shared;
 
-/* Draws. Returns true if the pixels are the expected ones; with `fill`, stores them as expected. */
+/* Returns true if the pixels are as expected. fill: 1 stores the pixels as expected. */
 static int draw(const fxs_context *context, frame *f, int fill)
 {
     unsigned char *pixels = fill ? f->expected : calloc(1, sizeof f->expected);
@@ -95,8 +94,6 @@ static void test_a_context_for_several_threads(void)
     for (int i = 0; i < FRAMES; i++)
         free(frames[i].packed.data);
 }
-
-/* ---- The pool ---------------------------------------------------------------------------------------------------- */
 
 enum { OUTER = 8, INNER = 16, CALLS = 200 };
 

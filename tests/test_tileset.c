@@ -1,4 +1,5 @@
-/* Reads tilesets made here: refinement, transforms, nesting, the globe; faulty ones; limits of the import. */
+/* Reads tilesets that the test makes: refinement, transforms, nesting, positions on the Earth, faulty tilesets, and
+   limits of the import. */
 #include <math.h>
 
 #include <fixsplat/scene.h>
@@ -13,7 +14,6 @@ static fxs_scene_file_info info;
 enum { MOST = 400, TILES = 100 };
 
 static fxs_gaussian out[MOST];
-/* ---- Making files ---------------------------------------------------------------------------------------------- */
 
 static uint8_t glb[1 << 16];
 static size_t glb_size;
@@ -28,7 +28,6 @@ static uint8_t *put_floats(uint8_t *to, int count, const float *values)
     return to;
 }
 
-/* Gaussian i of file `number`. */
 static void values_of(int number, int i, float row[14])
 {
     const float made[14] = {(float)number, 0.25f * (float)i, -1, 0, 0, 0.6f, 0.8f, 0.5f, 0.125f, 0.25f, 0.5f,
@@ -36,7 +35,7 @@ static void values_of(int number, int i, float row[14])
     memcpy(row, made, sizeof made);
 }
 
-/* A .glb of `count` Gaussians, each a row of 14 floats; 0: a scene without Gaussians. */
+/* A .glb of `count` Gaussians of 14 floats. count 0: a scene without Gaussians. */
 static void make_glb(int number, int count)
 {
     static const struct { const char *name, *type; int offset; } attributes[] = {
@@ -85,9 +84,6 @@ static void put_tiles(const char *name, const char *tiles)
 #define BOX "\"boundingVolume\":{\"sphere\":[0,0,0,9]},\"geometricError\":4,"
 #define CONTENT(name) "\"content\":{\"uri\":\"" name "\"}"
 
-/* ---- Reading --------------------------------------------------------------------------------------------------- */
-
-/* Reads twice, `step` Gaussians at a time. Returns their number, or -1 and the message. */
 static long read_step(const char *name, const fxs_scene_file_options *options, size_t step)
 {
     static fxs_gaussian again[MOST];
@@ -125,9 +121,7 @@ static void check_fails(const char *words)
         printf("  said: %s\n  not:  %s\n", message.text, words);
 }
 
-/* ---- Refinement ------------------------------------------------------------------------------------------------ */
-
-/* The set of files read: bit n for file n, which stores its number in dc. */
+/* Returns the set of files that were read: bit n for file n. Each file stores its number in dc. */
 static int numbers_read(const char *tiles)
 {
     int bits = 0;
@@ -161,7 +155,6 @@ static void refinement(void)
           == 1);
     CHECK(numbers_read("{" BOX CONTENT("0.glb") ",\"children\":[{" BOX "\"children\":[{" BOX CONTENT("1.glb") "}]}]}")
           == 2);
-    /* inherited, then changed below */
     CHECK(numbers_read("{" BOX "\"refine\":\"REPLACE\"," CONTENT("0.glb") ",\"children\":[{" BOX "\"refine\":\"add\","
                        CONTENT("1.glb") ",\"children\":[{" BOX CONTENT("2.glb") ",\"children\":[{" BOX CONTENT("3.glb")
                        "}]}]},{" BOX CONTENT("4.glb") "}]}") == 30);
@@ -200,7 +193,7 @@ static void same_as_its_content(void)
     CHECK(read_scene("tileset.json") == 20 && memcmp(out, alone, 20 * sizeof *out) == 0);
 }
 
-/* The tileset's (x, y, z), z up, is read as (-x, -z, -y). */
+/* A point (x, y, z) of the tileset with z up is read as (-x, -z, -y). */
 static int is_at(const fxs_gaussian *g, double x, double y, double z)
 {
     const int is_there = fabs((double)g->position[0] + x) < 1e-5 && fabs((double)g->position[1] + z) < 1e-5 &&
@@ -211,9 +204,8 @@ static int is_at(const fxs_gaussian *g, double x, double y, double z)
 }
 
 #define MOVE(x, y, z) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," #x "," #y "," #z ",1],"
-#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* 90 degrees around z, twice the size */
+#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* rotates by 90 degrees around z and scales by 2 */
 
-/* Gaussian 1 lies at (number, 0.25, -1) in glTF, which is (number, 1, 0.25) with z up. */
 static void transforms(void)
 {
     put_glb("1.glb", 1, 2);
@@ -233,7 +225,6 @@ static void transforms(void)
     CHECK(read_scene("tileset.json") == 2 && is_at(&out[1], 2, 2.25, 2));
 }
 
-/* A tile at the Earth's radius defines the frame; tiles below it keep their place to float precision. */
 static void globe(void)
 {
     put_glb("1.glb", 1, 2);
@@ -249,7 +240,6 @@ static void globe(void)
     check_fails("tileset.json: the transform of a tile has no inverse");
 }
 
-/* A nested tileset: names relative to its folder, its transform on top, its own up axis. */
 static void nested(void)
 {
     mkdir(in_folder("sub"), 0700);
@@ -261,7 +251,7 @@ static void nested(void)
               CONTENT("3.glb") "}]}");
     put_tiles("tileset.json", "{" BOX "\"refine\":\"REPLACE\"," CONTENT("1.glb") ",\"children\":[{" BOX TURN
               CONTENT("sub/more.json") "}]}");
-    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset is y up and must not be turned twice */
+    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset has y up and must not be rotated twice */
         CHECK(is_at(&out[1], 5 - 2, 6 + 6, 7 + 6.5));
         CHECK(is_at(&out[3], 5 - 2, 6 + 4, 7 + 6.5));
     } else {
@@ -269,15 +259,13 @@ static void nested(void)
     }
 }
 
-/* ---- Faults ---------------------------------------------------------------------------------------------------- */
-
 static const char good[] =
     "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":9,\"root\":{" BOX "\"refine\":\"ADD\"," MOVE(1, 2, 3)
     CONTENT("1.glb") ",\"children\":[{" BOX CONTENT("2.glb") "}]}}";
 
 static void faulty_tilesets(void)
 {
-    static const char *const cases[][3] = {   /* old text, new text, message */
+    static const char *const cases[][3] = {   /* a text of the file, its replacement, the expected message */
         {"\"1.1\"", "\"2.0\"", "tileset.json: not 3D Tiles 1"}, {"\"1.1\"", "1.1", "not 3D Tiles 1"},
         {"\"asset\"", "\"assets\"", "not 3D Tiles 1"}, {"\"root\"", "\"rood\"", "a tile that is not an object"},
         {"\"version\"", "\"gltfUpAxis\":\"X\",\"version\"", "a \"gltfUpAxis\" that is neither Y nor Z"},
@@ -343,7 +331,6 @@ static void faulty_tilesets(void)
 
 #define MOVED(x) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," x ",0,0,1],"
 
-/* Several tiles with one file, under one name or several, each get their copy. */
 static void repeated_contents(void)
 {
     static const char *const names[] = {"1.glb", ".//1.glb", "link.glb", "hard.glb", "sub\\\\1.glb",
@@ -365,7 +352,7 @@ static void repeated_contents(void)
     }
 }
 
-/* Tilesets that each name the next one twice: 2^20 contents from 20 files. */
+/* Each tileset names the next tileset twice: 2^20 contents from 20 files. */
 static void doubling(void)
 {
     char name[32], tiles[256];
@@ -397,8 +384,6 @@ static void deep_nesting(void)
     check_fails("tilesets nested too deep");
 }
 
-/* ---- Limits ---------------------------------------------------------------------------------------------------- */
-
 static void put_many(void)
 {
     static char tiles[1 << 15];
@@ -413,7 +398,6 @@ static void put_many(void)
     put_tiles("tileset.json", tiles);
 }
 
-/* More contents than may stay open, with little memory; an exact limit. */
 static void many_contents(void)
 {
     const long count = TILES / 5 * 15;
@@ -432,7 +416,6 @@ static void many_contents(void)
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
-/* A content's bytes count once, however often it is opened. */
 static void bytes_count_once(void)
 {
     char words[64];
@@ -458,7 +441,6 @@ static void changed_while_open(void)
     fxs_scene_file_close(file);
 }
 
-/* A small file that names very many others. */
 static void too_many_contents(void)
 {
     static char tiles[1 << 19];

@@ -1,5 +1,4 @@
-/* The tree of levels of detail: its shape, how well its chunks keep the leaves' means, its file, and the same bytes
-   for any number of threads. test_fxs_bytes checks other processors. */
+/* Tests the tree of levels of detail: its shape, how well its chunks keep the means of the leaves, and its file. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -25,7 +24,6 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* Gaussians on three walls, and some far away. */
 static void make(void)
 {
     uint32_t state = 5;
@@ -55,9 +53,7 @@ static int pack(fxs_packed_scene *packed, fxs_scene *scene, uint64_t count, cons
     return CHECK(!error && !fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* ---- Shape ------------------------------------------------------------------------------------------------------- */
-
-/* Per chunk: number of leaves below, first leaf, parent. */
+/* For each chunk: number of leaves below, first leaf, parent. */
 static uint32_t leaves[MOST_CHUNKS], first[MOST_CHUNKS], parents[MOST_CHUNKS];
 
 static void check_shape(const fxs_scene *scene)
@@ -89,7 +85,7 @@ static void check_shape(const fxs_scene *scene)
         CHECK(leaves[i] > leaves[i + 1] || (leaves[i] == leaves[i + 1] && first[i] < first[i + 1]));
 }
 
-/* A child with a larger gain than its parent would be refined too late. */
+/* Nodes are refined in descending order of their gain, so a child must not have a larger gain than its parent. */
 static void check_gains(const fxs_scene *scene)
 {
     for (uint32_t i = 0; i + 1 < scene->chunk_count; i++) {
@@ -102,10 +98,8 @@ static void check_gains(const fxs_scene *scene)
     }
 }
 
-/* ---- Means ------------------------------------------------------------------------------------------------------- */
-
-/* Sums over a chunk. weight: drawn opacity * area, where area is sqrt(x^2 y^2 + x^2 z^2 + y^2 z^2) of the sigmas;
-   at, dc: weight * position, weight * colour. */
+/* Sums over a chunk. weight: drawn opacity * area, with area sqrt(x^2 y^2 + x^2 z^2 + y^2 z^2) of the sigmas. at,
+   dc: weight * position, weight * colour. */
 typedef struct sums {
     double weight, area, at[3], dc[3];
     uint32_t count;
@@ -136,8 +130,6 @@ static sums sums_of(const fxs_scene *scene, uint32_t number)
     return s;
 }
 
-/* A parent keeps its children's mean colour and place, and nearly their weight, minus overlap; quantisation adds a
-   little. */
 static void check_means(const fxs_scene *scene, double loss)
 {
     double worst = 0;
@@ -148,7 +140,7 @@ static void check_means(const fxs_scene *scene, double loss)
                    b = sums_of(scene, node.children[1]);
         CHECK(own.count == (a.count + b.count < FXS_CHUNK ? a.count + b.count : FXS_CHUNK));
         const double weight = a.weight + b.weight;
-        const double rounded = own.area / 510;       /* half a code of opacity */
+        const double rounded = own.area / 510;       /* half a step of the opacity code */
         CHECK(own.weight < 1.01 * weight + rounded && own.weight > 0.7 * weight - rounded);
         for (int k = 0; k < 3; k++) {
             worst = fmax(worst, fabs(own.at[k] / own.weight - (a.at[k] + b.at[k]) / weight) / 400);
@@ -171,8 +163,6 @@ static void check_tree(enum fxs_profile profile, double loss)
     fxs_packed_scene_free(&packed);
 }
 
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
-
 static void check_threads(enum fxs_profile profile)
 {
     fxs_packed_scene alone, packed, plain;
@@ -181,8 +171,7 @@ static void check_threads(enum fxs_profile profile)
         !pack(&plain, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile}))
         return;
     CHECK(!scene.nodes && alone.bytes == plain.bytes + fxs_tree_bytes(scene.chunk_count, 3, profile));
-    CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* equal except for the
-                                                                                          version */
+    CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));
     for (uint32_t threads = 2; threads <= 3; threads++) {
         fxs_pool *pool = fxs_pool_create(threads);
         const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1, .workers.run = fxs_pool_run, .workers.pool = pool,
@@ -197,7 +186,6 @@ static void check_threads(enum fxs_profile profile)
     fxs_packed_scene_free(&plain);
 }
 
-/* One chunk has no tree; two have one node. */
 static void few(void)
 {
     for (uint64_t count = FXS_CHUNK - 1; count <= FXS_CHUNK + 1; count++) {
@@ -213,7 +201,6 @@ static void few(void)
     }
 }
 
-/* Chunks stay in range for sizes of any magnitude. */
 static void extremes(void)
 {
     static const float sizes[] = {1e-30f, 1e-10f, 1e-3f, 1, 60, 1e4f, 1e8f, 1e30f};
@@ -306,9 +293,6 @@ static void stopped(void)
     }
 }
 
-/* ---- The file ---------------------------------------------------------------------------------------------------- */
-
-/* Every changed byte is detected. Leaves read as without the tree. */
 static void in_a_file(void)
 {
     static fxs_gaussian got[COUNT], expected[COUNT];

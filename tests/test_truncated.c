@@ -1,5 +1,5 @@
-/* Every file format cut short at every length: refused with a message, or read if it looks complete. Each row is a
-   kind of file: the files of one scene, its reader, and the result for each length. */
+/* Truncates a file of every format at every length. The reader must refuse the file with a message, or read a file
+   that looks complete. */
 #include <limits.h>
 #include <sys/stat.h>
 
@@ -12,10 +12,10 @@
 #include "jpeg_bytes.h"
 #include "packed_scene.h"
 
-#define EITHER LONG_MIN            /* reading and refusing are both allowed */
+#define EITHER LONG_MIN            /* a truncated file may be read or refused */
 
 static char folder[] = "/tmp/fixsplat-truncated-XXXXXX";
-static const char *words;          /* message expected for a refused length; null: none */
+static const char *words;          /* expected message for a refused length; null: not checked */
 
 static void add_file_of(const char *from, const char *name)
 {
@@ -31,8 +31,6 @@ static const char *in_folder(const char *name)
     snprintf(full, sizeof full, "%s/%.31s", folder, name);
     return full;
 }
-
-/* ---- Scenes ---------------------------------------------------------------------------------------------------- */
 
 static long read_scene(const char *name)
 {
@@ -77,7 +75,7 @@ static long of_ply(const struct made_file *f, size_t length)
     return fault(length < 3 ? "not a scene file" : length < ply_header(f) ? "no end_header" : text);
 }
 
-/* A cut within the last number is undetectable: the shorter number is read. */
+/* A cut within the last number of an ASCII .ply is undetectable. */
 static long of_ascii_ply(const struct made_file *f, size_t length)
 {
     size_t last = f->size - 2;
@@ -116,8 +114,8 @@ static void put_zeros(int encoding, int count, int width)
             put("0 ");
 }
 
-/* With lists, the last of them the last property: the header gives only a lower bound of the size. `encoding`: 0
-   ASCII, 1 little-endian, 2 big-endian. */
+/* The header of a .ply with lists gives only a lower bound of the size. encoding: 0 ASCII, 1 little-endian, 2
+   big-endian. */
 static void make_lists_ply(int encoding)
 {
     static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -144,14 +142,14 @@ static void make_ascii_lists(void) { make_lists_ply(0); }
 static void make_little_lists(void) { make_lists_ply(1); }
 static void make_big_lists(void) { make_lists_ply(2); }
 
-/* Whole records are a valid file. */
+/* A .splat file of whole records is valid. */
 static long of_splat(const struct made_file *f, size_t length)
 {
     (void)f;
     return length && length % 32 == 0 ? (long)length / 32 : fault("not a scene file of a known format");
 }
 
-/* SH degree 1, three sections of one Gaussian; compressed ones have one bucket each. */
+/* The .ksplat has SH degree 1 and three sections of one Gaussian. */
 static void make_compressed_ksplat(int level)
 {
     const size_t gaussian = level == 0 ? 44 + 36 : level == 1 ? 24 + 18 : 24 + 9;
@@ -189,14 +187,14 @@ static long of_ksplat(const struct made_file *f, size_t length)
                  : "of 3: the file ends before its last Gaussian");
 }
 
-/* Also whole without its 12-byte extension. */
+/* An .spz without its 12-byte extension is complete too. */
 static long of_plain_spz(const struct made_file *f, size_t length)
 {
     return length == f->size - 12 ? GAUSSIANS : FXS_ERR_FILE;
 }
 
 #ifdef FXS_WITH_CJSON
-/* Whole index cells and sky Gaussians are valid; the scene has two cells of one Gaussian. */
+/* An .lcc is valid with whole index cells and whole environment Gaussians. */
 static long of_lcc(const struct made_file *f, size_t length)
 {
     static char text[128];
@@ -225,9 +223,7 @@ static long of_zip(const struct made_file *f, size_t length)
 #endif
 #endif
 
-/* ---- Packed scenes --------------------------------------------------------------------------------------------- */
-
-/* Allocated exactly, so that a sanitizer detects reads beyond the end. */
+/* Allocates exactly the file's length, so that a sanitizer detects reads beyond the end. */
 static void *file_of(const char *name, size_t *length)
 {
     struct stat about;
@@ -274,8 +270,6 @@ static long of_packed(const struct made_file *f, size_t length)
     return FXS_ERR_SCENE;
 }
 
-/* ---- Cameras and photographs ----------------------------------------------------------------------------------- */
-
 static void put_u64(uint64_t value)
 {
     put_u32((uint32_t)value);
@@ -292,7 +286,6 @@ static void put_doubles(int count, double first, double more)
     }
 }
 
-/* A COLMAP model: one camera, one view with two points. */
 static void make_colmap(void)
 {
     put_u64(1);
@@ -378,8 +371,6 @@ static long of_json(const struct made_file *f, size_t length)
 }
 #endif
 
-/* ---- Pictures -------------------------------------------------------------------------------------------------- */
-
 static long read_image(const char *name)
 {
     uint8_t *rgba;
@@ -424,8 +415,6 @@ static long of_picture(const struct made_file *f, size_t length)
 }
 #endif
 
-/* ---- Fits ------------------------------------------------------------------------------------------------------ */
-
 static uint8_t pixels[3 * 16 * 16];
 static const fxs_fit_photo photo = {
     .view = {.name = "a", .width = 16, .height = 16, .fx = 16, .fy = 16, .cx = 8, .cy = 8,
@@ -457,20 +446,17 @@ static long read_saved_fit(const char *name)
     return error;
 }
 
-/* A truncated checksum is reported as a wrong one. */
+/* A checkpoint with a truncated checksum is reported as damaged. */
 static long of_saved_fit(const struct made_file *f, size_t length)
 {
     return fault(length < 4 ? "not a saved fit" : length < f->size - 8 ? "it ends early" : "damaged");
 }
 
-/* ---- All ------------------------------------------------------------------------------------------------------- */
-
 static const struct row {
     const char *name;
     void (*make)(void);
     long (*read)(const char *name);
-    long (*result)(const struct made_file *f, size_t length);        /* expected result for f cut to length; may set
-                                                                        `words` */
+    long (*result)(const struct made_file *f, size_t length);        /* expected result for a file cut to `length` */
 } rows[] = {
     {"ply", make_ply, read_scene, of_ply},
     {"ply in ASCII", make_ascii_ply, read_scene, of_ascii_ply},

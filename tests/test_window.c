@@ -1,4 +1,5 @@
-/* The viewer: camera motion, the overlay, and the window, fed with SDL events on SDL's driver without a screen. */
+/* Tests the viewer: camera motion, the overlay, and the window. SDL runs on its driver without a screen and gets
+   events from the test. */
 #include <fixsplat/camera.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
@@ -45,8 +46,6 @@ static int near(double a, double b)
     return fabs(a - b) < 1e-9;
 }
 
-/* ---- Motion ------------------------------------------------------------------------------------------------------ */
-
 static void test_orbit_keeps_the_pivot(void)
 {
     fxs_view view = a_view();
@@ -57,7 +56,7 @@ static void test_orbit_keeps_the_pivot(void)
     CHECK(near(see(&view, pivot, pixel), 7));
     CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
     see(&view, front, pixel);
-    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* the object follows the pointer */
+    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* the picture of the object follows the pointer */
 }
 
 static void test_orbit_stops_at_the_poles(void)
@@ -66,8 +65,8 @@ static void test_orbit_stops_at_the_poles(void)
         fxs_view view = a_view();
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
-        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
-        CHECK(near(view.rotation[1], 0));                                              /* to the right, still level */
+        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* the camera moves along -up */
+        CHECK(near(view.rotation[1], 0));
     }
 }
 
@@ -120,7 +119,7 @@ static void test_parallel_rays(void)
     view.projection = FXS_ORTHOGRAPHIC;
     view.fx = view.fy = 100;
     before = view;
-    fxs_motion_pan(&view, distance, 50, 0);                      /* half a unit */
+    fxs_motion_pan(&view, distance, 50, 0);                      /* moves the camera by half a unit */
     for (int i = 0; i < 3; i++)
         CHECK(near(view.position[i], before.position[i] - 0.5 * view.rotation[i]));
     before = view;
@@ -129,7 +128,6 @@ static void test_parallel_rays(void)
     CHECK(!memcmp(view.position, before.position, sizeof view.position));
 }
 
-/* The vertical field of view does not depend on the window's size. */
 static void test_height_stays(void)
 {
     fxs_view view = a_view();
@@ -161,8 +159,6 @@ static void test_rotations_stay_rotations(void)
             CHECK(near(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], i == j));
         }
 }
-
-/* ---- Overlay ----------------------------------------------------------------------------------------------------- */
 
 static uint8_t dots[FXS_GRAPH_WIDTH * 200 * 4];
 
@@ -228,7 +224,7 @@ static void test_depths_have_colours(void)
         depths[i] = 65536 + 1000 * i;
     depths[7] = FXS_NOTHING;
     fxs_paint_depths(&picture, depths);
-    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* red to blue */
+    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* the bars go from red to blue */
     CHECK(differ(&picture, 150, 200) && !differ(&picture, 0, 1) && !dots[4 * 7] && dots[4 * 7 + 3] == 255);
     for (int i = 0; i < 400; i++)
         depths[i] = FXS_NOTHING;
@@ -248,7 +244,6 @@ static void test_ids_have_colours(void)
     CHECK(pixels_of(&picture, 0x000000ff) == 1);
 }
 
-/* Words in both themes on their panels: in place, as wide as reported, with enough contrast. */
 static void test_words(void)
 {
     fxs_words *words;
@@ -305,14 +300,12 @@ static void test_graph_shows_the_times(void)
     fxs_frame_times_add(&times, &(fxs_stats){.nanoseconds = {[FXS_PROJECT] = 5000000}});
     CHECK(near(times.stage[0][FXS_PROJECT], 5) && near(times.stage[1][FXS_BLEND], 8) && near(times.frame, 0));
     fxs_draw_frame_times(&picture, &times, 1, &fxs_dark, 0);
-    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* 112 pixels high, 20 ms */
+    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;
     CHECK(column_of(&picture, right, 0x4f8ff0ff) == 28);
     CHECK(column_of(&picture, right - 2, 0xf0705aff) + column_of(&picture, right - 2, 0xb07ee8ff) == 84);
     CHECK(abs(column_of(&picture, right - 2, 0xf0705aff) - 45) <= 1);
     CHECK(column_of(&picture, right - 4, 0xf0705aff) == 0);
 }
-
-/* ---- The viewer -------------------------------------------------------------------------------------------------- */
 
 #ifdef FXS_WITH_SDL
 #include <SDL2/SDL.h>
@@ -321,7 +314,7 @@ static void test_graph_shows_the_times(void)
 #include <fixsplat/scene.h>
 #include "tools/view/viewer.h"
 
-/* Replaces SDL's function: a screen with several pixels per point. */
+/* Simulates a screen with several pixels per point. */
 static int pixels_a_point = 1;
 
 void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
@@ -331,7 +324,7 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-/* The environment variable that names the folder for the list of recent scenes. */
+/* The environment variable with the folder of the list of recent scenes. */
 #ifdef _WIN32
 #define KEPT_BELOW "APPDATA"
 #else
@@ -369,7 +362,7 @@ static frame_options small_options(void)
     return options;
 }
 
-/* Options that look at the box from the front, with its x axis to the right. */
+/* The box is seen from the front, with its x axis to the right. */
 static frame_options framed_options(void)
 {
     frame_options options = small_options();
@@ -386,7 +379,7 @@ static int open_file(viewer *v, const frame_options *options, const char *path, 
     return viewer_open(v, &all, screenshot, 0);
 }
 
-/* Steps until all requested work is done. */
+/* Runs the viewer until all requested work is done. */
 static void settle(viewer *v)
 {
     do
@@ -394,7 +387,6 @@ static void settle(viewer *v)
     while (viewer_busy(v) && !v->quit);
 }
 
-/* Steps until the picture is complete. */
 static void rest(viewer *v)
 {
     do
@@ -410,7 +402,6 @@ static int start(viewer *v, const frame_options *options)
     return status;
 }
 
-/* One step handles all pending events. */
 static void push_key(int symbol)
 {
     SDL_Event event = {0};
@@ -591,7 +582,7 @@ static int frames_taken(const viewer *v)
     return count;
 }
 
-/* A slow picture, rendered by plain C, is stopped when the view moves. */
+/* Plain C renders slowly, so the frame is stopped when the view moves. */
 static void test_frame_is_stopped(void)
 {
     viewer v;
@@ -644,7 +635,7 @@ static void test_dropped_files(void)
     char given[sizeof other];
     snprintf(given, sizeof given, "%s", other);
 #ifdef _WIN32
-    for (char *c = given; *c; c++)                               /* as Windows passes paths */
+    for (char *c = given; *c; c++)                               /* Windows passes paths with backslashes */
         *c = *c == '/' ? '\\' : *c;
 #endif
     drop(&v, given);
@@ -662,7 +653,7 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
-    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* near plane from the scene's size */
+    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);
     CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
@@ -739,7 +730,6 @@ static void test_screenshot(void)
     viewer_close(&v);
 }
 
-/* Screenshots go to the current folder and never overwrite a file. */
 static void test_numbered_screenshots(void)
 {
     viewer v;
@@ -761,7 +751,7 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
-/* Bytes of a file, or -1 if it does not exist; also its first line. */
+/* Returns the size of a file, or -1 if the file does not exist. */
 static long size_of(const char *path, char line[80])
 {
     FILE *file = fopen(path, "r");
@@ -788,7 +778,7 @@ static void test_films(void)
     CHECK(v.film == FILM_TAKEN && v.way_count > 3);
     CHECK(memcmp(v.way[0].position, v.way[v.way_count - 1].position, sizeof v.view.position));
     key(&v, 'k');
-    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* "FRAME\n", 4:4:4 */
+    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);
     CHECK(strstr(v.note, "written: fixsplat-001.y4m") && v.film == FILM_NONE);
     CHECK(strstr(line, "YUV4MPEG2 W64 H48 F30:1 ") && size == (long)strlen(line) + v.way_count * frame);
     CHECK(!remove("fixsplat-001.y4m"));
@@ -804,9 +794,6 @@ static void test_films(void)
     viewer_close(&v);
 }
 
-/* ---- Waiting ----------------------------------------------------------------------------------------------------- */
-
-/* Help fits a small window: the panel leaves the window's edges free. */
 static int help_fits(viewer *v)
 {
     static const int places[5][2] = {{160, 120}, {0, 120}, {319, 120}, {160, 0}, {160, 239}};
@@ -844,7 +831,7 @@ static void test_empty_window(void)
     viewer_close(&v);
 }
 
-/* Keys work while a scene loads. Of files dropped meanwhile, the last opens next. */
+/* The last file dropped while a scene loads opens next. */
 static void test_events_while_loading(void)
 {
     viewer v;
@@ -874,9 +861,6 @@ static void test_events_while_loading(void)
     remove(other);
 }
 
-/* ---- Depths and ids ---------------------------------------------------------------------------------------------- */
-
-/* True if the picture shows depths or ids. */
 static int shows_painted(const viewer *v, int draws)
 {
     renderer r;
@@ -895,8 +879,6 @@ static int shows_painted(const viewer *v, int draws)
     picture_free(&expected);
     return same;
 }
-
-/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
 static void make_levels(char *path)
 {
@@ -919,7 +901,6 @@ static int is_picture_of(const viewer *v, const picture *p)
            !memcmp(v->picture.pixels, p->pixels, (size_t)p->width * (size_t)p->height * 4);
 }
 
-/* The keys for budget and level colours. Without levels they show a note. */
 static void test_levels(void)
 {
     static char path[sizeof knot];
@@ -948,8 +929,7 @@ static void test_levels(void)
     CHECK(v.options.render.budget == 0 && is_picture_of(&v, &whole));
     key(&v, 'o');
     CHECK(v.options.render.show_levels && !is_picture_of(&v, &whole) && shows(&v, v.view, 64, 48));
-    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white, so each pixel is a
-                                                                                grey */
+    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)
         CHECK(v.picture.pixels[i] == v.picture.pixels[i + 1] && v.picture.pixels[i] == v.picture.pixels[i + 2]);
     key(&v, 'o'), key(&v, 'f');
     CHECK(is_picture_of(&v, &whole));
@@ -958,7 +938,6 @@ static void test_levels(void)
     viewer_close(&v);
 }
 
-/* The budget follows the frame time, in motion only and only on request. */
 static void test_rate(void)
 {
     static char path[sizeof knot];
@@ -976,7 +955,7 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* too few are visible for the budget to limit */
+    viewer_follow_rate(&v, 10000000, 5000);                 /* fewer chunks are visible than the budget allows */
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
@@ -992,7 +971,6 @@ static void test_rate(void)
     viewer_close(&v);
 }
 
-/* Paging: frames follow until no chunk is missing; the last equals the picture of the mapped file. */
 static void test_pool(void)
 {
     static char path[sizeof knot];
@@ -1036,7 +1014,6 @@ static void test_depths_and_ids(void)
     viewer_close(&v);
 }
 
-/* The first pixel from `from` on that shows a Gaussian. */
 static int find_seen(viewer *v, int from, int *x, int *y)
 {
     fxs_pick_result pick;
@@ -1098,8 +1075,6 @@ static void test_measure(void)
     viewer_close(&v);
 }
 
-/* ---- The crop box ------------------------------------------------------------------------------------------------ */
-
 static void drag_handle(viewer *v, int face, int dx, int dy)
 {
     double point[3], pixel[2];
@@ -1129,7 +1104,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Writes with Enter, in the scene's folder. Returns the number of Gaussians. */
+/* Returns the number of Gaussians in the written file. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1179,7 +1154,7 @@ static void test_crop(void)
     key(&v, SDLK_ESCAPE);
     CHECK(!v.quit && !v.crop.on && !v.world.objects->crop_count && drawn(&v) == 2000 && shows(&v, v.views[0], 64, 48));
     key(&v, 'c');
-    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);      /* the crop box is kept */
+    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);
     drop(&v, cubes);
     CHECK(!v.crop.on && drawn(&v) == 300);
     key(&v, SDLK_ESCAPE);
@@ -1187,7 +1162,6 @@ static void test_crop(void)
     viewer_close(&v);
 }
 
-/* A dragged handle stays below the pointer from every camera, orthographic ones included. */
 static void test_crop_handles(void)
 {
     viewer v;
@@ -1214,7 +1188,6 @@ static void test_crop_handles(void)
     }
 }
 
-/* World crop boxes are written as boxes of the objects, inside the objects' own. */
 static void test_crop_of_objects(void)
 {
     static const char text[] =
@@ -1225,7 +1198,7 @@ static void test_crop_of_objects(void)
     viewer v;
     char json[1024];
     frame_options options = small_options();
-    snprintf(json, sizeof json, text, "1");                      /* a quarter turn */
+    snprintf(json, sizeof json, text, "1");                      /* a rotation by 90 degrees */
     write_text(other, "world.json", json);
     options.world.file = other;
     if (!CHECK(!viewer_open(&v, &options, 0, 0)))
@@ -1251,7 +1224,6 @@ static void test_crop_of_objects(void)
     remove(other);
 }
 
-/* A cropped packed scene is written as .ply. Escape cancels the writing. */
 static void test_crop_not_written(void)
 {
     viewer v;
@@ -1285,8 +1257,6 @@ static void test_crop_not_written(void)
     CHECK(access(packed, F_OK));
     viewer_close(&v);
 }
-
-/* ---- Recent scenes ----------------------------------------------------------------------------------------------- */
 
 static int open_empty(viewer *v)
 {
@@ -1326,7 +1296,7 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
-    setenv(KEPT_BELOW, "/proc/none", 1);                   /* a folder that cannot be written */
+    setenv(KEPT_BELOW, "/proc/none", 1);
     if (!start(&v, &options))
         CHECK(v.path && !v.quit && v.loading.unkept == 1);
     viewer_close(&v);
@@ -1348,13 +1318,12 @@ static void test_recent_by_click(void)
         move_to(&v, 0, 320, y + 2);
         CHECK(v.recent_marked == 1);
         click(&v, 1, 320, y + 2);
-        CHECK(v.path && !strcmp(v.path, knot));                  /* the second to last */
+        CHECK(v.path && !strcmp(v.path, knot));
     }
     viewer_close(&v);
 }
 
-/* Sets the folder that the list is kept below. On POSIX it is set by HOME, since XDG_STATE_HOME is not absolute
-   here. Null: none. */
+/* Sets the folder of the list of recent scenes by HOME. home: null unsets the folder. */
 static void keep_below(const char *home)
 {
 #ifdef _WIN32
@@ -1368,7 +1337,6 @@ static void keep_below(const char *home)
 #endif
 }
 
-/* The list keeps ten scenes, each once. Without a folder it is not kept. */
 static void test_recent_list(void)
 {
     fxs_message message;
@@ -1407,9 +1375,6 @@ static void test_recent_list(void)
     setenv(KEPT_BELOW, state, 1);
 }
 
-/* ---- Others ------------------------------------------------------------------------------------------------------ */
-
-/* On a screen of two pixels per point, pointer positions are doubled to find the picture's pixel. */
 static void test_fine_pixels(void)
 {
 #if SDL_VERSION_ATLEAST(2, 26, 0)
@@ -1443,7 +1408,6 @@ static void test_fine_pixels(void)
 #endif
 }
 
-/* The speed follows the nearest geometry: slower the closer the camera is. */
 static void test_speed(void)
 {
     viewer v;
@@ -1460,7 +1424,6 @@ static void test_speed(void)
     viewer_close(&v);
 }
 
-/* Side by side stereo: each half of the window, and of the screenshot, shows one eye. */
 static void test_two_eyes(void)
 {
     viewer v;
@@ -1503,7 +1466,6 @@ static void test_tangents(void)
     viewer_close(&v);
 }
 
-/* The window opens first. If its scene fails to load, it closes with the status. */
 static int fails_to_open(const frame_options *options, const char *path)
 {
     viewer v;
@@ -1572,14 +1534,14 @@ int main(void)
     RUN(test_graph_shows_the_times);
 #ifdef FXS_WITH_SDL
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* absolute, like the entries of the list */
+    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;
     if (!whole)
         return 1;
     snprintf(folder, sizeof folder, "%s", whole);
     free(whole);
     snprintf(state, sizeof state, "%s/state", folder);
 #ifdef _WIN32
-    mkdir(state, 0700);                                          /* Windows creates it itself */
+    mkdir(state, 0700);                                          /* Windows creates the folder itself */
 #endif
     setenv(KEPT_BELOW, state, 1);
     RUN(test_files_are_made);

@@ -1,4 +1,4 @@
-/* The lists of all tiles, computed by the C stages. */
+/* Computes the lists of all tiles with the plain C stages. */
 #ifndef TILE_LISTS_H
 #define TILE_LISTS_H
 
