@@ -744,7 +744,7 @@ static void names_of_windows(void)
     CHECK(!rename(in_folder("w/a/2.ppm"), in_folder("w/a/2.PPM")));
     CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() == hash);
     char said[256] = "";
-    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out, .progress.argument = said};
+    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out, .left_out_argument = said};
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
