@@ -22,9 +22,9 @@ shared=$(ls "$library" | grep 'so\.')
 # ---- Installed files -------------------------------------------------------------------------------------------------
 
 check "under include, one folder" equal "$(ls "$prefix/include")" fixsplat
-check "in it, the public headers" equal "$(ls "$include" | sort)" "$headers"
+check "in it, the public headers" equal "$(cd "$include" && find * -type f | sort)" "$headers"
 check "no two of one name" equal "$(echo "$headers" | uniq -d)" ""
-check "none says where it was" equal "$(grep -l '^ *# *include *"[^"]*/' "$include"/*)" ""
+check "none says where it was" equal "$(grep -rl '^ *# *include *"[^"]*/' "$include")" ""
 check "the command runs" "$prefix/bin/fixsplat" --version
 if have help2man; then
     check "pages for man" test -s "$prefix/share/man/man1/fixsplat-render.1"
@@ -101,7 +101,7 @@ if [ "$shared" ]; then
     fi
     sed 's/@@.*//' "$work/versions" | sort >"$work/shown"
     nm -g "$library/libfixsplat.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[TRDB]/ { print $3 }' | sort -u >"$work/defined"
-    cat "$include"/* | grep -o 'fxs_[a-z0-9_]*[(;,]' | tr -d '(;,' | sort -u |
+    cat "$include"/*.h "$include"/internal/* | grep -o 'fxs_[a-z0-9_]*[(;,]' | tr -d '(;,' | sort -u |
         comm -12 - "$work/defined" >"$work/declared"
     check "all that headers declare, and no more" cmp "$work/declared" "$work/shown"
 else
@@ -141,9 +141,9 @@ draws() {
     if [ "$said" = "$sum" ]; then ok "$name"; else fail "$name" "$said, the first is $sum"; fi
 }
 
-mkdir -p "$work/core/fixsplat"
+mkdir -p "$work/core/fixsplat/internal"
 for header in $(make -s --no-print-directory core-headers); do
-    cp "$include/${header##*/}" "$work/core/fixsplat"
+    cp "$include/${header#src/include/fixsplat/}" "$work/core/${header#src/include/}"
 done
 
 flags() { PKG_CONFIG_PATH=$library/pkgconfig pkg-config "$@"; }

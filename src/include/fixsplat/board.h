@@ -41,7 +41,7 @@ typedef struct fxs_strip {
 /* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. Returns FXS_ERR_TARGET if the strip's fields are
    invalid. The request's targets are not written. */
 struct fxs_tile_run;
-FXS_API int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
+FXS_EXPERIMENTAL int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
 
 #ifdef __cplusplus
 }

@@ -61,47 +61,47 @@ typedef struct fxs_cuda_frame {
 } fxs_cuda_frame;
 
 /* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_DEVICE. */
-FXS_API int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
+FXS_EXPERIMENTAL int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
 
 /* Opens device `device`. `max_memory`: most bytes of device memory; 0: all of it. Scenes that do not fit besides the
    frames' buffers are kept partly on the device, with a full copy in pinned host memory. `slots`: 1 to 16 frames in
    flight, each with its own buffers; only one frame at a time while a scene is partly on the device. *out is null after
    an error: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED if the device has too little shared
    memory. */
-FXS_API int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why);
+FXS_EXPERIMENTAL int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why);
 
 /* Waits for unfinished work and frees everything; `cuda` may be null. */
-FXS_API void fxs_cuda_destroy(fxs_cuda *cuda);
+FXS_EXPERIMENTAL void fxs_cuda_destroy(fxs_cuda *cuda);
 
 /* Copies a packed scene to the device until it is forgotten. If not all of its rows fit, they are also copied to pinned
    host memory, and the device reads the missing rows from there. The scene is identified by the address of its
    fxs_scene; a scene that is already on the device is not copied again. fxs_cuda_render uploads missing scenes itself.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
-FXS_API int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
+FXS_EXPERIMENTAL int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
 
 /* Drops a scene's copy. Call it before the fxs_scene, or the bytes that it points to, change or are freed. With the
    last scene the memory of frames is freed too. */
-FXS_API void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
+FXS_EXPERIMENTAL void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 
 /* Switches stage timing on or off. Timing records a CUDA event after each stage. */
-FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
+FXS_EXPERIMENTAL void fxs_cuda_time(fxs_cuda *cuda, int on);
 
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
    makes the stream wait for them. The frames' targets must not overlap. The pixels are complete once fxs_cuda_finish
    has returned 0; call fxs_cuda_finish before any other function. `options` are copied; options->stop is called before
    each frame. Errors: as fxs_render, FXS_ERR_UNSUPPORTED for a scene with `places`, FXS_ERR_DEVICE; no frame is then in
    flight. */
-FXS_API int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+FXS_EXPERIMENTAL int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                             void *stream, fxs_message *why);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again with more memory.
    *stats may be null. Errors: FXS_ERR_ARGUMENT without frames in flight, FXS_ERR_MEMORY, FXS_ERR_DEVICE,
    FXS_ERR_STOPPED, FXS_ERR_SCENE if a chunk's header is out of range because the scene's bytes had changed before the
    upload. Pixels are then undefined. */
-FXS_API int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why);
+FXS_EXPERIMENTAL int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why);
 
 /* Renders, finishes and copies, for targets in any host memory, as fxs_render takes them. */
-FXS_API int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count,
+FXS_EXPERIMENTAL int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count,
                                  const fxs_options *options, fxs_cuda_stats *stats, fxs_message *why);
 
 #ifdef __cplusplus

@@ -29,11 +29,12 @@ extern "C" {
 #define FXS_VERSION_MAJOR 1
 #define FXS_VERSION_MINOR 0
 #define FXS_VERSION_PATCH 0
-#define FXS_VERSION "1.0.0-rc1"
+#define FXS_VERSION "1.0.0"
 #define FXS_VERSION_NUMBER (FXS_VERSION_MAJOR * 10000 + FXS_VERSION_MINOR * 100 + FXS_VERSION_PATCH)
 
-/* Marks a public function: the shared library exports it and hides all others. A program that links the library
-   statically into its own shared library may define FXS_API as nothing. */
+/* Marks a stable function: within 1.x it stays, and so do the fields of the structs that it takes. The shared library
+   exports it and hides all others. A program that links the library statically into its own shared library may define
+   FXS_API as nothing. */
 #ifndef FXS_API
 #if defined(__GNUC__)
 #define FXS_API __attribute__((visibility("default")))
@@ -41,6 +42,9 @@ extern "C" {
 #define FXS_API
 #endif
 #endif
+
+/* Marks an experimental function: it may change or go with every version. */
+#define FXS_EXPERIMENTAL FXS_API
 
 /* Marks a public function that the next major version will remove: the compiler warns and names the replacement.
    FXS_DEPRECATED("fxs_render") FXS_API int fxs_render_eyes(...); */

@@ -63,7 +63,7 @@ typedef struct fxs_gl_target {
 } fxs_gl_target;
 
 /* The context's own framebuffer with the picture at its corner, RGBA8, first row on top; no inputs. */
-FXS_API void fxs_gl_target_init(fxs_gl_target *target);
+FXS_EXPERIMENTAL void fxs_gl_target_init(fxs_gl_target *target);
 
 /* ---- OpenGL ES 3.0 ----------------------------------------------------------------------------------------------- */
 
@@ -83,25 +83,25 @@ typedef struct fxs_gles fxs_gles;
    turns on a thread. Null: the caller makes the context current before every call. `argument` is the first argument of
    both functions, which the back end keeps. fxs_gles_destroy frees *gles, which is null after an error. Errors:
    FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
-FXS_API int fxs_gles_create(fxs_gles **gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
+FXS_EXPERIMENTAL int fxs_gles_create(fxs_gles **gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                             fxs_message *message);
 
 /* Deletes the GL objects and frees the back end; null is allowed. If `use` fails, because the context was lost, only
    memory is freed. With a null `use` the context is current, or no context is. */
-FXS_API void fxs_gles_destroy(fxs_gles *gles);
+FXS_EXPERIMENTAL void fxs_gles_destroy(fxs_gles *gles);
 
-FXS_API fxs_gl_info fxs_gles_info(const fxs_gles *gles);
+FXS_EXPERIMENTAL fxs_gl_info fxs_gles_info(const fxs_gles *gles);
 
 /* For fxs_config.draw, with the fxs_gles as draw_argument. Needs a context of its own: GL state is not preserved.
    Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY if the device has too little memory. After either error, free the back end
    and create it again, in a new context if the old one was lost. */
-FXS_API fxs_draw_fn fxs_gles_draw;
+FXS_EXPERIMENTAL fxs_draw_fn fxs_gles_draw;
 
 /* Gives the same bytes as fxs_gles_draw without tile lists, in a context with framebuffer fetch: blends splats one by
    one, near to far, on an integer framebuffer. Needs fxs_config.draw_unlisted. Which of the two functions is faster
    depends on the device and the scene. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason in
    fxs_gl_info.no_fetch. */
-FXS_API fxs_draw_fn fxs_gles_draw_fetch;
+FXS_EXPERIMENTAL fxs_draw_fn fxs_gles_draw_fetch;
 
 /* Renders the first eye of a request into a target in the caller's GL context. Errors as fxs_render; the request's own
    targets are ignored. `context` configures the stages before blend; its draw is ignored. The GL state is preserved,
@@ -113,7 +113,7 @@ FXS_API fxs_draw_fn fxs_gles_draw_fetch;
    with RGBA8_COVERAGE, `over` without RGBA8_COVERAGE, depths_and_ids in framebuffer 0), FXS_ERR_UNSUPPORTED (another
    format, a picture larger than the device's textures, `fetch` without support (fxs_gl_info), depths_and_ids
    with `fetch`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (device memory). */
-FXS_API int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
+FXS_EXPERIMENTAL int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
                             const fxs_gl_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);
 
 /* ---- Compute shaders --------------------------------------------------------------------------------------------- */
@@ -150,32 +150,32 @@ typedef struct fxs_compute_scene {
 /* Loads the GL functions and compiles the shaders. `load`, `use` and `argument` as in fxs_gles_create.
    fxs_compute_destroy frees *compute, which is null after an error: FXS_ERR_UNSUPPORTED (no compute shaders, a limit
    that is too low, a shader that does not compile), FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
-FXS_API int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
+FXS_EXPERIMENTAL int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                                fxs_message *message);
 
 /* Sets the most bytes of device memory that frames and scenes may use together; 0 (initial value): no limit. */
-FXS_API void fxs_compute_limit(fxs_compute *compute, uint64_t bytes);
+FXS_EXPERIMENTAL void fxs_compute_limit(fxs_compute *compute, uint64_t bytes);
 
 /* As fxs_gles_destroy. First drop the scenes. */
-FXS_API void fxs_compute_destroy(fxs_compute *compute);
+FXS_EXPERIMENTAL void fxs_compute_destroy(fxs_compute *compute);
 
-FXS_API fxs_gl_info fxs_compute_info(const fxs_compute *compute);
+FXS_EXPERIMENTAL fxs_gl_info fxs_compute_info(const fxs_compute *compute);
 
 /* Copies a scene to the device and replaces the previous content of *copy. All rows of the scene must be in memory (no
    `places`). */
-FXS_API int fxs_compute_upload(fxs_compute *compute, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why);
+FXS_EXPERIMENTAL int fxs_compute_upload(fxs_compute *compute, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why);
 
 /* Deletes a copy and sets it to 0. */
-FXS_API void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *copy);
+FXS_EXPERIMENTAL void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *copy);
 
 /* Bytes of host memory that a frame of this request takes (aligned as malloc does); 0 if the request is out of
    range. */
-FXS_API size_t fxs_compute_memory(const fxs_request *request);
+FXS_EXPERIMENTAL size_t fxs_compute_memory(const fxs_request *request);
 
 /* Renders the first eye of a request into its targets, and waits. copies[i] is the copy of the scene of object i.
    Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an error the targets are
    unchanged, or complete if the device failed at the very end. */
-FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
+FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
 
@@ -186,7 +186,7 @@ FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
    for `fetch`. After an error nothing was drawn, unless the device failed while drawing. The first call takes longer,
    as shaders are compiled. */
-FXS_API int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
+FXS_EXPERIMENTAL int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                              const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why);
 
 #ifdef __cplusplus

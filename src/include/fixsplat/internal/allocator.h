@@ -14,17 +14,17 @@ extern "C" {
 #endif
 
 /* Allocates count * size bytes. Returns null if memory ran out or the product exceeds SIZE_MAX. */
-FXS_API void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);
+FXS_EXPERIMENTAL void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);
 
 /* Like fxs_allocate, with all bytes 0. */
-FXS_API void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
+FXS_EXPERIMENTAL void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
 
 /* Moves `old_count` items of a block to a new block for `count` items, and frees the old block. `block` may be null
    if old_count is 0. Returns null if memory ran out; the old block then stays unchanged. */
-FXS_API void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
+FXS_EXPERIMENTAL void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
 
 /* Frees a block. A null block is allowed. */
-FXS_API void fxs_release(const fxs_allocator *allocator, void *block);
+FXS_EXPERIMENTAL void fxs_release(const fxs_allocator *allocator, void *block);
 
 #ifdef __cplusplus
 }

@@ -11,10 +11,10 @@ extern "C" {
 #endif
 
 /* Returns all structs, functions and constants of the library as preprocessed C, in static memory. */
-FXS_API const char *fxs_declarations(void);
+FXS_EXPERIMENTAL const char *fxs_declarations(void);
 
 /* An fxs_stop_fn that stops a frame once the byte is nonzero. Any thread or signal handler may set the byte. */
-FXS_API int fxs_stop_by_byte(void *byte);
+FXS_EXPERIMENTAL int fxs_stop_by_byte(void *byte);
 
 #ifdef __cplusplus
 }

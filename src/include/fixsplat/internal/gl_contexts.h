@@ -15,16 +15,16 @@ extern "C" {
 
 /* Creates a context with the first of these that works and makes it current on this thread. Returns 0, or -1 and a
    message. */
-FXS_API int fxs_egl_open(void **egl, fxs_message *message);
+FXS_EXPERIMENTAL int fxs_egl_open(void **egl, fxs_message *message);
 
 /* Finds a function of OpenGL ES by its name: an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */
-FXS_API void (*fxs_egl_load(void *egl, const char *name))(void);
+FXS_EXPERIMENTAL void (*fxs_egl_load(void *egl, const char *name))(void);
 
 /* Makes the context current on this thread again. Returns 0, or -1. */
-FXS_API int fxs_egl_use(void *egl);
+FXS_EXPERIMENTAL int fxs_egl_use(void *egl);
 
 /* Ends the context; null is allowed. The display stays open, as the process may have other contexts on it. */
-FXS_API void fxs_egl_close(void *egl);
+FXS_EXPERIMENTAL void fxs_egl_close(void *egl);
 
 /* ---- Contexts of OSMesa ------------------------------------------------------------------------------------------ */
 
@@ -32,16 +32,16 @@ FXS_API void fxs_egl_close(void *egl);
    libOSMesa is loaded at run time; Mesa dropped it in version 25.1. */
 
 /* Makes a context and makes it current on this thread. Returns 0, or -1 and a message. */
-FXS_API int fxs_osmesa_open(void **osmesa, fxs_message *message);
+FXS_EXPERIMENTAL int fxs_osmesa_open(void **osmesa, fxs_message *message);
 
 /* Finds a function of OpenGL by its name: an fxs_gl_load_fn, whose argument is the context of fxs_osmesa_open. */
-FXS_API void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
+FXS_EXPERIMENTAL void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
 
 /* Makes the context current on this thread again. Returns 0, or -1. */
-FXS_API int fxs_osmesa_use(void *osmesa);
+FXS_EXPERIMENTAL int fxs_osmesa_use(void *osmesa);
 
 /* Ends the context; null is allowed. */
-FXS_API void fxs_osmesa_close(void *osmesa);
+FXS_EXPERIMENTAL void fxs_osmesa_close(void *osmesa);
 
 #ifdef __cplusplus
 }

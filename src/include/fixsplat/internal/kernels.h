@@ -25,14 +25,14 @@ enum fxs_cpu {
 };
 
 /* Returns the instruction sets of the running processor, as flags of enum fxs_cpu. */
-FXS_API unsigned fxs_cpu_detect(void);
+FXS_EXPERIMENTAL unsigned fxs_cpu_detect(void);
 
 /* Returns the name of one flag, such as "avx2", or null for any other value. */
-FXS_API const char *fxs_cpu_name(unsigned flag);
+FXS_EXPERIMENTAL const char *fxs_cpu_name(unsigned flag);
 
 /* Fills in *kernels with the fastest version of each stage, for the instruction sets in `cpu` that the running
    processor has. The default is plain C. */
-FXS_API void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
+FXS_EXPERIMENTAL void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus
 }

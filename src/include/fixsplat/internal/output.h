@@ -12,12 +12,12 @@ extern "C" {
    remove this process's temporary files before they end the process as usual. A signal that is already ignored or
    handled is left alone. The library never calls this; without it, or at any other signal, the temporary files stay.
    Does nothing on Windows, which deletes the files however a process ends. */
-FXS_API void fxs_output_remove_at_signals(void);
+FXS_EXPERIMENTAL void fxs_output_remove_at_signals(void);
 
 /* The name of the file that an output to `path` writes: `path` with its symbolic links followed, whether or not the
    file exists. The caller frees it with free(). Null, with errno set, if the path has too many links or memory ran
    out. */
-FXS_API char *fxs_output_target(const char *path);
+FXS_EXPERIMENTAL char *fxs_output_target(const char *path);
 
 #ifdef __cplusplus
 }

@@ -9,21 +9,21 @@ extern "C" {
 #endif
 
 /* A source that reads a file. If the file is modified while it is open, all later reads fail. */
-FXS_API int fxs_pager_file(const char *path, fxs_pager_source *source, fxs_message *message);
+FXS_EXPERIMENTAL int fxs_pager_file(const char *path, fxs_pager_source *source, fxs_message *message);
 
 /* 1 if a path is an address that begins with http:// or https://. */
-FXS_API int fxs_pager_is_url(const char *path);
+FXS_EXPERIMENTAL int fxs_pager_is_url(const char *path);
 
 /* A source that requests byte ranges from a server (RFC 9110, section 14) with libcurl, which is loaded at its first
    use. A server that ignores ranges, changes the file during the session or sends another answer is an error. Errors:
    FXS_ERR_FILE; FXS_ERR_UNSUPPORTED without libcurl. */
-FXS_API int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *message);
+FXS_EXPERIMENTAL int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *message);
 
 /* The bytes of the scene before its rows, including its header, for fxs_view_of_start and similar functions. */
-FXS_API const void *fxs_pager_head(const fxs_pager *pager);
+FXS_EXPERIMENTAL const void *fxs_pager_head(const fxs_pager *pager);
 
 /* Capacity of the pool, chunks; 0 for a null pager. */
-FXS_API uint32_t fxs_pager_room(const fxs_pager *pager);
+FXS_EXPERIMENTAL uint32_t fxs_pager_room(const fxs_pager *pager);
 
 #ifdef __cplusplus
 }

@@ -16,16 +16,16 @@ typedef struct fxs_scene_parts {
 } fxs_scene_parts;
 
 /* Computes the offsets from the scene's header of 192 bytes. Errors as fxs_scene_open. */
-FXS_API int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header);
+FXS_EXPERIMENTAL int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header);
 
 /* Opens a scene from its head and the head of its tree, each aligned to 64. `tree` may be null for a scene without a
    tree. The caller must set `places` and `rows` before rendering. Errors as fxs_scene_open. */
-FXS_API int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree);
+FXS_EXPERIMENTAL int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree);
 
 /* Prefetch: calls options.want for the chunks that a frame would draw, but draws nothing. `memory` as for
    fxs_render; targets are not read. Returns 0, or an error as fxs_render. Does nothing if budget, detail and places
    do not limit the chunks. */
-FXS_API int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes);
+FXS_EXPERIMENTAL int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes);
 
 #ifdef __cplusplus
 }

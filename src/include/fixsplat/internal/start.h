@@ -9,12 +9,12 @@ extern "C" {
 #endif
 
 /* Reads the start data from the header of a packed scene at `data`, 192 bytes. Invalid data count as missing. */
-FXS_API void fxs_start_of(fxs_start *start, const void *data);
+FXS_EXPERIMENTAL void fxs_start_of(fxs_start *start, const void *data);
 
 /* Stores the start data in the header of a packed scene at `data`; call fxs_file_write or fxs_file_seal afterwards.
    `up` may have any length, and is rounded to a direction within 0.01 degrees of it. Values out of range are not
    stored. */
-FXS_API void fxs_start_to(void *data, const fxs_start *start);
+FXS_EXPERIMENTAL void fxs_start_to(void *data, const fxs_start *start);
 
 #ifdef __cplusplus
 }

@@ -10,25 +10,25 @@ extern "C" {
 
 /* A near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2 for an
    empty box. */
-FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
+FXS_EXPERIMENTAL double fxs_near_of_box(const double low[3], const double high[3]);
 
 /* Estimates a scene's up direction from `count` views, each `stride` bytes after the one before. It is the mean of the
    cameras' up vectors, corrected by least squares to be perpendicular to the cameras' right vectors, since cameras
    pitch but rarely roll. `up` has the length 1. Returns 1, or 0 if the up vectors cancel each other: the length of
    their mean is 0.1 or less. */
-FXS_API int fxs_views_up(const fxs_view *views, size_t count, size_t stride, double up[3]);
+FXS_EXPERIMENTAL int fxs_views_up(const fxs_view *views, size_t count, size_t stride, double up[3]);
 
 /* Estimates a scene's up direction from one view that is not rolled, such as a start view. Candidates are the
    directions along the scene's axes (both ways) whose component along the picture's right vector is below a thousandth.
    The result is the candidate nearest to the picture's up vector; without candidates, the up vector itself. */
-FXS_API void fxs_view_up(const fxs_view *view, double up[3]);
+FXS_EXPERIMENTAL void fxs_view_up(const fxs_view *view, double up[3]);
 
 /* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1; returns 0 and leaves the
    view unchanged if it looks along `up`. */
-FXS_API int fxs_view_level(fxs_view *view, const double up[3]);
+FXS_EXPERIMENTAL int fxs_view_level(fxs_view *view, const double up[3]);
 
 /* Turns the camera about an axis through `middle` by an angle in radians, as if the scene turned the opposite way. */
-FXS_API void fxs_view_orbit(fxs_view *view, const double middle[3], const double axis[3], double angle);
+FXS_EXPERIMENTAL void fxs_view_orbit(fxs_view *view, const double middle[3], const double axis[3], double angle);
 
 #ifdef __cplusplus
 }
