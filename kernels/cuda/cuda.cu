@@ -688,7 +688,7 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
-    if (cuda->options.stop && cuda->options.stop(cuda->options.stop.argument))
+    if (cuda->options.stop.call && cuda->options.stop.call(cuda->options.stop.argument))
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
     /* Starts kernels early only in a single frame, as waiting blocks take resources from other frames' kernels. */
     cuda->early = cuda->frame_count == 1;
@@ -859,7 +859,9 @@ float milliseconds_of(const fxs_cuda *cuda)
 
 void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
 {
-    *stats = {0, 0, 0, {0}, memory_of(cuda)};
+    *stats = {};
+    stats->memory = memory_of(cuda);
+    stats->device_milliseconds = cuda->milliseconds;
     for (uint32_t i = 0; i < cuda->frame_count; i++) {
         stats->gaussians += cuda->frames[i].gaussians;
         stats->visible += cuda->needs[i].visible;

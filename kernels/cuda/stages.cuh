@@ -14,6 +14,7 @@
 #define FXS_STAGE __host__ __device__
 #define static static __host__ __device__
 #include <fixsplat/internal/packed.h>
+#include "src/core/sized.h"
 /* this copy is internal */
 #undef FXS_API
 #define FXS_API

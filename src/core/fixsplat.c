@@ -48,12 +48,6 @@ int fxs_stop_by_byte(void *byte)
     return *(const volatile unsigned char *)byte != 0;
 }
 
-void (fxs_options_init)(fxs_options *options, uint32_t size)
-{
-    const fxs_options all = {.sh_degree = 3};
-    fxs_sized_fill(options, size, &all, sizeof all);
-}
-
 int fxs_context_init(fxs_context *context, const fxs_config *config)
 {
     if (!context)

@@ -4,7 +4,7 @@
 
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
-#include "sized.h"
+#include "memory.h"
 
 #define SCALE_LEAST_Q32 (FXS_ONE_Q32 >> 16)
 #define SCALE_MOST_Q32 (FXS_ONE_Q32 << 16)
@@ -12,14 +12,6 @@
 #define ONE_Q16 65536u
 #define ONE_Q13 8192u
 #define TINT_MOST_Q13 (4u * ONE_Q13)
-
-void (fxs_object_init)(fxs_object *object, const fxs_scene *scene, uint32_t size)
-{
-    const fxs_object all = {.scene = scene, .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
-                            .scale_q32 = FXS_ONE_Q32, .opacity_q16 = ONE_Q16,
-                            .tint_q13 = {ONE_Q13, ONE_Q13, ONE_Q13}, .visible = 1};
-    fxs_sized_fill(object, size, &all, sizeof all);
-}
 
 static int check_crop(const fxs_crop *crop)
 {

@@ -1,4 +1,4 @@
-/* Reads structs that begin with their size. A struct that a program hands in may be shorter than the library's, because
+/* Sets and reads structs that begin with their size. A struct that a program hands in may be shorter than the library's, because
  * the program was built with an older header. The missing fields get their defaults. A longer struct comes from a newer
  * header; its surplus fields are ignored. */
 #include "sized.h"
@@ -23,6 +23,25 @@ void fxs_struct_init(void *options, uint32_t size)
 {
     memset(options, 0, size);
     memcpy(options, &size, sizeof size);
+}
+
+void (fxs_options_init)(fxs_options *options, uint32_t size)
+{
+    const fxs_options all = {.sh_degree = 3};
+    fxs_sized_fill(options, size, &all, sizeof all);
+}
+
+void (fxs_targets_init)(fxs_targets *targets, uint32_t size)
+{
+    fxs_struct_init(targets, size);
+}
+
+void (fxs_object_init)(fxs_object *object, const fxs_scene *scene, uint32_t size)
+{
+    const fxs_object all = {.scene = scene, .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
+                            .scale_q32 = (int64_t)1 << 32, .opacity_q16 = 1 << 16,
+                            .tint_q13 = {1 << 13, 1 << 13, 1 << 13}, .visible = 1};
+    fxs_sized_fill(object, size, &all, sizeof all);
 }
 
 int fxs_sized_read(void *all, size_t bytes, const void *given)

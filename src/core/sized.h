@@ -6,6 +6,10 @@
 
 #include <fixsplat/fixsplat.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define FXS_SIZE_MOST 65535u       /* a larger `size` was never set */
 
 /* Copies the first `size` bytes of the defaults `all`, which are `bytes` long, to the program's struct. Zeroes the rest
@@ -29,5 +33,9 @@ static inline const fxs_object *fxs_object_at(const fxs_object *objects, uint32_
 {
     return (const fxs_object *)(const void *)((const unsigned char *)objects + (size_t)i * objects->size);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

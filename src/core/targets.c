@@ -4,11 +4,6 @@
 
 #define IMAGES 7
 
-void (fxs_targets_init)(fxs_targets *targets, uint32_t size)
-{
-    fxs_struct_init(targets, size);
-}
-
 typedef struct part {
     const fxs_image *image;
     int bytes, alignment, written;
