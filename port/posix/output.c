@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <fixsplat/system.h>
+#include <fixsplat/internal/output.h>
 #include "src/base/opened.h"
 
 enum { LINKS_MOST = 40,

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/pager_more.h>
 
 #include "src/base/opened.h"
 

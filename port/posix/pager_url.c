@@ -6,6 +6,7 @@
 #include <strings.h>
 
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/pager_more.h>
 
 int fxs_pager_is_url(const char *path)
 {

@@ -12,6 +12,10 @@
 #include <fixsplat/internal/kernels.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/start.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/camera/first_view.h"
 #include "web.h"
 

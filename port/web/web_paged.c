@@ -6,6 +6,7 @@
 
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
 #include "src/core/chunk.h"
 #include "src/scene/fxs_file_internal.h"
 #include "web.h"

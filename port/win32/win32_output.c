@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include <fixsplat/system.h>
+#include <fixsplat/internal/output.h>
 #include "src/base/opened.h"
 #include "src/base/output_internal.h"
 

@@ -7,6 +7,7 @@
 
 #include <fixsplat/pager.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/pager_more.h>
 
 #include "src/base/opened.h"
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/start.h>
 
 #define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28

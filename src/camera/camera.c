@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/base/try_internal.h"
 #include "camera_internal.h"
 

@@ -2,6 +2,7 @@
  * setup. */
 #include "sized.h"
 #include <fixsplat/internal/stage.h>
+#include <fixsplat/internal/declarations.h>
 
 const fxs_kernels fxs_kernels_c = {
     {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_spans_c, fxs_note_c,

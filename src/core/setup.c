@@ -1,4 +1,5 @@
 /* Sets up a frame: checks its arguments, places its objects, measures its memory. */
+#include <fixsplat/internal/parts.h>
 #include "sized.h"
 #include "bands.h"
 #include "draw.h"

@@ -12,6 +12,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/fit_more.h>
 #include "exposure.h"
 #include "pose.h"
 #include "random.h"

@@ -8,6 +8,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/fit_more.h>
 #include "src/base/run.h"
 #include "src/base/report.h"
 #include "src/base/options.h"

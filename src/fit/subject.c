@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/fit_more.h>
 #include "src/base/try_internal.h"
 #include "fit_internal.h"
 #include "fit_lanes.h"

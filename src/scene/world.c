@@ -1,6 +1,7 @@
 /* Checks placements of scenes in a world, and converts them to objects, matrices and boxes. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/placements.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * --quick: few random frames. */
 #include <inttypes.h>
 
-#include <fixsplat/backend.h>
+#include <fixsplat/internal/backends.h>
 #include <fixsplat/camera.h>
 #include <fixsplat/system.h>
 #include "src/core/frame.h"

@@ -18,7 +18,7 @@ declarations() { printf '%s\n' "$text" | awk '
     /^static inline/ { body = 1 }
     /^typedef char .*\[sizeof/ { size = 1 }    # skips compile-time checks
     !body && !size { gsub(/__attribute__\(\(format\([^()]*\)\)\)/, ""); print }
-    body && /^}/ { body = 0 }
+    body && (/^}/ || /^static inline.*}/) { body = 0 }   # FXS_INIT expands to one line
     size && /;/ { size = 0 }
     END {
         count = split(values, value, ";")
