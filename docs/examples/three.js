@@ -1,7 +1,7 @@
 // Gaussians in a scene of three.js: a torus knot passes through them, a second object of the same scene floats above,
 // and a click marks a point. The pages three-webgl.html and three-webgpu.html use it.
 import * as THREE from 'three'
-import { Splats } from 'fixsplat/three'
+import { Splats } from 'fixsplat-viewer/three'
 
 /** Fills a scene for a WebGLRenderer or a WebGPURenderer; `draw` shows one picture, `click` marks what is at a pixel of
     the page. */
