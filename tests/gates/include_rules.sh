@@ -133,8 +133,8 @@ rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 # No include path may start with a dot; names without a folder are files of the same folder.
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-# File names of the product are unique.
-twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
+# File names of the product are unique, except those that npm, Python and readers expect in every folder.
+twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name package.json ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 
 # core and kernels must not allocate or print; src must not open files or start threads.
