@@ -1,4 +1,4 @@
-# Builds the npm package (docs/web.md).
+# Builds the npm packages fixsplat and fixsplat-viewer (docs/web.md).
 
 # WebAssembly modules. Renderer: core (without simd128), simd, threads (simd128 and threads). Packing and readers:
 # import (all formats except .sog), import_threads (import with threads), import_sog (the .sog reader), import_core (all
@@ -6,6 +6,7 @@
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
+VIEWER := $(B)/web/viewer
 IMPORTS := import import_threads import_sog import_core
 MODULES := core simd threads $(IMPORTS)
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
@@ -20,8 +21,8 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) ker
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
-              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c scene_start.c source.c text.c zip.c) \
-              $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
+              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c scene_start.c source.c text.c zip.c) \
+              $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c) $(WEB_C)
 sources_of_import := $(WEB_IMPORT)
 sources_of_import_sog := $(WEB_IMPORT)
 sources_of_import_core := $(WEB_IMPORT)
@@ -82,24 +83,41 @@ endif
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
 ESBUILD ?= esbuild
-WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,with_files.js viewer_with_files.js files.js worker.js package.json viewer/package.json))
-WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js placed.js playcanvas.js three.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
-                                   system.js thread_node.js viewer/style.js viewer/package.json)
-PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts playcanvas.d.ts three.d.ts package.json README.md CHANGELOG.md LICENSE) \
-           $(patsubst port/web/%,$(WEB)/%,$(filter-out %/viewer.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
+HAS_ESBUILD := $(shell command -v $(ESBUILD))
+WEB_INLINE := $(if $(HAS_ESBUILD),$(addprefix $(WEB)/inline/,with_files.js files.js package.json))
+WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js \
+                                   system.js thread_node.js)
+# The page: scripts, styles and pages of fixsplat-viewer, in the folder viewer of fixsplat. They import fixsplat by
+# relative paths, so a browser needs no bundler. The package fixsplat-viewer has the same files in its folder `page`.
+VIEWER_JS := $(notdir $(wildcard port/web/viewer/*.js)) style.js
+VIEWER_TYPES := $(notdir $(wildcard port/web/viewer/*.d.ts))
+OF_PAGES := fit.js list.js page.js published.js served.js single.js
+OF_BUNDLERS := element.js inline.js placed.js playcanvas.js react.js server.js starts.js three.js worker_whole.js
+PAGE_PARTS := $(filter-out $(OF_BUNDLERS),$(VIEWER_JS)) \
+              $(notdir $(filter-out %/viewer.css,$(wildcard port/web/viewer/*.css port/web/viewer/*.html)))
+# The folder of the page has the types and the README too, for links from the installed documentation.
+WEB_PAGE := $(addprefix $(WEB)/viewer/,$(PAGE_PARTS) $(VIEWER_TYPES) README.md)
+PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts package.json README.md CHANGELOG.md LICENSE) $(WEB_INLINE) $(WEB_PAGE)
+# Modules of fixsplat that the page imports. In fixsplat-viewer, they take the package fixsplat of the same version from
+# the server of the page, as on a CDN.
+VIEWER_STUBS := fixsplat.js fixsplat_assets.js read.js
+VIEWER_SCRIPTS := $(filter-out $(OF_PAGES) $(if $(HAS_ESBUILD),,inline.js),$(VIEWER_JS))
+VIEWER_PACKAGE := $(addprefix $(VIEWER)/,$(VIEWER_SCRIPTS) $(VIEWER_TYPES) $(VIEWER_STUBS) $(addprefix page/,$(PAGE_PARTS)) \
+                                         $(if $(HAS_ESBUILD),inline_worker.js) package.json README.md CHANGELOG.md LICENSE)
 
-web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
+web: $(PACKAGE) $(VIEWER_PACKAGE) ## the npm packages (docs/web.md), in build/web/package and build/web/viewer
 
 ifneq ($(filter web web-package,$(GOALS)),)
-ifeq ($(WEB_INLINE),)
-$(info built without fixsplat/inline: no esbuild)
+ifeq ($(HAS_ESBUILD),)
+$(info built without fixsplat/inline and fixsplat-viewer/inline: no esbuild)
 endif
 endif
 
-web-package: web ## the same as one file for `npm publish`: build/web/fixsplat-VERSION.tgz
-	@[ "$(WEB_INLINE)" ] || { echo "web-package: esbuild is not here: make setup web-package" >&2; exit 1; }
+web-package: web ## the same as files for `npm publish`: build/web/fixsplat-VERSION.tgz and fixsplat-viewer-VERSION.tgz
+	@[ "$(HAS_ESBUILD)" ] || { echo "web-package: esbuild is not here: make setup web-package" >&2; exit 1; }
 	@rm -f $(B)/web/fixsplat-*.tgz
-	$(call say,PACK,$(B)/web/fixsplat-$(VERSION).tgz)npm pack --silent --ignore-scripts --pack-destination $(B)/web ./$(WEB) >/dev/null
+	$(call say,PACK,$(B)/web/fixsplat-*$(VERSION).tgz)for package in $(WEB) $(VIEWER); do \
+	    npm pack --silent --ignore-scripts --pack-destination $(B)/web ./$$package >/dev/null || exit 1; done
 
 define web_rules
 $(B)/web/$(1)/%.o: %.c $(B)/commands/web
@@ -123,9 +141,11 @@ $(IMPORTS:%=$(WEB)/%.wasm): $(WEB_LIBS)
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
     $(sort $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(call wasm_flags_of,$(module),$(file)))))
 
-$(WEB)/package.json: port/web/package.json src/include/fixsplat/fixsplat.h
+$(WEB)/package.json $(VIEWER)/package.json: src/include/fixsplat/fixsplat.h
 	@mkdir -p $(@D)
-	@sed 's/@VERSION@/$(VERSION)/' $< >$@
+	@sed 's/@VERSION@/$(VERSION)/' $(filter %.json,$^) >$@
+$(WEB)/package.json: port/web/package.json
+$(VIEWER)/package.json: port/web/viewer/package.json
 WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwebp/COPYING libwebp/PATENTS \
                                                              libzip/LICENSE libzstd/LICENSE zlib/LICENSE))
 $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
@@ -136,31 +156,44 @@ $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LIC
 FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quoted[4] } \
     /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
     /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
-$(PACKAGE): src/scene/formats.c
+$(PACKAGE) $(VIEWER_PACKAGE): src/scene/formats.c
 $(WEB)/stages.js: tools/scripts/stages.mjs src/include/fixsplat/internal/pixel.h $(wildcard kernels/compute/*.wgsl)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< $@
-$(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/scripts/inline.mjs
+$(WEB)/viewer/style.js $(VIEWER)/style.js: port/web/viewer/viewer.css tools/scripts/inline.mjs
 	@mkdir -p $(@D)
 	@node tools/scripts/inline.mjs style $< >$@
 $(WEB)/inline/files.js: tools/scripts/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
 	@mkdir -p $(@D)
-	$(call say,NODE,$@)node $< files $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
-$(WEB)/inline/worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/viewer/,worker_whole.js worker.js)
+	$(call say,NODE,$@)node $< files ../fixsplat_assets.js $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
+$(VIEWER)/inline_worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(WEB)/package.json $(addprefix $(VIEWER)/,worker_whole.js worker.js sky.js motion.js)
 	@mkdir -p $(@D)
-	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --outfile=$(B)/web/worker.js \
-	    $(WEB)/viewer/worker_whole.js && node $< files viewer/worker.js=$(B)/web/worker.js >$@
+	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --alias:fixsplat=$(abspath $(WEB)) \
+	    --outfile=$(B)/web/worker.js $(VIEWER)/worker_whole.js && \
+	    node $< files fixsplat/fixsplat_assets.js viewer/worker.js=$(B)/web/worker.js >$@
 # Some bundlers resolve a folder by its name instead of "exports" in package.json.
-$(WEB)/viewer/package.json: main_is := ./element.js", "types": "./viewer.d.ts
-$(WEB)/inline/package.json: main_is := ./with_files.js", "types": "../fixsplat.d.ts
-$(WEB)/inline/viewer/package.json: main_is := ../viewer_with_files.js", "types": "../../viewer/viewer.d.ts
-$(WEB)/viewer/package.json $(WEB)/inline/package.json $(WEB)/inline/viewer/package.json: make/web.mk
-	@mkdir -p $(@D) && echo '{ "type": "module", "main": "$(main_is)" }' >$@
-$(WEB)/CHANGELOG.md: NEWS.md
+$(WEB)/inline/package.json: make/web.mk
+	@mkdir -p $(@D) && echo '{ "type": "module", "main": "./with_files.js", "types": "../fixsplat.d.ts" }' >$@
+$(WEB)/CHANGELOG.md $(VIEWER)/CHANGELOG.md: NEWS.md
 	@mkdir -p $(@D) && cp $< $@
+$(VIEWER)/LICENSE: LICENSE
+	@mkdir -p $(@D) && cp $< $@
+$(addprefix $(VIEWER)/,$(VIEWER_STUBS)): make/web.mk src/include/fixsplat/fixsplat.h
+	@mkdir -p $(@D) && echo "export * from '../fixsplat@$(VERSION)/$(@F)'" >$@
+strip_js = sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e '/^\/\*\*/,/\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d'
 $(WEB)/%.js: port/web/%.js
 	@mkdir -p $(@D)
-	@sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e '/^\/\*\*/,/\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
+	@$(strip_js) $< >$@
+$(WEB)/viewer/%.js: port/web/viewer/%.js make/web.mk
+	@mkdir -p $(@D)
+	@$(strip_js) -e "s|^\(.*from \)'fixsplat'|\1'../fixsplat.js'|" -e "s|^\(.*from \)'fixsplat/|\1'../|" $< >$@
+$(VIEWER)/page/%: $(WEB)/viewer/%
+	@mkdir -p $(@D) && cp $< $@
+$(VIEWER)/%.js: port/web/viewer/%.js
+	@mkdir -p $(@D)
+	@$(strip_js) $< >$@
+$(VIEWER)/%: port/web/viewer/%
+	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 

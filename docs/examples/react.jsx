@@ -1,6 +1,6 @@
 // The element in React 18 and 19: it comes and goes with a component, and its attributes follow the component's state.
 // TypeScript knows it by the same import.
-import 'fixsplat/react'
+import 'fixsplat-viewer/react'
 import { useEffect, useRef, useState } from 'react'
 
 const VIEW = '0.3,-0.9,-4,0,0,0,0,-1,0'

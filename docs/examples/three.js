@@ -1,6 +1,6 @@
 // Shows Gaussians in a three.js scene: a torus knot passes through them, and a click marks a point.
 import * as THREE from 'three'
-import { Splats } from 'fixsplat/three'
+import { Splats } from 'fixsplat-viewer/three'
 
 /** Fills a scene for a WebGLRenderer or a WebGPURenderer. `draw` shows one picture; `click` marks the surface at a
    pixel. */

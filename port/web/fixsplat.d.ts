@@ -10,7 +10,7 @@ export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 /** Bytes in a type that Blob and Response accept. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
-/** Sets the URL of the folder with the package's .wasm, .js and viewer/ files. Call this function first if a bundler
+/** Sets the URL of the folder with the package's .wasm and .js files. Call this function first if a bundler
     does not copy these files. */
 export function setAssets(folder: string | URL): void
 

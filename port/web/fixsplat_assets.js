@@ -12,16 +12,20 @@ const SYSTEM = './system.js'
 // The development server of vite copies only the scripts of a package to this folder.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
-function published() {
-  const at = import.meta.url ?? ''
-  if (inNode || !/^https?:/.test(at)) return undefined
-  if (/\/fixsplat_assets\.js(\?.*)?$/.test(at)) return new URL('./', at)
-  return VITE.test(at) ? new URL(at.replace(VITE, '/fixsplat/')) : undefined
+export function folderInVite(at, name) {
+  return !inNode && /^https?:/.test(at) && VITE.test(at) ? new URL(at.replace(VITE, `/${name}/`)) : undefined
 }
 
-let folder = published()
+/** The folder of a script that no bundler has moved or renamed. `at` is the import.meta.url of the script. */
+export function folderOf(at, script) {
+  const isThere = !inNode && /^https?:/.test(at) && at.replace(/\?.*/, '').endsWith(`/${script}`)
+  return isThere ? new URL('./', at) : undefined
+}
+
+const own = folderOf(import.meta.url, 'fixsplat_assets.js') ?? folderInVite(import.meta.url, 'fixsplat')
+let folder = null // the folder of setAssets
 let files = null
-const starts = {
+const starts = own ? {} : {
   'thread.js': () => new Worker(new URL('./thread.js', import.meta.url), { type: 'module' }),
 }
 const modules = {
@@ -45,13 +49,19 @@ export const assets = () => files
 
 export const hasModule = (name) => !files || `${name}.wasm` in files
 
-export const addressIn = (name) => (folder ? new URL(name, folder) : null)
+/** The address of a file in the folder of setAssets, else in `home`. */
+export function addressIn(name, home) {
+  if (folder) return new URL(name, folder)
+  return home ? new URL(name.replace(/.*\//, ''), home) : null
+}
+
+export const hasStart = (name) => name in starts
 
 export const setStart = (name, start) => (starts[name] = start)
 
 export async function moduleOf(name) {
   if (files) return inflated(name)
-  const url = folder ? new URL(`${name}.wasm`, folder) : modules[name]()
+  const url = addressIn(`${name}.wasm`, own) ?? modules[name]()
   if (inNode && url.protocol === 'file:') return new Response(await (await ofSystem()).readFile(url))
   const answer = await fetch(url).catch((cause) => {
     throw new Error(`${url}: cannot be reached. ${WHERE}`, { cause })
@@ -70,10 +80,12 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
-export function startWorker(name) {
+/** Starts a worker: the embedded script, the script in the folder of setAssets, the start of a bundler, or the script
+    in `home`. */
+export function startWorker(name, home = own) {
   if (files) return startText(files[name])
-  if (!folder) return starts[name]()
-  const url = new URL(name, folder)
+  if (!folder && starts[name]) return starts[name]()
+  const url = addressIn(name, home)
   // Browsers refuse a worker script of another origin; a local script may import it.
   if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
   return new Worker(url, { type: 'module' })

@@ -127,7 +127,8 @@ rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
+# File names of the product are unique, except those that npm, Python and readers expect in every folder.
+twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name package.json ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 
 # core and kernels must not allocate or print, except that the GL back ends allocate themselves; src must not open files

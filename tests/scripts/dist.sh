@@ -176,9 +176,9 @@ else
     at=$(tr -d '\r' <served | sed -n 's|/$||p')
     check "Windows: view --web: the page" sh -c 'curl -sL "$0/" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/served.html"
-    check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
-        "$folder/share/fixsplat/web/viewer/element.js"
-    end_wine
+    check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/viewer.js" | cmp - "$1"' "$at" \
+        "$folder/share/fixsplat/web/viewer/viewer.js"
+    end_wine                                                             # restarts with a screen
     if have Xvfb && have xdotool; then
         check "Windows: a window with a scene dropped on its program, which Escape closes" window \
             env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \
@@ -252,7 +252,8 @@ fi
 if have npm; then
     begin
     mkdir npm
-    (cd npm && npm install --silent --offline --no-audit --no-fund "$dist/fixsplat-$version-npm.tgz") >log 2>&1
+    (cd npm && npm install --silent --offline --no-audit --no-fund "$dist/fixsplat-$version-npm.tgz" \
+        "$dist/fixsplat-viewer-$version-npm.tgz") >log 2>&1
     cat >npm/program.mjs <<'END'
 import { load, png } from 'fixsplat'
 import { writeFile } from 'node:fs/promises'
@@ -261,7 +262,8 @@ await writeFile('scene.png', await png(scene.render({}, { width: 320, height: 18
 process.exit(0)
 END
     check "npm: renders" sh -c 'cd npm && node program.mjs && test -s scene.png'
-    report npm npm/node_modules/fixsplat
+    check "npm: the element's package" test -s npm/node_modules/fixsplat-viewer/element.js
+    report npm npm/node_modules/fixsplat npm/node_modules/fixsplat-viewer
 else
     skip npm "no npm here"
 fi

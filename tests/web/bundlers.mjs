@@ -1,5 +1,6 @@
-// node bundlers.mjs TARBALL WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm package by each bundler
-// in MODULES. Each must draw the command's pictures in Chromium. `all`: also without cross-origin isolation.
+// node bundlers.mjs FIXSPLAT.tgz VIEWER.tgz WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm packages by
+// the bundlers in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures. WORK has
+// scene.ply.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
@@ -10,7 +11,7 @@ import { promisify } from 'node:util'
 import { ISOLATED, pause, serveFiles, serveProgram } from './bundlers/servers.mjs'
 import { WEBGL } from './flags.mjs'
 
-const [tarball, work, modules, puppeteers, command, all] = process.argv.slice(2)
+const [tarball, viewerTarball, work, modules, puppeteers, command, all] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(puppeteers, 'of'))('puppeteer-core')
 const scene = resolve(work, 'scene.ply')
 const only = new RegExp(process.env.ONLY ?? '')
@@ -28,14 +29,24 @@ const WANTED = rendered('--size', '64x48', '--eye', '2,-1,-4')
 const WANTED_VIEW = rendered(...VIEW, '45')
 const WANTED_WIDER = rendered(...VIEW, '60')
 
-const published = (() => {
+const installed = (() => {
   const folder = join(home, 'installed')
   mkdirSync(folder)
   writeFileSync(join(folder, 'package.json'), '{ "private": true }')
   const quietly = ['--offline', '--ignore-scripts', '--no-audit', '--no-fund', '--loglevel=error']
-  execFileSync('npm', ['install', ...quietly, resolve(tarball)], { cwd: folder, stdio: 'pipe' })
-  return join(folder, 'node_modules/fixsplat')
+  const tarballs = [tarball, viewerTarball].map((file) => resolve(file))
+  execFileSync('npm', ['install', ...quietly, ...tarballs], { cwd: folder, stdio: 'pipe' })
+  return join(folder, 'node_modules')
 })()
+const NAMES = ['fixsplat', 'fixsplat-viewer']
+const { version } = JSON.parse(readFileSync(join(installed, 'fixsplat/package.json'), 'utf8'))
+
+// The files as README.md of fixsplat-viewer copies them to a server, and as a CDN has them.
+const published = join(home, 'published')
+cpSync(join(installed, 'fixsplat'), published, { recursive: true })
+cpSync(join(installed, 'fixsplat-viewer/page'), join(published, 'viewer'), { recursive: true })
+const cdn = join(home, 'cdn')
+for (const name of NAMES) cpSync(join(installed, name), join(cdn, `${name}@${version}`), { recursive: true })
 
 function project(name, files) {
   const folder = join(home, name.replace(/\W+/g, '_'))
@@ -44,7 +55,7 @@ function project(name, files) {
     mkdirSync(dirname(join(folder, path)), { recursive: true })
     writeFileSync(join(folder, path), text)
   }
-  cpSync(published, join(folder, 'node_modules/fixsplat'), { recursive: true })
+  for (const name of NAMES) cpSync(join(installed, name), join(folder, 'node_modules', name), { recursive: true })
   return folder
 }
 
@@ -165,11 +176,12 @@ const pageOf = (scripts) =>
   `<!doctype html><meta charset="utf-8"><title>x</title><link rel="icon" href="data:,"><body>${scripts}</body>`
 const MODULE = '<script type="module" src="/main.js"></script>'
 const mainOf = (load, viewer) => textOf('./bundlers/main.js').replace('@LOAD@', load).replace('@VIEWER@', viewer)
-const MAIN = mainOf('fixsplat', 'fixsplat/viewer')
-const INLINE = mainOf('fixsplat/inline', 'fixsplat/inline/viewer')
+const MAIN = mainOf('fixsplat', 'fixsplat-viewer')
+const INLINE = mainOf('fixsplat/inline', 'fixsplat-viewer/inline')
 const REACT = textOf('../../docs/examples/react.jsx')
 
-const served = (folder, headers) => serveFiles(folder, { '/scene.ply': scene, '/published/': published }, headers)
+const served = (folder, headers) =>
+  serveFiles(folder, { '/scene.ply': scene, '/published/': published, '/cdn/': cdn }, headers)
 const started = (folder, line) => serveProgram(folder, wordsOf(line), environment, { '/scene.ply': scene })
 
 async function shows(folder, how = {}) {
@@ -252,7 +264,7 @@ const NEXT = {
   'app/page.jsx': `'use client'
     import { useEffect } from 'react'
     import { load } from 'fixsplat'
-    import 'fixsplat/viewer'
+    import 'fixsplat-viewer'
     globalThis.kept = load
     export default () => {
       useEffect(() => { import('../main.js') }, [])
@@ -290,7 +302,8 @@ const OF_OTHERS = {
 }
 add('none, of another server', 'a line', EVERYTHING, async () => {
   const far = await served(home, OF_OTHERS)
-  const [load, viewer] = ['fixsplat.js', 'viewer/viewer.js'].map((name) => `${far.address}published/${name}`)
+  const files = ['fixsplat/fixsplat.js', 'fixsplat-viewer/page/viewer.js']
+  const [load, viewer] = files.map((name) => `${far.address}cdn/${name.replace('/', `@${version}/`)}`)
   const page = pageOf(`<script type="module" src="${viewer}"></script>${MODULE}`)
   await shows(project('far', { 'index.html': page, 'main.js': mainOf(load, viewer) })).finally(far.end)
 }, true)
@@ -328,9 +341,9 @@ add('esbuild', 'no files: words', [], async () => {
 const IN_NODE = `import assert from 'node:assert/strict'
 import { load, end } from 'fixsplat'
 import * as inline from 'fixsplat/inline'
-import 'fixsplat/viewer'
-import 'fixsplat/react'
-import 'fixsplat/inline/viewer'
+import 'fixsplat-viewer'
+import 'fixsplat-viewer/react'
+import 'fixsplat-viewer/inline'
 assert.equal(inline.load, load)
 const scene = await load(process.argv[2], { threads: 2 })
 for (let i = 0; i < 500 && scene.threads < 2; i++) await new Promise((done) => setTimeout(done, 10))

@@ -1,9 +1,9 @@
-// Checks the package entry fixsplat/playcanvas, for webgl.mjs.
+// Checks the package entry fixsplat-viewer/playcanvas, for webgl.mjs.
 import assert from 'node:assert/strict'
 import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
-const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await import('fixsplat/playcanvas')
+const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await import('fixsplat-viewer/playcanvas')
   ${PAGE}
   async function appOf(how = {}) {
     const canvas = Object.assign(document.createElement('canvas'), { width, height })

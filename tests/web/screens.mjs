@@ -46,8 +46,8 @@ const MAP = {
     'three/tsl': '/three/three.tsl.js',
     playcanvas: '/playcanvas/playcanvas.mjs',
     fixsplat: '/fixsplat.js',
-    'fixsplat/three': '/three.js',
-    'fixsplat/playcanvas': '/playcanvas.js',
+    'fixsplat-viewer/three': '/fixsplat-viewer/three.js',
+    'fixsplat-viewer/playcanvas': '/fixsplat-viewer/playcanvas.js',
   },
 }
 const mapped = (map) => `${PAGE}<script type="importmap">${JSON.stringify(map)}</script>`
@@ -55,7 +55,8 @@ const [MESH, MESH_GPU] = [MAP, { imports: { ...MAP.imports, three: MAP.imports['
 const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/mesh-gpu': MESH_GPU, '/common.js': COMMON,
                 '/worker.js': WORKER }
 const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
-                  playcanvas: `${modules}/playcanvas/build` }
+                  playcanvas: `${modules}/playcanvas/build`, 'fixsplat-viewer': join(folder, '../viewer') }
+const OWN = { fixsplat: folder, 'fixsplat-viewer': FOLDERS['fixsplat-viewer'] }
 
 function answerRange(file, range, answer) {
   const [first, last] = range.match(/\d+/g).map(Number)
@@ -68,8 +69,8 @@ const server = createServer((request, answer) => {
   const { pathname, search } = new URL(request.url, 'http://x')
   const path = decodeURIComponent(pathname)
   const [, first, ...rest] = path.split('/')
-  const npm = path.match(/^\/examples\/node_modules\/(fixsplat|three|playcanvas)(\/.*)/)
-  const file = npm ? (npm[1] === 'fixsplat' ? folder : `${modules}/${npm[1]}`) + npm[2]
+  const npm = path.match(/^\/examples\/node_modules\/(fixsplat|fixsplat-viewer|three|playcanvas)(\/.*)/)
+  const file = npm ? (OWN[npm[1]] ?? `${modules}/${npm[1]}`) + npm[2]
              : rest.length && FOLDERS[first] ? join(FOLDERS[first], ...rest) : folder + path
   const kind = TEXTS[path]?.startsWith(PAGE) ? 'text/html' : KINDS[path.split('.').pop()]
   answer.setHeader('content-type', kind ?? 'application/octet-stream')

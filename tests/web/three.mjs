@@ -1,11 +1,11 @@
-// Checks the package entry fixsplat/three, for webgl.mjs and webgpu.mjs.
+// Checks the package entry fixsplat-viewer/three, for webgl.mjs and webgpu.mjs.
 import assert from 'node:assert/strict'
 import {
   checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH,
 } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
-const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await import('fixsplat/three')
+const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await import('fixsplat-viewer/three')
   ${PAGE}
   function cameraOf(kind = 'perspective') {
     const camera = kind === 'perspective' ? new THREE.PerspectiveCamera(50, width / height, 0.1, 100)

@@ -1,10 +1,10 @@
-// node types.mjs TARBALL MODULES PAGE_MODULES [all]: compiles the documented code of the npm package with strict
-// TypeScript. `all`: more settings.
+// node types.mjs FIXSPLAT.tgz VIEWER.tgz MODULES PAGE_MODULES [all]: compiles the code of docs/web.md, of the packages'
+// README.md and of bundlers/types.tsx with strict TypeScript. `all`: also with Node's module resolution, and with React 18.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { dirname, join, resolve } from 'node:path'
 
-const [tarball, modules, pageModules, all] = process.argv.slice(2)
+const [tarball, viewerTarball, modules, pageModules, all] = process.argv.slice(2)
 const folder = mkdtempSync(join(dirname(resolve(modules)), 'types-'))
 process.on('exit', () => rmSync(folder, { recursive: true, force: true }))
 
@@ -25,7 +25,7 @@ function blocksOf(text) {
 }
 
 const names = []
-for (const file of ['port/web/README.md', 'docs/web.md'])
+for (const file of ['port/web/README.md', 'port/web/viewer/README.md', 'docs/web.md'])
   for (const { ending, code } of blocksOf(readFileSync(file, 'utf8'))) {
     const name = `${file.replace(/\W/g, '_')}_${names.length}.${ending}`
     writeFileSync(join(folder, name), `${code}\nexport {}\n`)
@@ -33,9 +33,11 @@ for (const file of ['port/web/README.md', 'docs/web.md'])
   }
 cpSync('tests/web/bundlers/types.tsx', join(folder, 'types.tsx'))
 cpSync('tests/web/bundlers/names.d.ts', join(folder, 'names.d.ts'))
-mkdirSync(join(folder, 'node_modules'))
-execFileSync('tar', ['xzf', resolve(tarball), '-C', join(folder, 'node_modules')])
-cpSync(join(folder, 'node_modules/package'), join(folder, 'node_modules/fixsplat'), { recursive: true })
+for (const [name, file] of Object.entries({ fixsplat: tarball, 'fixsplat-viewer': viewerTarball })) {
+  const to = join(folder, 'node_modules', name)
+  mkdirSync(to, { recursive: true })
+  execFileSync('tar', ['xzf', resolve(file), '-C', to, '--strip-components=1'])
+}
 writeFileSync(join(folder, 'package.json'), '{ "private": true, "type": "module" }')
 
 const { bin } = JSON.parse(readFileSync(join(modules, 'typescript/package.json'), 'utf8'))

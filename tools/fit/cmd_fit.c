@@ -235,6 +235,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     memset(c, 0, sizeof *c);
     frame_options_default(&c->frame);
     fxs_fit_options_init(&c->options);
+    fxs_photos_options_init(&c->reading);
     c->reading.hold_out = 8;
     c->port = 8080;
     if (take_options(&command_fit, c, argc, argv))

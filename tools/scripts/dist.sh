@@ -1,6 +1,6 @@
 #!/bin/sh
 # dist.sh OUT BUILD: builds a release of the last commit in the folder OUT: sources, a tarball and a wheel per
-# processor, a zip and a wheel for Windows, Debian packages, the npm package, SHA256SUMS. The build is reproducible.
+# processor, a zip and a wheel for Windows, Debian packages, the npm packages, SHA256SUMS. The build is reproducible.
 # Environment: NVCC PYTHON WEB_SOURCES.
 set -e
 final=${1:?folder} build=${2:?build folder}
@@ -32,9 +32,10 @@ sources() {
     git rev-parse HEAD >"$build/commit"
 }
 
-npm_package() {
+npm_packages() {
     make -s WEB_SOURCES="$WEB_SOURCES" web-package
     cp "build/web/$name.tgz" "$out/$name-npm.tgz"
+    cp "build/web/fixsplat-viewer-$version.tgz" "$out/fixsplat-viewer-$version-npm.tgz"
 }
 
 # needs FILE: prints the shared libraries of a program, except glibc's.
@@ -182,7 +183,7 @@ debian() {
 
 sources
 cd "$source"
-npm_package
+npm_packages
 linux "$here-linux-gnu" "$here"
 [ "$here" = aarch64 ] || linux aarch64-linux-gnu aarch64
 windows

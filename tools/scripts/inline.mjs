@@ -1,6 +1,7 @@
-// Turns files of the npm package into JavaScript modules.
+// Turns files of the npm packages into JavaScript modules.
 // inline.mjs style STYLE.css: a module with the text of a style sheet.
-// inline.mjs files NAME=FILE...: a module with scripts as text and WebAssembly as gzip in base64.
+// inline.mjs files ASSETS NAME=FILE...: a module that gives scripts as text and WebAssembly as gzip in base64 to the
+// function setAssets of the module ASSETS.
 import { readFileSync } from 'node:fs'
 import { gzipSync } from 'node:zlib'
 
@@ -16,9 +17,9 @@ function styleOf(file) {
   return `export const style = ${JSON.stringify(text)}\n`
 }
 
-function filesOf(pairs) {
+function filesOf([assets, ...pairs]) {
   const files = Object.fromEntries(pairs.map((pair) => pair.split('=')).map(([name, file]) => [name, textOf(file)]))
-  return `import { setAssets } from '../fixsplat_assets.js'\nsetAssets(${JSON.stringify(files)})\n`
+  return `import { setAssets } from '${assets}'\nsetAssets(${JSON.stringify(files)})\n`
 }
 
 process.stdout.write(kind === 'style' ? styleOf(rest[0]) : filesOf(rest))

@@ -1,5 +1,10 @@
 // Sends requests to worker.js and returns promises. Ending the worker frees all of its memory.
-import { assets, startWorker } from '../fixsplat_assets.js'
+import { assets, folderOf, hasStart, startWorker } from 'fixsplat/fixsplat_assets.js'
+
+const WORKER = 'viewer/worker.js'
+
+/** The folder of the viewer's files in a page without a bundler. */
+export const HOME = hasStart(WORKER) ? undefined : folderOf(import.meta.url, 'engine.js')
 
 const moved = (value) => {
   if (globalThis.OffscreenCanvas && value instanceof OffscreenCanvas) return [value]
@@ -7,7 +12,7 @@ const moved = (value) => {
 }
 
 const NO_WORKER = 'The script of the renderer cannot be loaded: where a bundler has made this page, see Bundlers in the ' +
-  'README of fixsplat; else this browser is too old'
+  'README of fixsplat-viewer; else this browser is too old'
 
 export class Engine {
   #waiting = new Map()
@@ -16,7 +21,7 @@ export class Engine {
 
   constructor(hear, threads) {
     this.threads = threads
-    this.worker = startWorker('viewer/worker.js')
+    this.worker = startWorker(WORKER, HOME)
     this.worker.onmessage = ({ data }) => (data.stage ? hear(data) : this.#settle(data))
     this.worker.onerror = (event) => this.end(event.message || NO_WORKER)
     if (assets()) this.ask('assets', assets()).catch(() => {})

@@ -1,6 +1,6 @@
 // The skybox: makes the backdrop of a frame from an equirectangular picture. The middle column of the picture is ahead,
 // along z, or along -y if z is up. Only exactly rounded operations are used, so all browsers give the same bytes.
-import { download } from '../read.js'
+import { download } from 'fixsplat/read.js'
 import { add, cross, dot, unit } from './motion.js'
 
 const MOST_BYTES = 256e6

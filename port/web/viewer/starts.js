@@ -1,4 +1,7 @@
 // Sets how to start the viewer's worker after a bundler has moved its script.
-import { setStart } from '../fixsplat_assets.js'
+import { folderInVite, setStart } from 'fixsplat/fixsplat_assets.js'
 
-setStart('viewer/worker.js', () => new Worker(new URL('./worker_whole.js', import.meta.url), { type: 'module' }))
+const folder = folderInVite(import.meta.url, 'fixsplat-viewer')
+const whole = () => new Worker(new URL('./worker_whole.js', import.meta.url), { type: 'module' })
+const inFolder = () => new Worker(`${folder}worker.js`, { type: 'module' })
+setStart('viewer/worker.js', folder ? inFolder : whole)

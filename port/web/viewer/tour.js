@@ -1,5 +1,5 @@
 // Settings files, annotations, camera tracks and films of the viewer, loaded on first use.
-import { staysInside } from '../read.js'
+import { staysInside } from 'fixsplat/read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
 import { listsOf, settingsOf, textOfSettings } from './settings.js'

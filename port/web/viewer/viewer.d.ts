@@ -1,4 +1,4 @@
-import type { Vector } from '../fixsplat.js'
+import type { Vector } from 'fixsplat'
 
 type How = boolean | AddEventListenerOptions
 export type Backend = 'wasm' | 'webgl2' | 'webgpu'

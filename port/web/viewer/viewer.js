@@ -1,8 +1,8 @@
 // The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> in it.
 // `src` and `open` load their scene in a new worker, which replaces the present worker when the scene has arrived
 // (#openAlone). Further scenes are loaded in the present worker (#load).
-import { addressIn } from '../fixsplat_assets.js'
-import { Engine } from './engine.js'
+import { addressIn } from 'fixsplat/fixsplat_assets.js'
+import { Engine, HOME } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
 import { Pilot } from './pilot.js'
 import { Picture, backends } from './picture.js'
@@ -242,7 +242,7 @@ export class Viewer extends HTMLElement {
 
   /** The link goes to this page if `linksHere` is set, or if a bundler left the viewer's page out. */
   get link() {
-    const link = this.linksHere ? null : addressIn('viewer/index.html')
+    const link = this.linksHere ? null : addressIn('viewer/index.html', HOME)
     if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`
     link.searchParams.set('scene', this.#address)
     const cameras = this.getAttribute('cameras')

@@ -1,7 +1,7 @@
 // Reads views from cameras.json files, links and the page's address, and writes links. A camera is { eye, look, up,
 // fov, flat, shift }. `look` is the target. `flat` means orthographic. `shift` is the offset of the camera's axis from
 // the middle of the picture, right and down, in heights of the picture.
-import { download } from '../read.js'
+import { download } from 'fixsplat/read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
 const isView = (v) =>

@@ -1,7 +1,7 @@
 // The worker of a viewer, which loads and draws the scenes. The page (engine.js) sends requests { id, word, args }; the
 // table `words` has the function of each word. Every request gets an answer { id, result } or { id, error }. Messages
 // with a `stage` need no request.
-import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from '../fixsplat.js'
+import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 
 const SEEN = 40000 // smallest number of Gaussians in an early preview
 const SEEN_SHARE = 1 / 3 // downloaded share that allows a preview of fewer Gaussians

@@ -1,7 +1,7 @@
 // The worker for bundlers, which drop unused code: imports and uses all modules that are loaded on demand elsewhere.
-import { openPaged } from '../paged.js'
-import { Functions } from '../webgl.js'
-import { Computed } from '../webgpu.js'
+import { openPaged } from 'fixsplat/paged.js'
+import { Functions } from 'fixsplat/webgl.js'
+import { Computed } from 'fixsplat/webgpu.js'
 import { backdropOf } from './sky.js'
 import './worker.js'
 

@@ -1,9 +1,9 @@
 // TypeScript must report the marked errors, and no others.
 import { load, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 import * as inline from 'fixsplat/inline'
-import 'fixsplat/inline/viewer'
-import 'fixsplat/react'
-import { type Backend, Viewer } from 'fixsplat/viewer'
+import { type Backend, Viewer } from 'fixsplat-viewer'
+import 'fixsplat-viewer/inline'
+import 'fixsplat-viewer/react'
 import { useRef } from 'react'
 
 export async function pictures() {

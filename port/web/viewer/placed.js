@@ -1,7 +1,7 @@
 // Shared code of the three.js and PlayCanvas adapters, which draw all Splats objects that a camera sees as one picture.
 // A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
 
-import { load, pick, Scene, Screen } from './fixsplat.js'
+import { load, pick, Scene, Screen } from 'fixsplat'
 
 const ALIKE = 1e-4
 const RAY = 1000

@@ -5,7 +5,7 @@ import {
   Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType,
   LinearSRGBColorSpace, Mesh, NoBlending, Quaternion, RenderTarget, ShaderMaterial, Vector2, Vector3, Vector4,
 } from 'three'
-import { Screen } from './fixsplat.js'
+import { Screen } from 'fixsplat'
 import * as placed from './placed.js'
 
 const EVEN = { transparent: true, depthTest: false, depthWrite: false, fog: false, toneMapped: false }

@@ -1,5 +1,5 @@
 import type { AppBase, BoundingBox, CameraComponent, Entity, Quat, Ray, Vec3 } from 'playcanvas'
-import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from './fixsplat.js'
+import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from 'fixsplat'
 
 /** A scene of Gaussians as an entity of PlayCanvas, for a device of WebGL 2. The world transform places the entity;
     its scales must be equal and above 0. All Splats that a camera sees on a layer are blended together, as one
@@ -16,7 +16,7 @@ export class Splats extends Entity {
       keeps and frees. All scenes of an application need the same `simd` and the same `threads`. */
   static load(
     app: AppBase,
-    source: Parameters<typeof import('./fixsplat.js').load>[0] | Scene,
+    source: Parameters<typeof import('fixsplat').load>[0] | Scene,
     options?: LoadOptions
   ): Promise<Splats>
   readonly isSplats: true

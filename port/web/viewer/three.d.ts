@@ -1,5 +1,5 @@
 import type { Box3, BufferGeometry, Camera, Material, Mesh, Object3DEventMap, Quaternion } from 'three'
-import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from './fixsplat.js'
+import type { Crop, FrameOptions, LoadOptions, Pinhole, Placed, Scene, Vector } from 'fixsplat'
 
 /** A renderer of three.js: a WebGLRenderer, or a WebGPURenderer in a browser with WebGPU. */
 export interface Renderer {
@@ -26,7 +26,7 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
       stream scenes. */
   static load(
     renderer: Renderer,
-    source: Parameters<typeof import('./fixsplat.js').load>[0] | Scene,
+    source: Parameters<typeof import('fixsplat').load>[0] | Scene,
     options?: LoadOptions
   ): Promise<Splats>
   readonly isSplats: true

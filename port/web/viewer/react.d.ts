@@ -1,7 +1,7 @@
 import type { ClassAttributes, HTMLAttributes } from 'react'
-import type { Place, PlacedScene, Viewer, ViewerAttributes } from './viewer/viewer.js'
+import type { Place, PlacedScene, Viewer, ViewerAttributes } from './viewer.js'
 
-export * from './viewer/viewer.js'
+export * from './viewer.js'
 
 type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttributes & { class?: string }
 type SceneProps = ClassAttributes<PlacedScene> & Omit<HTMLAttributes<PlacedScene>, keyof Place> & Place &

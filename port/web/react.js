@@ -1,2 +1,0 @@
-// The viewer element for React.
-export * from './viewer/element.js'

@@ -1,0 +1,2 @@
+// The viewer element for React.
+export * from './element.js'
