@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backend.h>
+#include <fixsplat/internal/backends.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
 

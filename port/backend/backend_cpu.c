@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include <fixsplat/backend.h>
+#include <fixsplat/internal/backends.h>
 #include "processor_internal.h"
 
 static int device(int number, char *name, size_t size, fxs_message *why)

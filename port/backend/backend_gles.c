@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/backend.h>
+#include <fixsplat/internal/backends.h>
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
 #include "processor_internal.h"

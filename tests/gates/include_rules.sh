@@ -27,7 +27,7 @@ tools           public
 '
 
 public='
-src/core      fixsplat packed parts stage pixel fixed
+src/core      fixsplat packed parts stage pixel fixed declarations
 src/base      allocator message scene start system output
 src/gaussian  pack
 src/camera    camera view_more
@@ -40,7 +40,6 @@ kernels/cuda  cuda
 port/posix    pager pager_more
 port/backend  backend backends renderer
 port/board    board
-port/python   declarations
 '
 
 files() {

@@ -10,7 +10,7 @@
 #include <GLES3/gl3.h>
 
 #include <fixsplat/camera.h>
-#include <fixsplat/gl.h>
+#include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/kernels.h>
