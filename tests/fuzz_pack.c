@@ -38,7 +38,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fxs_scene scene;
     if (size < 1 || size > MOST)
         return 0;
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)(data[0] % 3), .tree = data[0] / 12 % 2};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)(data[0] % 3),
+                                      .tree = data[0] / 12 % 2};
     size = make_ply(ply, data[0] / 3 % 4, data + 1, size - 1);
     if (fxs_scene_file_open_memory("fuzz", ply, size, NULL, &file, &info, &message))
         return 0;

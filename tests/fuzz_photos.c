@@ -98,7 +98,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size < 7)
         return 0;
     const char *const *files = names[(data[0] & 3) | (data[0] >> 3 & 4)];
-    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 16, .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1,
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 16,
+                                        .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1,
                                         .ignore_transparent = data[0] >> 7 & 1, .invert_masks = data[0] >> 6 & 1,
                                         .left_out = look_at};
     const uint8_t *at = data + 7, *end = data + size;

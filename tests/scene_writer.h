@@ -7,7 +7,8 @@
 static inline int open_writer(const char *format, const char *path, uint64_t count, int sh_degree, int antialiased,
                               fxs_scene_writer **writer, fxs_message *message)
 {
-    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = count, .sh_degree = sh_degree, .antialiased = antialiased,
+    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = count,
+                                             .sh_degree = sh_degree, .antialiased = antialiased,
                                              .format = format};
     return fxs_scene_writer_open(path, &options, writer, message);
 }
@@ -15,7 +16,8 @@ static inline int open_writer(const char *format, const char *path, uint64_t cou
 static inline int open_spz(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
                            fxs_scene_writer **writer, fxs_message *message)
 {
-    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = count, .sh_degree = sh_degree, .antialiased = antialiased,
+    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = count,
+                                             .sh_degree = sh_degree, .antialiased = antialiased,
                                              .spz_version = version, .spz_fine = 1, .format = "spz"};
     return fxs_scene_writer_open(path, &options, writer, message);
 }

@@ -81,7 +81,8 @@ static void render_frames(uint32_t threads)
 #ifdef COUNTING
     static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0}, eye[3] = {0, 0, -4};
     fxs_pool *pool = fxs_pool_create(threads);
-    fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads};
+    fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool,
+                         .workers.count = threads};
     fxs_context context;
     fxs_scene scene;
     fxs_options options;

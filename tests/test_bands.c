@@ -153,7 +153,8 @@ static void check_case(uint64_t seed, int32_t most, int height)
     draw_random(height);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_pool *pool = fxs_pool_create(threads);
-        fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads};
+        fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool,
+                             .workers.count = threads};
         fxs_context context;
         fxs_context_init(&context, &config);
         check_limits(&context);

@@ -365,7 +365,8 @@ static void make_wide_rad(const char *name)
 static void make_palette_rad(const char *name)
 {
     static const zero_column columns[] = {{"center", "f16", 6}, {"alpha", "r8", 1}, {"rgb", "r8", 3},
-                                          {"scales", "ln_0r8", 3}, {"orientation", "oct88r8", 3}, {"sh_label", "u16", 2},
+                                          {"scales", "ln_0r8", 3}, {"orientation", "oct88r8", 3},
+                                              {"sh_label", "u16", 2},
                                           {"sh1_code", "f32", 36}, {NULL, NULL, 0}};
     write_rad(name, 4, columns, ",\"maxSh\":1,\"shCodeCount\":2000000000");
 }
@@ -516,7 +517,8 @@ static int open_limited(const char *name, uint64_t max_gaussians, uint64_t max_m
 {
     fxs_scene_file *file;
     fxs_gaussian one;
-    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_gaussians = max_gaussians, .max_memory = max_memory};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_gaussians = max_gaussians,
+                                            .max_memory = max_memory};
     int result = fxs_scene_file_open(in_folder(name), &options, &file, &info, &message);
     if (result == 0)
         result = (int)fxs_scene_file_read(file, &one, 1, &message);
@@ -592,7 +594,8 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     memset(&taken, 0, sizeof taken);
     taken.from = from;
     for (int i = 0; i < PASSES && count >= 0; i++) {
-        count = fxs_scene_file_rewind(file, &message) ? -1 : fxs_scene_file_read(file, pass_read[i], MOST_READ, &message);
+        count = fxs_scene_file_rewind(file, &message) ? -1 : fxs_scene_file_read(file, pass_read[i], MOST_READ,
+                                                                                 &message);
         CHECK(count < 0 || memcmp(pass_read[i], pass_read[0], (size_t)count * sizeof **pass_read) == 0);
     }
     fxs_scene_file_close(file);

@@ -821,7 +821,8 @@ static void view_of_a_box(void)
     for (int i = 0; i < 18; i++) {
         double ends[6] = {1, 20, -300, 5, 24, -290};
         ends[i % 6] = wrong[i / 6];
-        CHECK(fxs_view_frame_box(&view, ends, ends + 3, up, &(fxs_picture){50, 640, 360}, &message) == FXS_ERR_ARGUMENT);
+        CHECK(fxs_view_frame_box(&view, ends, ends + 3, up, &(fxs_picture){50, 640, 360},
+                                 &message) == FXS_ERR_ARGUMENT);
     }
     const double far_low[3] = {-1.7e308, 0, 0}, far_high[3] = {1.7e308, 1, 1};
     CHECK(fxs_view_frame_box(&view, far_low, far_high, up, &(fxs_picture){50, 640, 360}, &message) == FXS_ERR_ARGUMENT);

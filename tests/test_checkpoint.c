@@ -569,7 +569,8 @@ static void seal(uint8_t *bytes, size_t size)
     put_u32(bytes + size - 4, (uint32_t)(sum >> 32));
 }
 
-enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
+enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT,
+      CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
 /* Changes a word of the file and corrects the checksum. A negative offset counts from the end. */

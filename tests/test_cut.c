@@ -190,7 +190,8 @@ static void check_same(const fxs_request *first, int picture)
     fxs_request request = *first;
     fxs_context context;
     fxs_pool *pool = fxs_pool_create(3);
-    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = 3};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool,
+                               .workers.count = 3};
     fxs_frame_memory sizes;
     fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, first, &sizes);

@@ -63,8 +63,8 @@ static int apart(const uint32_t *a, const uint32_t *b)
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
-static void bin_everywhere(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
-                           fxs_box *boxes)
+static void bin_everywhere(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
+                           uint32_t count, fxs_box *boxes)
 {
     (void)view;
     (void)splats;

@@ -144,7 +144,8 @@ static void the_same_everywhere(void)
     memcpy(wanted.low, t.low, sizeof t.low);
     memcpy(wanted.high, t.high, sizeof t.high);
     for (int i = 0; i < 4; i++) {
-        const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = 3};
+        const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool,
+                                   .workers.count = 3};
         fxs_context context;
         fxs_context_init(&context, i & 1 ? &config : NULL);
         if (i & 2)

@@ -108,7 +108,8 @@ static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *
 static int begin(fit *f, enum fxs_profile profile, fxs_pool *pool, uint32_t threads, unsigned cpu)
 {
     memset(f, 0, sizeof *f);
-    f->options = (fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile, .workers.run = pool ? fxs_pool_run : run_here, .workers.pool = pool,
+    f->options = (fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile, .workers.run = pool
+                                    ? fxs_pool_run : run_here, .workers.pool = pool,
                                     .workers.count = threads};
     f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(cpu), f->options.workers.run, pool, threads, NULL);
     if (!CHECK(f->stepper) || !make_model(&f->model))

@@ -110,7 +110,8 @@ static void check_scene(const char *name, int antialiased, float away)
     if (!CHECK(!fxs_scene_file_open_gaussians(name, &source, 0, &file, &info, &m)))
         return;
     for (int i = 0; i < 3; i++)
-        CHECK(!fxs_pack(file, &info, &profiles[i], &report, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)i}, &m));
+        CHECK(!fxs_pack(file, &info, &profiles[i], &report, &(fxs_pack_options){.size = sizeof(fxs_pack_options),
+                                                                                .profile = (enum fxs_profile)i}, &m));
     if (CHECK(!fxs_float_scene_read(&scene, file, &info, 0, 0, 1, &m)))
         for (int v = 0; v < VIEWS; v++)
             if (CHECK(!find_view(v, &report, &view)))

@@ -265,7 +265,8 @@ static void test_failures(void)
     CHECK(fxs_file_write(path, packed.data, packed.bytes, &m) == FXS_ERR_FILE && strstr(m.text, path));
     CHECK(fxs_file_write(folder, packed.data, packed.bytes, &m) == FXS_ERR_FILE && strstr(m.text, folder));
     CHECK(!stat(fxs_path, &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
-    CHECK(fxs_map_open(&file, path, &m) == FXS_ERR_FILE && fxs_map_open(&file, folder, &m) == FXS_ERR_FILE && !file.data);
+    CHECK(fxs_map_open(&file, path, &m) == FXS_ERR_FILE && fxs_map_open(&file, folder, &m) == FXS_ERR_FILE &&
+          !file.data);
 }
 
 int main(void)

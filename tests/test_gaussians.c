@@ -131,7 +131,8 @@ static void same_codes_far_out(void)
     static const double origin[3] = {500000, -4500000, 0.5};
     for (int profile = 0; profile < 3; profile++) {
         fxs_gaussian_source from = {COUNT, 3, 1, give, made, {0}};
-        const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)profile, .tree = 1};
+        const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)profile,
+                                          .tree = 1};
         fxs_packed_scene scenes[2];
         fxs_scene opened[2];
         for (int far = 0; far < 2; far++) {
@@ -230,8 +231,10 @@ static void wrong_arguments(void)
     fxs_gaussian_source from = {COUNT, 3, 0, NULL, made, {0}};
     CHECK(fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message) == FXS_ERR_ARGUMENT && !file);
     CHECK(open_degree(4, NULL) == FXS_ERR_ARGUMENT && open_degree(-1, NULL) == FXS_ERR_ARGUMENT && !file);
-    CHECK(open_degree(3, &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = 1}) == FXS_ERR_ARGUMENT && !file);
-    CHECK(open_degree(3, &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = COUNT - 1}) == FXS_ERR_FILE && !file);
+    CHECK(open_degree(3, &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                   .level = 1}) == FXS_ERR_ARGUMENT && !file);
+    CHECK(open_degree(3, &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                   .max_gaussians = COUNT - 1}) == FXS_ERR_FILE && !file);
     from = (fxs_gaussian_source){COUNT, 3, 0, give, made, {0, 1e8, 0}};
     CHECK(fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message) == FXS_ERR_ARGUMENT && !file);
     from = (fxs_gaussian_source){(uint64_t)FXS_MAX_COUNT + 1, 3, 0, give, made, {0}};
@@ -265,7 +268,8 @@ static void every_allocation_fails(void)
 {
     const fxs_allocator counted = {allocate, release, NULL};
     const fxs_scene_file_options opening = {.size = sizeof(fxs_scene_file_options), .allocator = &counted};
-    const fxs_pack_options packing = {.size = sizeof(fxs_pack_options), .allocator = &counted, .profile = FXS_PROFILE_COMPACT};
+    const fxs_pack_options packing = {.size = sizeof(fxs_pack_options), .allocator = &counted,
+                                      .profile = FXS_PROFILE_COMPACT};
     int result = FXS_ERR_MEMORY;
     for (long n = 0; result && n < 100; n++) {
         forget();

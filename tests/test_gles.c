@@ -186,7 +186,8 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
                   ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_context c;
-    fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.count = 3, .draw = draw, .draw_argument = gles,
+    fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.count = 3, .draw = draw,
+                         .draw_argument = gles,
                          .draw_unlisted = draw && draw != fxs_gles_draw};
     fxs_context_init(&c, &config);
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
@@ -407,7 +408,8 @@ static int load_subject(subject *s, const char *folder, const char *name, const 
     int error = fxs_pack(file, &info, &s->packed, &report, 0, &m);
     fxs_scene_file_close(file);
     return CHECK(!error && !fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) &&
-                 !fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, &(fxs_picture){50, 479, 269}, &m) &&
+                 !fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, &(fxs_picture){50, 479, 269},
+                                     &m) &&
                  !fxs_camera_from_view(&s->camera, &view, &m));
 }
 
@@ -521,7 +523,8 @@ static void fetch_eyes(void)
     for (int way = 0; way < exact_ways(gles); way++) {
         for (int drawn = 0; drawn < 2; drawn++) {
             fxs_context c;
-            const fxs_config config = {.size = sizeof(fxs_config), .draw = drawn ? exact[way] : 0, .draw_argument = gles,
+            const fxs_config config = {.size = sizeof(fxs_config), .draw = drawn ? exact[way] : 0,
+                                       .draw_argument = gles,
                                        .draw_unlisted = drawn && way};
             fxs_targets targets[2];
             fxs_context_init(&c, &config);
@@ -578,7 +581,8 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
 {
     const ptrdiff_t stride = 4 * (ptrdiff_t)s->camera.width, last = (s->camera.height - 1) * stride;
     fxs_context c;
-    fxs_config config = {.size = sizeof(fxs_config), .draw = draw, .draw_argument = gles, .draw_unlisted = draw && draw != fxs_gles_draw};
+    fxs_config config = {.size = sizeof(fxs_config), .draw = draw, .draw_argument = gles, .draw_unlisted = draw &&
+                         draw != fxs_gles_draw};
     const fxs_object object = one_object(&s->scene);
     fxs_targets t = one_target(s->format, pixels, stride);
     fxs_context_init(&c, &config);

@@ -24,7 +24,8 @@ typedef struct golden {
 } golden;
 
 #define RGBA8 FXS_FORMAT_RGBA8
-#define OPTIONS(of, degree, r, g, b) {.size = sizeof(fxs_options), .cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
+#define OPTIONS(of, degree, r, g, b) \
+    {.size = sizeof(fxs_options), .cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
 
 static const golden cases[] = {
     /* Stages project and shade: SH degree 3 on an object. Stage blend: opaque surfaces, early out. */
@@ -82,7 +83,8 @@ static uint8_t *render(const golden *g, void *self, fxs_message *m)
         return 0;
     fxs_scene_open(&scene, packed.data, packed.bytes);
     uint8_t *pixels = malloc((size_t)g->width * (size_t)g->height * 4);
-    int error = !pixels || fxs_view_look_at(&view, g->eye, g->look, up, &(fxs_picture){g->fov, g->width, g->height}, m) ||
+    int error = !pixels || fxs_view_look_at(&view, g->eye, g->look, up, &(fxs_picture){g->fov, g->width, g->height},
+                                            m) ||
                 fxs_camera_from_view(&camera, &view, m) || draw(&scene, &camera, g, self, pixels, m);
     fxs_packed_scene_free(&packed);
     if (!error)

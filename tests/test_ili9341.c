@@ -271,7 +271,8 @@ static void draw_on(fxs_ili9341 *panel, const fxs_object *object, const fxs_came
     fxs_context context;
     fxs_strip strip = {.pixels = strips, .stride = stride, .rows = rows, .format = FXS_FORMAT_RGB565_SWAPPED,
                        .rows_done = fxs_ili9341_rows, .argument = panel};
-    const fxs_config config = {.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
+    const fxs_config config = {.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip,
+                               .draw_blended = 1};
     fxs_frame_memory sizes;
     if (((bus *)panel->bus.argument)->dma)
         panel->other = strips + room;

@@ -323,7 +323,8 @@ static void levels(void)
                 check_level(level, sky_count, has_sh);
         }
     for (int level = -1; level <= LEVELS; level += LEVELS + 1) {
-        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .level = level}) == FXS_ERR_ARGUMENT);
+        CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                   .level = level}) == FXS_ERR_ARGUMENT);
         CHECK(strstr(message.text, ": levels of detail in this scene: 2") != NULL);
     }
 }
@@ -459,10 +460,13 @@ static void same_cell_again(void)
 static void limits(void)
 {
     write_made(SKY, 1);
-    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = COUNT + SKY}) == COUNT + SKY);
-    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = COUNT + SKY - 1}) == FXS_ERR_FILE);
+    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                               .max_gaussians = COUNT + SKY}) == COUNT + SKY);
+    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                               .max_gaussians = COUNT + SKY - 1}) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "beyond the limit of 26") != NULL);
-    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_memory = 1000}) == FXS_ERR_MEMORY);
+    CHECK(read_scene(&(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                               .max_memory = 1000}) == FXS_ERR_MEMORY);
 }
 
 static void missing_files(void)

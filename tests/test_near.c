@@ -97,7 +97,8 @@ static void check_size(double size, const uint8_t full[PIXELS * 4], uint8_t out[
         eye[i] = place[i] * size;
         look[i] = target[i] * size;
     }
-    if (!CHECK(!make_knot(size)) || !CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){60, WIDTH, HEIGHT}, &m)))
+    if (!CHECK(!make_knot(size)) || !CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){60, WIDTH, HEIGHT},
+                                                             &m)))
         return;
     view.near = 0.02 * size;
     const double near = fxs_near_of_box(report.inner_low, report.inner_high);
@@ -127,7 +128,8 @@ static void test_sizes_are_framed_alike(void)
     fxs_message m;
     fxs_view view;
     for (int i = 0; i < 3; i++) {
-        if (!CHECK(!make_knot(sizes[i])) || !CHECK(!fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m)))
+        if (!CHECK(!make_knot(sizes[i])) || !CHECK(!fxs_view_frame_box(&view, report.inner_low, report.inner_high, up,
+                                                                       &(fxs_picture){50, WIDTH, HEIGHT}, &m)))
             return;
         CHECK(view.near > 0 && view.near <= 0.2);
         CHECK(!render(&view, i ? small : full));
@@ -150,7 +152,8 @@ static void test_boxes_are_framed_whole(void)
             low[k] = middle[k] - half[k];
             high[k] = middle[k] + half[k];
         }
-        CHECK(!fxs_view_frame_box(&view, low, high, up, &(fxs_picture){i / 18 % 2 ? 50 : 150, i / 36 ? 96 : 72, i / 36 ? 72 : 96}, &m));
+        CHECK(!fxs_view_frame_box(&view, low, high, up, &(fxs_picture){i / 18 % 2 ? 50 : 150, i / 36 ? 96 : 72, i / 36
+                                                                       ? 72 : 96}, &m));
         for (int corner = 0; corner < 8; corner++) {
             double seen[3] = {0, 0, 0};
             for (int k = 0; k < 3; k++)

@@ -180,7 +180,8 @@ static void check_captured(const char *file, double least)
         return;
     }
     fxs_object *object = world_add(&w, &captured);
-    CHECK(!fxs_view_frame_box(&view, captured.report.inner_low, captured.report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m));
+    CHECK(!fxs_view_frame_box(&view, captured.report.inner_low, captured.report.inner_high, up,
+                              &(fxs_picture){50, WIDTH, HEIGHT}, &m));
     object_place(object, (const double[3]){0.3, 1, -0.5}, 2.1, 7.3, (const double[3]){120, -35, 11});
     const fxs_camera camera = carried(&view, object);
     check_against_reference(file, &w, &camera, least);
@@ -513,7 +514,8 @@ static void test_threads_and_versions(void)
         make_scenario(&s);
         for (uint32_t threads = 1; threads <= 8; threads++) {
             fxs_context context;
-            const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(threads), .workers.count = threads};
+            const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
+                                       .workers.pool = fxs_pool_create(threads), .workers.count = threads};
             fxs_context_init(&context, &config);
             for (int k = 0; k < count; k++) {
                 context.config.kernels = &versions[k];
@@ -561,7 +563,8 @@ static void test_stereo(void)
         CHECK(!draw(&plain, s.objects, s.count, &cameras[1], &s.options, 0, &s.actual, 0));
         CHECK(same_pictures(&s.actual, &eyes[1]));
         for (int k = 0; k < count; k++) {
-            const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create((uint32_t)k + 1),
+            const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
+                                       .workers.pool = fxs_pool_create((uint32_t)k + 1),
                                        .workers.count = (uint32_t)k + 1};
             fxs_context context;
             fxs_context_init(&context, &config);

@@ -92,7 +92,8 @@ static fxs_pager_source source_of(bytes_source *s)
 static fxs_pager *open_with(bytes_source *s, uint32_t places, fxs_message *why)
 {
     const fxs_pager_source source = source_of(s);
-    const fxs_pager_options options = {.size = sizeof(fxs_pager_options), .pool_bytes = (size_t)places * whole.chunk_bytes};
+    const fxs_pager_options options = {.size = sizeof(fxs_pager_options),
+                                       .pool_bytes = (size_t)places * whole.chunk_bytes};
     fxs_pager *pager;
     return fxs_pager_open("made.fxs", &source, &options, &pager, why) ? 0 : pager;
 }
@@ -377,7 +378,8 @@ static void test_path(void)
     bytes_source s = {.rate = 50000000};
     const fxs_pager_source source = source_of(&s);
     int told = 0, waited = 0, missing = 0;
-    const fxs_pager_options options = {sizeof(fxs_pager_options), (size_t)fxs_scene_chunks(&whole) / 3 * whole.chunk_bytes, note_arrived, &told};
+    const fxs_pager_options options = {sizeof(fxs_pager_options),
+                                       (size_t)fxs_scene_chunks(&whole) / 3 * whole.chunk_bytes, note_arrived, &told};
     double longest = 0, longest_work = 0, longest_turn = 0, work = 0;
     fxs_message why;
     fxs_pager_state state;

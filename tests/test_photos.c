@@ -427,7 +427,8 @@ static const struct {
     {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {.k = {-0.2, 0.05}, .p = {0.01, -0.02}}, 140, 150, 80, 60, 1},
     {"FULL_OPENCV 160 120 140 140 80 60 0.1 -.05 .002 .001 .02 .3 .04 .01",
      {.k = {0.1, -.05, .02}, .d = {.3, .04, .01}, .p = {.002, .001}}, 140, 140, 80, 60, 1},
-    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {.kind = FXS_LENS_FISHEYE, .k = {.05, -.01, .002, -.001}},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {.kind = FXS_LENS_FISHEYE,
+                                                                  .k = {.05, -.01, .002, -.001}},
      100, 100, 80, 60, 1},
     {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {.kind = FXS_LENS_FISHEYE, .k = {0}}, 100, 100, 80, 60, 1},
     {"RADIAL_FISHEYE 160 120 100 80 60 .05 -.01", {.kind = FXS_LENS_FISHEYE, .k = {.05, -.01}}, 100, 100, 80, 60, 1},
@@ -744,7 +745,8 @@ static void names_of_windows(void)
     CHECK(!rename(in_folder("w/a/2.ppm"), in_folder("w/a/2.PPM")));
     CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() == hash);
     char said[256] = "";
-    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out, .left_out_argument = said};
+    const fxs_photos_options saying = {.size = sizeof(fxs_photos_options), .left_out = left_out,
+                                       .left_out_argument = said};
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
@@ -1028,7 +1030,8 @@ static void inria(void)
 /* Transparent pixels become colour * alpha + background * (1 - alpha), before averaging, rounded once. */
 static void alpha(void)
 {
-    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 6, .background = {255, 128, 3}};
+    const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 6,
+                                        .background = {255, 128, 3}};
     uint8_t rgba[4 * 24 * 20];
     for (size_t i = 0; i < sizeof rgba; i++)
         rgba[i] = (uint8_t)random_number();
@@ -1074,7 +1077,8 @@ static uint32_t hash_of_set(const char *path, const fxs_photos_options *options)
 
 static void snowmiku(void)
 {
-    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 600, .hold_out = 8, .workers.run = fxs_pool_run};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 600, .hold_out = 8,
+                                  .workers.run = fxs_pool_run};
     const char *path = real_set("snowmiku");
     if (!path)
         SKIP("no photographs here");
@@ -1091,7 +1095,8 @@ static void snowmiku(void)
 
 static void lego(void)
 {
-    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 400, .hold_out = 8, .background = {255, 255, 255}, .workers.run = fxs_pool_run};
+    fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 400, .hold_out = 8,
+                                  .background = {255, 255, 255}, .workers.run = fxs_pool_run};
     const char *path = real_set("lego");
     if (!path)
         SKIP("no photographs here");

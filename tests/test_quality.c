@@ -180,7 +180,8 @@ static int load(subject *s, const char *path)
         return -1;
     int result = 0;
     for (int i = 0; i < PROFILES && !result; i++) {
-        fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)i, .workers.run = fxs_pool_run, .workers.pool = pool,
+        fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = (enum fxs_profile)i,
+                                    .workers.run = fxs_pool_run, .workers.pool = pool,
                                     .workers.count = fxs_processors()};
         const double start = processor_seconds();
         result = fxs_pack(file, &s->info, &s->packed[i], &s->report, &options, &m);
@@ -233,7 +234,8 @@ static int views_around(subject *s, const aspect *a)
     fxs_message m;
     fxs_view front;
     double middle[3], radius = 0, filled;
-    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, &(fxs_picture){50, width, height}, &m))
+    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, &(fxs_picture){50, width, height},
+                           &m))
         return -1;
     for (int i = 0; i < 3; i++) {
         middle[i] = (s->report.inner_low[i] + s->report.inner_high[i]) / 2;
@@ -258,7 +260,8 @@ static int views_from(subject *s, const stand stands[VIEWS], const aspect *a)
 {
     fxs_message m;
     for (int v = 0; v < VIEWS; v++) {
-        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, &(fxs_picture){50, width, height}, &m))
+        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, &(fxs_picture){50, width, height},
+                             &m))
             return -1;
         strcpy(s->views[v].name, view_names[v]);
     }
@@ -274,7 +277,8 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_view *view)
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = fxs_processors()};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool,
+                               .workers.count = fxs_processors()};
     fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
     context.config.kernels = kernels_for(fxs_cpu_detect());   /* fast kernels, which give the same bytes */

@@ -85,9 +85,11 @@ static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t 
                        size_t view_count)
 {
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = pool,
+                               .workers.count = threads};
     fxs_context context;
-    const fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = steps, .views = view_count ? views : NULL,
+    const fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = steps,
+                                        .views = view_count ? views : NULL,
                                         .view_count = view_count, .cpu = cpu};
     fxs_context_init(&context, &config);
     context.config.kernels = kernels_for(cpu);
@@ -214,7 +216,8 @@ static void check_refused(void)
     if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
         return;
     fxs_context_init(&context, NULL);
-    fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context, .steps = FXS_REFINE_STEPS_MOST + 1, .views = views,
+    fxs_refine_options options = {.size = sizeof(fxs_refine_options), .context = &context,
+                                  .steps = FXS_REFINE_STEPS_MOST + 1, .views = views,
                                   .view_count = VIEWS};
     CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);
     options.steps = 2;

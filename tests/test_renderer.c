@@ -40,7 +40,8 @@ static void the_same_from_bytes(void)
     fxs_renderer *renderer = NULL;
     fxs_pick_result picked;
     const fxs_scene_file_options limit = {.size = sizeof limit, .max_gaussians = COUNT - 1};
-    const fxs_open_options careful = {.size = sizeof careful, .check_all = 1}, few = {.size = sizeof few, .file = &limit};
+    const fxs_open_options careful = {.size = sizeof careful, .check_all = 1}, few =
+        {.size = sizeof few, .file = &limit};
     CHECK(fxs_open_memory("a.splat", records, sizeof records, NULL, &splat, &why) == 0);
     CHECK(fxs_renderer_create(NULL, NULL, &renderer, &why) == 0);
     if (!splat || !renderer)

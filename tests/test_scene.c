@@ -337,7 +337,8 @@ static uint32_t render_random(const fxs_context *context)
     fxs_camera camera;
     fxs_stats stats = {0};
     const uint32_t choice = bits();
-    fxs_options options = {.size = sizeof(fxs_options), .cutoff = (enum fxs_cutoff)(choice & 1), .sh_degree = (int)(choice >> 30)};
+    fxs_options options = {.size = sizeof(fxs_options), .cutoff = (enum fxs_cutoff)(choice & 1),
+                           .sh_degree = (int)(choice >> 30)};
     unsigned char pixels[40 * 40 * 4], in_bands[40 * 40 * 4];
     fxs_frame_memory sizes;
     random_camera(&camera);

@@ -170,7 +170,8 @@ static void faulty(void)
     if (!open_made(COUNT))
         return;
     CHECK(fxs_scene_file_decimate(file, 0, &info, NULL, &message) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_scene_file_decimate(file, 1, &info, &(fxs_progress){stop_at_once, &calls}, &message) == FXS_ERR_STOPPED && calls == 1);
+    CHECK(fxs_scene_file_decimate(file, 1, &info, &(fxs_progress){stop_at_once, &calls}, &message) == FXS_ERR_STOPPED &&
+          calls == 1);
     fxs_scene_file_close(file);
 }
 

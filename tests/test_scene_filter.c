@@ -387,7 +387,8 @@ static void progress(void)
     filter.high[0] = 10;
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, file_size, NULL, &file, &info, &message) == 0))
         return;
-    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, &(fxs_progress){stop_at_half, &last}, &message) == FXS_ERR_STOPPED);
+    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, &(fxs_progress){stop_at_half, &last},
+                                &message) == FXS_ERR_STOPPED);
     CHECK(last >= 0.5);
     fxs_scene_file_close(file);
 }

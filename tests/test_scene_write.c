@@ -46,7 +46,8 @@ static void make(int sh_degree)
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
 {
-    fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = COUNT, .sh_degree = sh_degree, .antialiased = antialiased,
+    fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = COUNT, .sh_degree = sh_degree,
+                                 .antialiased = antialiased,
                                  .spz_fine = 1};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < COUNT; k++) {

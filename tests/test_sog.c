@@ -874,7 +874,8 @@ static void changed_while_open(void)
     fxs_gaussian gaussians[4 * COUNT];
     fxs_scene_file *file;
     put_streamed();
-    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = least_memory(gaussians)};
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options),
+                                            .max_memory = least_memory(gaussians)};
     if (!CHECK(fxs_scene_file_open(in_folder(""), &options, &file, &info, &message) == 0))
         return;
     make(&chunks[1]);

@@ -394,7 +394,8 @@ static int is_fine = 1;
 
 static int write_file(int version, int degree)
 {
-    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = COUNT, .sh_degree = degree, .antialiased = degree == 1,
+    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = COUNT,
+                                             .sh_degree = degree, .antialiased = degree == 1,
                                              .spz_version = version, .format = "spz", .spz_fine = is_fine};
     fxs_scene_writer *writer;
     int result = fxs_scene_writer_open(written, &options, &writer, &message);

@@ -815,7 +815,8 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     context.config.draw = draw_nothing;
     CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, 0) ==
           FXS_ERR_DEVICE);
-    fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1});
+    fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = draw_keys, .draw_argument = &ordered,
+                                             .draw_unlisted = 1});
     const fxs_object object = one_object(scene);
     const size_t unlisted = fxs_frame_bytes(&context, &object, 1, camera->width, camera->height, 0);
     void *room = check_aligned(unlisted);
@@ -831,7 +832,8 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
 {
     int pools = 0;
     uint64_t ticks = 0;
-    fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.pool = &pools, .workers.count = (uint32_t)(2 + below(7)), .clock = tick,
+    fxs_config config = {.size = sizeof(fxs_config), .workers.run = run_backwards, .workers.pool = &pools,
+                         .workers.count = (uint32_t)(2 + below(7)), .clock = tick,
                          .clock_argument = &ticks};
     fxs_context context;
     fxs_stats stats;

@@ -130,7 +130,8 @@ static uint64_t check_case(int which)
     const uint64_t entries = render_alone(&p, &context, alone), hash = hash_of(alone, p.bytes);
     check_pair(&p, &context, alone, entries);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
-        fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(threads), .workers.count = threads};
+        fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
+                             .workers.pool = fxs_pool_create(threads), .workers.count = threads};
         fxs_context_init(&context, &config);
         check_pair(&p, &context, alone, entries);
 #ifdef FXS_WITH_KERNELS

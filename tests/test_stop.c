@@ -182,7 +182,8 @@ static void test_stopped_by_several_threads(void)
     static bench b;
     int stopped = 0;
     uint32_t every;
-    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(THREADS), .workers.count = THREADS};
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
+                               .workers.pool = fxs_pool_create(THREADS), .workers.count = THREADS};
     bench_init(&b, 5, 16);
     fxs_context_init(&b.context, &config);
     free(b.memory);

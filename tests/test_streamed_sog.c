@@ -32,7 +32,8 @@ static void make(void)
 
 static int write_scene(const char *name, int count, int announced, const fxs_progress *progress)
 {
-    const fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = (uint64_t)announced, .sh_degree = 1, .antialiased = 1};
+    const fxs_scene_write_options o = {.size = sizeof(fxs_scene_write_options), .count = (uint64_t)announced,
+                                       .sh_degree = 1, .antialiased = 1};
     fxs_scene_writer *writer;
     int result = fxs_scene_writer_open(name, &o, &writer, &message);
     if (result)
@@ -209,7 +210,8 @@ static void faults(void)
     CHECK(write_scene(in_folder("faulty/lod-meta.json"), 5, 6, NULL) == FXS_ERR_ARGUMENT);
     CHECK(write_scene(in_folder("faulty/lod-meta.json"), 6, 5, NULL) == FXS_ERR_ARGUMENT);
     CHECK(files_in(in_folder("faulty")) == 0);
-    CHECK(write_scene(in_folder("faulty/lod-meta.json"), COUNT, COUNT, &(fxs_progress){stop, &calls}) == FXS_ERR_STOPPED && calls == 30);
+    CHECK(write_scene(in_folder("faulty/lod-meta.json"), COUNT, COUNT,
+                      &(fxs_progress){stop, &calls}) == FXS_ERR_STOPPED && calls == 30);
     CHECK(files_in(in_folder("faulty")) == 0);
     FILE *in_the_way = fopen(in_folder("faulty/1_0"), "wb");
     CHECK(in_the_way && !fclose(in_the_way));

@@ -59,7 +59,8 @@ static void bench_init(bench *b, int32_t width, int32_t height, int32_t rows, en
     b->strip = (fxs_strip){.stride = width * bytes + 16, .rows = rows, .format = format, .rows_done = collect,
                            .argument = &b->got};
     b->strip.pixels = check_aligned((size_t)((width * bytes + 16) * rows));
-    b->config = (fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &b->strip, .draw_blended = 1};
+    b->config = (fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &b->strip,
+                             .draw_blended = 1};
     fxs_context_init(&b->whole, 0);
     fxs_context_init(&b->strips, &b->config);
 }

@@ -454,7 +454,8 @@ static int captured_camera(fxs_camera *camera, const part *p)
 {
     fxs_message m;
     fxs_view view;
-    return !fxs_view_frame_box(&view, p->report.inner_low, p->report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT}, &m) &&
+    return !fxs_view_frame_box(&view, p->report.inner_low, p->report.inner_high, up, &(fxs_picture){50, WIDTH, HEIGHT},
+                               &m) &&
            !fxs_camera_from_view(camera, &view, &m);
 }
 

@@ -83,7 +83,8 @@ static void test_a_context_for_several_threads(void)
 {
     make_frames();
     for (uint32_t threads = 1; threads <= 4 && !check_faults; threads += threads) {
-        const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.pool = fxs_pool_create(threads), .workers.count = threads};
+        const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
+                                   .workers.pool = fxs_pool_create(threads), .workers.count = threads};
         fxs_context_init(&shared, &config);
 #ifdef FXS_WITH_KERNELS
         shared.config.kernels = kernels_for(fxs_cpu_detect());

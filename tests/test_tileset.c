@@ -407,12 +407,15 @@ static void many_contents(void)
     for (int tile = 0; tile < TILES; tile++)
         for (int k = 0; k < 1 + tile % 5; k++, i++)
             CHECK(is_at(&out[i], tile, 1, 0.25 * k));
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = (uint64_t)count}, 50) == count);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                              .max_gaussians = (uint64_t)count}, 50) == count);
     const fxs_scene_file_options fewer = {.size = sizeof(fxs_scene_file_options), .max_gaussians = (uint64_t)count - 1};
     CHECK(read_step("tileset.json", &fewer, 50) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "300 Gaussians or more in ") != NULL);
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_memory = 400000}, 50) == count);
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_memory = 4000}, 50) == FXS_ERR_MEMORY);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                              .max_memory = 400000}, 50) == count);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                              .max_memory = 4000}, 50) == FXS_ERR_MEMORY);
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
@@ -424,7 +427,8 @@ static void bytes_count_once(void)
     put_tiles("tileset.json", "{" CONTENT("1.glb") "}");
     stat(in_folder("tileset.json"), &status);
     snprintf(words, sizeof words, "2 Gaussians or more in %zu bytes", (size_t)status.st_size + glb_size);
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .max_gaussians = 1}, 1) == FXS_ERR_FILE);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                              .max_gaussians = 1}, 1) == FXS_ERR_FILE);
     if (!CHECK(strstr(message.text, words) != NULL))
         printf("  %s, not %s\n", message.text, words);
 }
@@ -462,7 +466,8 @@ static int stop_at_once(void *argument, double done)
 static void stopped(void)
 {
     put_many();
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options), .progress.call = stop_at_once}, 1) == FXS_ERR_STOPPED);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.size = sizeof(fxs_scene_file_options),
+                                                              .progress.call = stop_at_once}, 1) == FXS_ERR_STOPPED);
     CHECK(strstr(message.text, "tileset.json: stopped") != NULL);
 }
 

@@ -155,7 +155,8 @@ static void check_tree(enum fxs_profile profile, double loss)
 {
     fxs_packed_scene packed;
     fxs_scene scene;
-    if (!pack(&packed, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1}))
+    if (!pack(&packed, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile,
+                                                          .tree = 1}))
         return;
     check_shape(&scene);
     check_gains(&scene);
@@ -167,14 +168,16 @@ static void check_threads(enum fxs_profile profile)
 {
     fxs_packed_scene alone, packed, plain;
     fxs_scene scene;
-    if (!pack(&alone, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1}) ||
+    if (!pack(&alone, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile,
+                                                         .tree = 1}) ||
         !pack(&plain, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile}))
         return;
     CHECK(!scene.nodes && alone.bytes == plain.bytes + fxs_tree_bytes(scene.chunk_count, 3, profile));
     CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));
     for (uint32_t threads = 2; threads <= 3; threads++) {
         fxs_pool *pool = fxs_pool_create(threads);
-        const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1, .workers.run = fxs_pool_run, .workers.pool = pool,
+        const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = profile, .tree = 1,
+                                          .workers.run = fxs_pool_run, .workers.pool = pool,
                                           .workers.count = threads};
         if (pack(&packed, &scene, COUNT, &options)) {
             CHECK(packed.bytes == alone.bytes && !memcmp(packed.data, alone.data, alone.bytes));
@@ -215,7 +218,8 @@ static void extremes(void)
                 values[k] = ((float)(state >> 8) / 8388608 - 1) * sizes[(state >> 5 & 7) % (2 + round % 7)];
             }
         }
-        if (!pack(&packed, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1, .profile = (enum fxs_profile)(round % 3)}))
+        if (!pack(&packed, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1,
+                                                              .profile = (enum fxs_profile)(round % 3)}))
             continue;
         for (uint32_t i = 0; i < fxs_scene_chunks(&scene); i++) {
             fxs_chunk chunk;
@@ -288,7 +292,8 @@ static void stopped(void)
 {
     for (stop_from = 0; stop_from < 1.1; stop_from += 0.1) {
         double last = 0;
-        const int error = try_pack(&(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1, .progress.call = stop, .progress.argument = &last});
+        const int error = try_pack(&(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1,
+                                                       .progress.call = stop, .progress.argument = &last});
         CHECK(error == (stop_from > 1 ? 0 : FXS_ERR_STOPPED) && (error || last == 1));
     }
 }
@@ -301,7 +306,8 @@ static void in_a_file(void)
     fxs_packed_scene packed, plain;
     fxs_scene scene;
     size_t unseen = 0;
-    if (!CHECK(descriptor >= 0) || !pack(&packed, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .tree = 1}) ||
+    if (!CHECK(descriptor >= 0) || !pack(&packed, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options),
+                                                                                     .tree = 1}) ||
         !pack(&plain, &scene, COUNT, NULL))
         return;
     close(descriptor);

@@ -183,7 +183,8 @@ int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *load, fxs_gl_use_f
                        fxs_message *why)
 {
     fxs_compute *c = *compute = calloc(1, sizeof *c);
-    const int error = c ? begin(c, load, use_fn, argument, why) : fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
+    const int error = c ? begin(c, load, use_fn, argument, why) : fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory",
+                                                                               "");
     if (error) {
         free(c);
         *compute = 0;

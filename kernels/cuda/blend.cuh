@@ -551,7 +551,8 @@ struct region {
     }
 
     template <class Pixel>
-    __device__ void store(const Pixel (&p)[Each], const fxs_stage_view *view, const frame_buffers *f, const target *t) const
+    __device__ void store(const Pixel (&p)[Each], const fxs_stage_view *view, const frame_buffers *f,
+                          const target *t) const
     {
         for (int i = 0; i < Each; i++)
             if (inside(view, i))

@@ -576,7 +576,8 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
               t);
 }
 
-void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view, const frame_buffers &f, const target &t)
+void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view, const frame_buffers &f,
+                const target &t)
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
     cudaStreamWaitEvent(s->side, s->listed, 0);

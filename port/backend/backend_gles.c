@@ -78,7 +78,8 @@ static void close_gles(gl_backend *b)
 static fxs_config drawing(const gl_backend *b, enum way way)
 {
     static fxs_draw_fn *const draws[] = {fxs_gles_draw, fxs_gles_draw_fetch};
-    return (fxs_config){.size = sizeof(fxs_config), .draw = draws[way], .draw_argument = b->gles, .draw_unlisted = way != LISTS};
+    return (fxs_config){.size = sizeof(fxs_config), .draw = draws[way], .draw_argument = b->gles,
+                        .draw_unlisted = way != LISTS};
 }
 
 static uint64_t nanoseconds(const void *self)
@@ -315,7 +316,8 @@ static void forget(void *self, const fxs_scene *scene)
 static const char *version(const void *self, enum fxs_stage stage)
 {
     const gl_backend *b = self;
-    return stage == FXS_BLEND || stage == FXS_RESOLVE ? b->kind->name : b->processor.context.config.kernels->name[stage];
+    return stage == FXS_BLEND || stage == FXS_RESOLVE ? b->kind->name
+        : b->processor.context.config.kernels->name[stage];
 }
 
 static int device_faster(int device, char *name, size_t size, fxs_message *why)

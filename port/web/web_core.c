@@ -46,7 +46,8 @@ EXPORT(start) double *fxs_web_start(uint32_t threads)
 {
     static fxs_kernels fastest;
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
-    const fxs_config config = {.size = sizeof config, .workers.run = fxs_web_run, .workers.count = threads, .kernels = &fastest};
+    const fxs_config config = {.size = sizeof config, .workers.run = fxs_web_run, .workers.count = threads,
+                               .kernels = &fastest};
     fxs_context_init(&context, &config);
     return numbers;
 }
@@ -183,14 +184,16 @@ static int take_camera(double near)
 EXPORT(look_at) int fxs_web_look_at(int width, int height)
 {
     const double near = numbers[10] != 0 ? numbers[10] : fxs_near_of_box(low, high);
-    const int error = fxs_view_look_at(&view, numbers, numbers + 3, numbers + 6, &(fxs_picture){numbers[9], width, height}, &message);
+    const int error = fxs_view_look_at(&view, numbers, numbers + 3, numbers + 6, &(fxs_picture){numbers[9], width,
+                                                                                                height}, &message);
     return error ? error : take_camera(near);
 }
 
 /* Adds a camera that shows all objects. In: up, field of view in degrees, near (0: chosen). */
 EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
-    const int error = fxs_view_frame_box(&view, low, high, numbers, &(fxs_picture){numbers[3], width, height}, &message);
+    const int error = fxs_view_frame_box(&view, low, high, numbers, &(fxs_picture){numbers[3], width, height},
+                                         &message);
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
 }
 

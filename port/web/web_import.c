@@ -150,7 +150,8 @@ static int is_elsewhere(const char *name)
    the file, or an error. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
-    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
+    const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .axes = (enum fxs_axes)axes,
+                                            .max_gaussians = (uint64_t)numbers[0],
                                             .max_memory = (uint64_t)numbers[1]};
     const fxs_scene_input input = input_of(0);
     const int error = fxs_scene_file_open_input(name, &input, &options, file, info, &message);

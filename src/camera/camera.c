@@ -81,7 +81,8 @@ int fxs_view_level(fxs_view *view, const double up[3])
 int fxs_views_up(const fxs_view *views, size_t count, size_t stride, double up[3])
 {
     const char *at = (const char *)views;
-    double mean[3] = {0, 0, 0}, a[3][3] = {{LEVEL_SHARE, 0, 0}, {0, LEVEL_SHARE, 0}, {0, 0, LEVEL_SHARE}}, inverse[3][3];
+    double mean[3] = {0, 0, 0}, a[3][3] = {{LEVEL_SHARE, 0, 0}, {0, LEVEL_SHARE, 0}, {0, 0, LEVEL_SHARE}},
+        inverse[3][3];
     for (size_t i = 0; i < count; i++, at += stride) {
         const double *rotation = ((const fxs_view *)(const void *)at)->rotation;
         for (int k = 0; k < 9; k++)
@@ -339,7 +340,8 @@ static int take_view_matrix(fxs_view *view, const double m[16], fxs_message *mes
         if (!isfinite(m[i]))
             return fxs_fail_as(FXS_ERR_CAMERA, message, "the view matrix has a number that is not finite");
     if (!is_near(m[3], 0) || !is_near(m[7], 0) || !is_near(m[11], 0) || !is_near(m[15], 1))
-        return fxs_fail_as(FXS_ERR_CAMERA, message, "the last row of the view matrix is not 0, 0, 0, 1: is it by rows?");
+        return fxs_fail_as(FXS_ERR_CAMERA, message,
+                           "the last row of the view matrix is not 0, 0, 0, 1: is it by rows?");
     for (int i = 0; i < 3; i++) {
         axes[i] = m[4 * i];
         axes[3 + i] = -m[4 * i + 1];
@@ -348,7 +350,8 @@ static int take_view_matrix(fxs_view *view, const double m[16], fxs_message *mes
         for (int k = 0; k < 3; k++)
             view->position[i] -= m[4 * i + k] * m[12 + k];
     }
-    return fxs_to_rotation(axes) ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message, "the view matrix scales, shears or mirrors");
+    return fxs_to_rotation(axes) ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message,
+                                                   "the view matrix scales, shears or mirrors");
 }
 
 /* Near plane, where -near c + d = -w. Perspective, w = near: d / (c - 1). Orthographic, w = 1: (d + 1) / c. The
@@ -359,7 +362,8 @@ static int take_near(fxs_view *view, double c, double d, fxs_message *message)
     const double near = flat ? (d + 1) / c : d / (c - 1), far = flat ? (d - 1) / c : d / (c + 1);
     view->near = near;
     return isfinite(near) && near > 0 && (far > near || (!flat && is_near(c, -1)))
-               ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message, "the projection has no near plane before a far one, with depths "
+               ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message,
+                                 "the projection has no near plane before a far one, with depths "
                                  "of -1 to 1");
 }
 

@@ -154,7 +154,8 @@ static fxs_box box_of(const fxs_stage_view *view, ellipse *e)
     return mask ? (fxs_box){mask | (uint64_t)macro << FXS_BOX_BITS} : FXS_NOWHERE;
 }
 
-void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
+void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+               fxs_box *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {
         ellipse e = ellipse_of(view, &splats[i], &bounds[i]);
@@ -162,8 +163,8 @@ void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bo
     }
 }
 
-void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
-                 span *spans)
+void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row,
+                 int32_t rows, span *spans)
 {
     ellipse e = ellipse_of(view, splat, bounds);
     add_radius(&e, view);

@@ -132,7 +132,8 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_stage_view *view, 
     return 1;
 }
 
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk)
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_scene *scene,
+                                  uint32_t chunk)
 {
     fxs_chunk header;
     const int error = fxs_chunk_read(&header, scene, chunk);

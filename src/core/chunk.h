@@ -66,9 +66,10 @@ FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
    if it is culled: behind the near plane, or outside the picture by more than its largest Gaussian reaches. */
 FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_chunk *header);
 
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk);
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_stage_view *view, const fxs_scene *scene,
+                                  uint32_t chunk);
 
-void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
-                    const uint32_t *indices, uint32_t count, fxs_splat *splats);
+void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header,
+                    const unsigned char *rows, const uint32_t *indices, uint32_t count, fxs_splat *splats);
 
 #endif

@@ -17,8 +17,8 @@ typedef struct fxs_lister {
     const fxs_bounds *bounds;
     const fxs_box *boxes;
     const uint32_t *depths;
-    void (*spans)(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
-                  fxs_span *spans);
+    void (*spans)(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row,
+                  int32_t rows, fxs_span *spans);
     uint32_t (*note)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
                      uint32_t *listed);
     uint32_t first_macro, last_macro;

@@ -18,8 +18,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
         return FXS_ERR_SCENE;
     if (!fxs_band_has_chunk(f, place))
         return 0;
-    const int32_t count = fxs_object_project(object, f->context->config.kernels, chunk, share_q8, grow_q8, f->splats + slot,
-                                             f->bounds + slot, indices, f->depths + slot);
+    const int32_t count = fxs_object_project(object, f->context->config.kernels, chunk, share_q8, grow_q8,
+                                             f->splats + slot, f->bounds + slot, indices, f->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)
         indices[i] += object->first_chunk * FXS_CHUNK;
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
@@ -52,8 +52,8 @@ static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat 
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->views[number];
-    const int error = fxs_object_shade(object, f->context->config.kernels, chunk - object->first_chunk, f->indices + slot,
-                                       count, f->splats + slot);
+    const int error = fxs_object_shade(object, f->context->config.kernels, chunk - object->first_chunk,
+                                       f->indices + slot, count, f->splats + slot);
     if (f->options->show_levels && !error)
         show_level(object, chunk - object->first_chunk, f->splats + slot, count);
     return error;

@@ -96,8 +96,8 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
 }
 
 /* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1); sigma_max = 2^log2 */
-static uint32_t screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const projected *centre, int32_t log2_q16,
-                            int *exponent)
+static uint32_t screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const projected *centre,
+                            int32_t log2_q16, int *exponent)
 {
     int32_t whole = -(-log2_q16 >> 16);
     uint32_t size_q15 = (uint32_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1);

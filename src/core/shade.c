@@ -145,15 +145,15 @@ static void shade_one(fxs_splat *splat, const fxs_stage_view *view, const fxs_sc
         splat->colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
 }
 
-void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
-                    const uint32_t *indices, uint32_t count, fxs_splat *splats)
+void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header,
+                    const unsigned char *rows, const uint32_t *indices, uint32_t count, fxs_splat *splats)
 {
     for (uint32_t i = 0; i < count; i++)
         shade_one(&splats[i], view, scene, header, rows, indices[i] % FXS_CHUNK);
 }
 
-int fxs_shade_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
-                fxs_splat *splats)
+int fxs_shade_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                uint32_t count, fxs_splat *splats)
 {
     fxs_chunk header;
     const int error = fxs_chunk_read(&header, scene, chunk);

@@ -24,7 +24,8 @@ typedef struct fxs_fading {
 
 /* The view is in the object's space. Visibility ignores growth, so a node is visible whenever a descendant is. Returns
    1, 0 if the chunk is out of view, or FXS_ERR_SCENE. */
-FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t detail_q8);
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
+                      uint32_t detail_q8);
 
 static inline void fxs_see_below(fxs_sight *sight, const fxs_sight *parent)
 {

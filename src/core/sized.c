@@ -1,6 +1,6 @@
-/* Sets and reads structs that begin with their size. A struct that a program hands in may be shorter than the library's, because
- * the program was built with an older header. The missing fields get their defaults. A longer struct comes from a newer
- * header; its surplus fields are ignored. */
+/* Sets and reads structs that begin with their size. A struct that a program hands in may be shorter than the
+ * library's, because the program was built with an older header. The missing fields get their defaults. A longer struct
+ * comes from a newer header; its surplus fields are ignored. */
 #include "sized.h"
 
 #include <stddef.h>

@@ -16,8 +16,8 @@ extern "C" {
    of the struct, and stores `size` in it. */
 void fxs_sized_fill(void *given, uint32_t size, const void *all, size_t bytes);
 
-/* Copies a program's struct over the defaults in `all`, which is `bytes` long: only the fields that the program's struct
-   has. Sets the size of `all` to `bytes`. Returns 0, or FXS_ERR_STRUCT. */
+/* Copies a program's struct over the defaults in `all`, which is `bytes` long: only the fields that the program's
+   struct has. Sets the size of `all` to `bytes`. Returns 0, or FXS_ERR_STRUCT. */
 int fxs_sized_read(void *all, size_t bytes, const void *given);
 
 /* Reads a request with its targets and options; their sizes are those of the program's header too. Returns 0,

@@ -110,7 +110,8 @@ static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
     for (t->first = 0; t->first < t->count && open; t->first = t->end) {
         begin_part(t);
         reset_part(t, tile);
-        t->f->context->config.kernels->trace(&t->f->view, x, y, t->f->splats, t->list, t->codes_q15, t->first, t->end, tile,
+        t->f->context->config.kernels->trace(&t->f->view, x, y, t->f->splats, t->list, t->codes_q15, t->first, t->end,
+                                             tile,
                                      &t->trace);
         open = end_part(t, tile);
     }

@@ -294,7 +294,8 @@ static void turn(int32_t out_q30[9], const int32_t w_q30[9], const int32_t r_q30
         }
 }
 
-int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const fxs_camera *camera, const fxs_object *object)
+int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const fxs_camera *camera,
+                       const fxs_object *object)
 {
     *view = *world;
     turn(view->rotation_q30, world->rotation_q30, object->rotation_q30);

@@ -8,7 +8,8 @@
 int fxs_view_init(fxs_stage_view *view, const fxs_camera *camera, const fxs_options *options);
 
 /* Prepares the camera in the space of a checked object. Returns 0, or FXS_ERR_OBJECT if the object is too far away. */
-int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const fxs_camera *camera, const fxs_object *object);
+int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const fxs_camera *camera,
+                       const fxs_object *object);
 
 /* Sets a view's edges to those of the whole picture that the camera is a window of. */
 FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera);

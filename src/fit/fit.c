@@ -222,8 +222,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->poses.count = (uint32_t)photo_count;
         f->cameras.of = calloc(photo_count, sizeof *f->cameras.of);
         f->cameras.count = (uint32_t)photo_count;
-        f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->workers.run, options->workers.pool,
-                                            options->workers.count, options->clock);
+        f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->workers.run,
+                                            options->workers.pool, options->workers.count, options->clock);
     }
     if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->cameras.of ||
         !f->stepper) {

@@ -6,7 +6,8 @@
 
 static fxs_pack_options pack_options(const fxs_fit *f)
 {
-    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = f->options.profile, .workers.run = f->options.workers.run, .workers.pool = f->options.workers.pool,
+    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = f->options.profile,
+                                .workers.run = f->options.workers.run, .workers.pool = f->options.workers.pool,
                                 .workers.count = f->options.workers.count};
     options.workers.run = options.workers.run ? options.workers.run : fxs_run_here;
     return options;

@@ -52,8 +52,8 @@ uint32_t fxs_palette_sample(uint32_t count);
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
 
 /* Learns the palette of a scene of `count` Gaussians from the sample `items`. The caller sets palette->profile and
-   sh_degree. `entries` is the result of fxs_palette_entries_for. options->workers.run must not be null. Returns 0, or an
-   error and a message: out of memory, or stopped. */
+   sh_degree. `entries` is the result of fxs_palette_entries_for. options->workers.run must not be null. Returns 0, or
+   an error and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 

@@ -9,9 +9,9 @@
 #include "coarsen.h"
 #include "palette.h"
 
-/* Writes a tree's nodes, chunks and rows behind the existing header of the tree. `scene` is open on `data`, the
-   whole packed scene. `palette` is the palette that coded the scene, or null. options->workers.run must not be null. Takes
-   6 MB of memory, 2 MB per thread and 120 bytes per chunk. Returns 0, or an error and a message. */
+/* Writes a tree's nodes, chunks and rows behind the existing header of the tree. `scene` is open on `data`, the whole
+   packed scene. `palette` is the palette that coded the scene, or null. options->workers.run must not be null. Takes 6
+   MB of memory, 2 MB per thread and 120 bytes per chunk. Returns 0, or an error and a message. */
 int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
                    fxs_message *message);
 

@@ -371,7 +371,8 @@ static int take_part_of_tree(merger *m, uint32_t number)
 static int build_above(merger *m)
 {
     const size_t bytes = m->header.chunk_bytes;
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here, .workers.count = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here,
+                                      .workers.count = 1};
     const fxs_tree_source source = {read_leaf, read_top, m};
     m->above = fxs_tree_count_above(m->tree);
     m->above_chunks = fxs_allocate(NULL, m->above + 1, sizeof(fxs_chunk));
@@ -395,7 +396,8 @@ static int build_above(merger *m)
 
 static int plan_tree(merger *m)
 {
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here, .workers.count = 1};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = fxs_run_here,
+                                      .workers.count = 1};
     float (*boxes)[6] = fxs_allocate(NULL, m->header.chunk_count, sizeof *boxes);
     if (!boxes)
         return fxs_fail_memory(m->message, NULL, m->header.chunk_count * sizeof *boxes);

@@ -74,7 +74,8 @@ int fxs_scene_writer_put(fxs_scene_writer *w, const fxs_gaussian *gaussians, siz
     return 0;
 }
 
-int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, const fxs_progress *progress, fxs_message *message)
+int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, const fxs_progress *progress,
+                           fxs_message *message)
 {
     fxs_scene_write_report unwanted;
     report = report ? report : &unwanted;

@@ -93,7 +93,8 @@ int main(int argc, char **argv)
     must(CALL(fxs_camera_from_view)(&camera, &view, &message), &message);
     const size_t stride = (size_t)view.width * 4, bytes = stride * (size_t)view.height;
     uint8_t *pixels = malloc(bytes);
-    fxs_targets targets = {.size = sizeof(fxs_targets), .colour = {.pixels = pixels, .stride = stride}, .format = FXS_FORMAT_RGBA8};
+    fxs_targets targets = {.size = sizeof(fxs_targets), .colour = {.pixels = pixels, .stride = stride},
+                           .format = FXS_FORMAT_RGBA8};
     if (!pixels)
         return 1;
     draw(&object, &camera, &targets);

@@ -367,12 +367,14 @@ static int refine_by(const convert_options *o, const fxs_opened *packed, const l
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
     fxs_kernels fastest;
-    const fxs_config config = {.size = sizeof config, .workers.run = fxs_pool_run, .workers.pool = pool, .workers.count = threads,
+    const fxs_config config = {.size = sizeof config, .workers.run = fxs_pool_run, .workers.pool = pool,
+                               .workers.count = threads,
                                .kernels = &fastest};
     char label[] = "refining";
     fxs_context context;
     fxs_message message;
-    fxs_refine_options how = {.size = sizeof(fxs_refine_options), .context = &context, .steps = (uint32_t)o->refine_steps, .views = views,
+    fxs_refine_options how = {.size = sizeof(fxs_refine_options), .context = &context,
+                              .steps = (uint32_t)o->refine_steps, .views = views,
                               .view_count = (size_t)count, .cpu = ~0u};
     if (!pool)
         return fail(EXIT_FAILED, "out of memory: %u threads", (unsigned)threads);
@@ -438,7 +440,8 @@ static int pack_part(const convert_options *o, const load_options *load, fxs_sce
 {
     const uint32_t threads = load->threads ? load->threads : fxs_processors();
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = load->profile, .workers.run = pool ? fxs_pool_run : 0, .workers.pool = pool,
+    fxs_pack_options options = {.size = sizeof(fxs_pack_options), .profile = load->profile, .workers.run = pool
+                                ? fxs_pool_run : 0, .workers.pool = pool,
                                 .workers.count = pool ? threads : 1, .tree = load->tree};
     char label[] = "packing";
     fxs_pack_report report;
@@ -588,7 +591,8 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     fxs_scene_writer *w = NULL;
     fxs_scene_write_report report;
     fxs_message message, closing;
-    fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = info->count, .sh_degree = info->sh_degree,
+    fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = info->count,
+                                       .sh_degree = info->sh_degree,
                                        .antialiased = info->antialiased, .spz_version = spz_version,
                                        .spz_fine = spz_fine};
     memcpy(options.origin, info->origin, sizeof options.origin);

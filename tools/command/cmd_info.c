@@ -493,7 +493,8 @@ static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *
     fxs_context context;
     fxs_request request;
     fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, enough, 0, {0}};
-    fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
+    fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .draw = fxs_strip_draw,
+                                             .draw_argument = &strip, .draw_blended = 1});
     fxs_request_init(&request, &t->object, 1);
     for (uint32_t turn = 0; turn < 16; turn++) {
         fxs_stats stats;
@@ -575,7 +576,8 @@ static int find(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
-    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run, .workers.count = fxs_processors()};   /* used for sizes only */
+    const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
+                               .workers.count = fxs_processors()};   /* used for sizes only */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_context_init(&context, &config);

@@ -37,7 +37,8 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
 {
     enum { BATCH = 512 };
     fxs_gaussian batch[BATCH];
-    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = count, .sh_degree = scene->sh_degree, .format = "ply"};
+    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = count,
+                                             .sh_degree = scene->sh_degree, .format = "ply"};
     fxs_scene_writer *writer;
     fxs_message message;
     char label[] = "writing";

@@ -292,7 +292,8 @@ int choose_backend(const frame_options *options, int device, const fxs_backend *
     if (!*backend)
         return fail(EXIT_USAGE, "--backend %s: expected auto or one of those that fixsplat info --backends lists",
                     options->backend);
-    *how = (fxs_backend_options){.size = sizeof(fxs_backend_options), .device = device, .max_memory = options->max_memory, .threads = options->threads};
+    *how = (fxs_backend_options){.size = sizeof *how, .device = device, .max_memory = options->max_memory,
+                                  .threads = options->threads};
     return choose_cpu(options->cpu, &how->without_cpu);
 }
 

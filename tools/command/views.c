@@ -302,7 +302,8 @@ static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_view *
 {
     if (!has_start(o, w, view) && is_of_server(w)) {
         note("%s: has no start view, so it is framed whole; convert --start-view gives it one", w->placed.files[0]);
-        return fxs_view_frame_box(view, w->inner_low, w->inner_high, o->up.at, &(fxs_picture){fov_of(o), width_of(o), height_of(o)}, message);
+        return fxs_view_frame_box(view, w->inner_low, w->inner_high, o->up.at, &(fxs_picture){fov_of(o), width_of(o),
+                                                                                              height_of(o)}, message);
     }
     if (!has_start(o, w, view))
         return world_is_paged(w) ? choose_by_files(o, w, is_up, view, message)
@@ -326,7 +327,8 @@ static int make_view(const frame_options *options, const world *w, fxs_view *vie
         find_target(options, middle, eye, target);
         result = fxs_view_look_at(view, eye, target, options->up.at, &(fxs_picture){fov, width, height}, message);
     } else {
-        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, &(fxs_picture){fov, width, height}, message);
+        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at,
+                                    &(fxs_picture){fov, width, height}, message);
     }
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
     return result;

@@ -26,7 +26,8 @@ typedef struct frames {
 
 int film_is_named(const char *path)
 {
-    static const char *const endings[] = {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".3gp", ".mts", ".y4m"};
+    static const char *const endings[] = {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".3gp", ".mts",
+                                          ".y4m"};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++)
         if (!strcasecmp(dot, endings[i]))

@@ -82,7 +82,8 @@ static int write_floats(const fxs_gaussian_source *gaussians, const fxs_fit_bloc
     if (fxs_scene_file_open_gaussians(out, gaussians, 0, &file, &info, message))
         return -1;
     int result = keep_drawable(file, block, &info, message);
-    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = info.count, .sh_degree = info.sh_degree,
+    const fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = info.count,
+                                             .sh_degree = info.sh_degree,
                                              .antialiased = info.antialiased, .format = "ply"};
     if (!result)
         result = fxs_scene_writer_open(out, &options, &writer, message);

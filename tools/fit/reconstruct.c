@@ -394,8 +394,8 @@ static int report(work *w)
         return fail_for(&why);
     task_begin(&w->t, "measuring", look_at_report);
     if (task_run(&w->t, arguments, 0, 0) == 0 && w->points)
-        note("%s: cameras of %ld of %zu photographs, %" PRIu32 " points, reprojection error %.2f pixels", w->options->in,
-             count, w->photos.count, w->points, w->error);
+        note("%s: cameras of %ld of %zu photographs, %" PRIu32 " points, reprojection error %.2f pixels",
+             w->options->in, count, w->photos.count, w->points, w->error);
     else
         note("%s: cameras of %ld of %zu photographs", w->options->in, count, w->photos.count);
     say_missing(w, views, count);

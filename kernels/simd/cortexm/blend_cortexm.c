@@ -90,8 +90,8 @@ static inline int blend_row(int16_t *t, const at_row *r)
     return closed;
 }
 
-static int blend_splat(fxs_tile *tile, uint8_t open[FXS_TILE], const fxs_stage_view *view, const fxs_splat *splat, int32_t x,
-                       int32_t y)
+static int blend_splat(fxs_tile *tile, uint8_t open[FXS_TILE], const fxs_stage_view *view, const fxs_splat *splat,
+                       int32_t x, int32_t y)
 {
     const uint32_t ux = (uint32_t)splat->ux_q24;
     const int32_t first = splat->first_row > y ? splat->first_row - y : 0;

@@ -118,8 +118,8 @@ static inline void place_across(group *g, outline *o, const fxs_splat *splats, p
     o->middle_q24 = add(u, (pair){(vu)((vi)far.even >> 1), (vu)((vi)far.odd >> 1)});
 }
 
-static inline void place(group *g, outline *o, const fxs_stage_view *view, const fxs_splat *splats, pair at, uint32_t which,
-                         uint32_t y)
+static inline void place(group *g, outline *o, const fxs_stage_view *view, const fxs_splat *splats, pair at,
+                         uint32_t which, uint32_t y)
 {
     o->vy_q24 = word_of(splats, at, 4);
     o->v_q24 = add_times(word_of(splats, at, 1), o->vy_q24, y);

@@ -47,7 +47,8 @@ static inline vi spread_row(vi tiles)
     return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
 }
 
-static inline void store_boxes(fxs_box *boxes, const fxs_stage_view *view, vi low, vi high, vi row, vi column, mask none)
+static inline void store_boxes(fxs_box *boxes, const fxs_stage_view *view, vi low, vi high, vi row, vi column,
+                               mask none)
 {
     const vi macro = (row >> 1) * (int32_t)fxs_macros(view->tiles_x) + (column >> 1);
     store_pairs(boxes, choose(none, all(0), low | high << FXS_BOX_LOW_BITS),

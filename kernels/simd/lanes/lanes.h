@@ -1,5 +1,5 @@
-/* The functions of src/include/fixsplat/internal/fixed.h for LANES numbers at a time. Include an instruction set's operations,
- * such as lanes_avx2.h, first. */
+/* The functions of src/include/fixsplat/internal/fixed.h for LANES numbers at a time. Include an instruction set's
+ * operations, such as lanes_avx2.h, first. */
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 

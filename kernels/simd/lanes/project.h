@@ -190,8 +190,8 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
 }
 
 /* Computes the screen axes T = J W R S from Jacobian J, view W, rotation R and scales S. */
-static inline mask screen_axes(vi t_q15[2][3], const fxs_stage_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
-                               const survivors *s, uint32_t at)
+static inline mask screen_axes(vi t_q15[2][3], const fxs_stage_view *view, const fxs_chunk_view *cv,
+                               enum fxs_profile profile, const survivors *s, uint32_t at)
 {
     vi j_q15[2][3], fall_q16[3], k_q15[3], exponent = load(&s->rows[EXPONENT][at]);
     vi scale_word = load(&s->rows[SCALE][at]), reduce = most(exponent, all(0)) - exponent;
@@ -395,8 +395,8 @@ static inline void shape_survivors(outputs *out, const fxs_stage_view *view, con
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
 /* Not inlined, to free the stack before the C version runs. */
-static __attribute__((noinline)) int32_t project_chunk(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
-                                                       outputs out)
+static __attribute__((noinline)) int32_t project_chunk(const fxs_stage_view *view, const fxs_scene *scene,
+                                                       uint32_t chunk, outputs out)
 {
     fxs_chunk_view cv;
     survivors s;

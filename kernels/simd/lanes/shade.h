@@ -75,8 +75,8 @@ typedef struct neighbours {
     vi d_q15[PARTS][3];
 } neighbours;
 
-static inline void find_direction(vi d_q15[3], const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
-                                  const unsigned char *rows, uint32_t first)
+static inline void find_direction(vi d_q15[3], const fxs_stage_view *view, const fxs_scene *scene,
+                                  const fxs_chunk *chunk, const unsigned char *rows, uint32_t first)
 {
     vi position[3];
     wide offset[3];
@@ -176,7 +176,8 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
 
 /* Not inlined, because constants would be saved around calls of the C version. */
 static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
-                                              const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header,
+                                              const fxs_stage_view *view, const fxs_scene *scene,
+                                                  const fxs_chunk *header,
                                               const unsigned char *rows)
 {
     const uint32_t first = n->first;

@@ -92,8 +92,8 @@ static inline vi round_shift(vi x, const int shift)
     return (x + half) >> shift;
 }
 
-/* Newton's steps as in src/include/fixsplat/internal/fixed.h, on the low halves of 64-bit numbers, so that no step has to
-   narrow. */
+/* Newton's steps as in src/include/fixsplat/internal/fixed.h, on the low halves of 64-bit numbers, so that no step has
+   to narrow. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {
     return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;

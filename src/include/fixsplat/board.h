@@ -4,7 +4,8 @@
  *
  *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16, .format = FXS_FORMAT_RGB565,
  *                               .rows_done = send_to_display, .argument = &display};
- *     const fxs_config config = {.size = sizeof config, .draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
+ *     const fxs_config config = {.size = sizeof config, .draw = fxs_strip_draw, .draw_argument = &strip,
+ *                                .draw_blended = 1};
  *     fxs_context_init(&context, &config);
  *     fxs_request_init(&request, &object, 1);        and its camera
  *     fxs_render(&context, &request, memory, sizeof memory, 0);

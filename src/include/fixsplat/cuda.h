@@ -45,9 +45,9 @@ typedef struct fxs_cuda_stats {
     uint32_t visible;
     uint64_t entries;
     float milliseconds[FXS_CUDA_STAGES];   /* with fxs_cuda_time: sum over the last frame of each slot; else 0 */
-    float device_milliseconds;     /* with fxs_cuda_time: from the start of the first frame to the end of the last frame's
-                                      blend; else 0. Includes the host's work if a frame was rendered again, because its
-                                      tile lists did not fit */
+    float device_milliseconds;     /* with fxs_cuda_time: from the start of the first frame to the end of the last
+                                      frame's blend; else 0. Includes the host's work if a frame was rendered again,
+                                      because its tile lists did not fit */
     fxs_cuda_memory memory;
 } fxs_cuda_stats;
 
@@ -91,7 +91,8 @@ FXS_EXPERIMENTAL void fxs_cuda_time(fxs_cuda *cuda, int on);
    has returned 0; call fxs_cuda_finish before any other function. `options` are copied; options->stop is called before
    each frame. Errors: as fxs_render, FXS_ERR_UNSUPPORTED for a scene with `places`, FXS_ERR_DEVICE; no frame is then in
    flight. */
-FXS_EXPERIMENTAL int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+FXS_EXPERIMENTAL int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count,
+                                     const fxs_options *options,
                             void *stream, fxs_message *why);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again with more memory.

@@ -245,8 +245,8 @@ typedef struct fxs_options {
     uint8_t background[3];         /* red, green, blue */
     fxs_stop stop;
 
-    /* Level of detail, for scenes with a tree (internal/packed.h): a coarse chunk replaces all chunks below it. Budget and
-       detail_q8 both 0: the leaves are drawn, as in scenes without a tree. */
+    /* Level of detail, for scenes with a tree (internal/packed.h): a coarse chunk replaces all chunks below it. Budget
+       and detail_q8 both 0: the leaves are drawn, as in scenes without a tree. */
     uint32_t budget;               /* most Gaussians to draw, counted in whole chunks of 256; 0: no limit. The root of
                                       each tree and objects without a tree are always drawn, even beyond the budget */
     uint32_t detail_q8;            /* pixels: a node whose details are smaller than this is drawn instead of its
@@ -284,8 +284,8 @@ typedef struct fxs_image {
 /* A pixel of an id target, 8 bytes. Both fields are FXS_NOTHING if no Gaussian contributes. */
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* slot in the packed scene; without empty slots in between (holes, internal/packed.h), the
-                                      Gaussian's number. An empty slot appears only if a damaged scene has codes there.
+    uint32_t gaussian;             /* slot in the packed scene; in a scene without empty slots (holes) the Gaussian's
+                                      number. An empty slot appears only if a damaged scene has codes there.
                                       256 * chunk_count and above: a coarse Gaussian of the tree */
 } fxs_id;
 
@@ -335,8 +335,8 @@ typedef struct fxs_workers {
 /* A monotonic clock, in nanoseconds. */
 typedef uint64_t fxs_clock_fn(void *clock);
 
-/* Draws a run of tiles (internal/stage.h) instead of blend and resolve, on the thread that called fxs_render. Returns 0, or an
-   FXS_ERR_* that ends the frame and that fxs_render returns. */
+/* Draws a run of tiles (internal/stage.h) instead of blend and resolve, on the thread that called fxs_render. Returns
+   0, or an FXS_ERR_* that ends the frame and that fxs_render returns. */
 struct fxs_tile_run;
 typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
 
@@ -350,8 +350,8 @@ typedef struct fxs_config {
     int draw_blended;              /* 1: draw expects all tiles row by row, and also accepts tiles that the kernels have
                                       blended (fxs_tile_run.blended), which it only resolves */
     int draw_unlisted;             /* 1: draw needs no tile lists; it is called once per band of a frame */
-    const struct fxs_kernels *kernels;   /* null: the plain C versions of the stages. internal/kernels.h makes a table of
-                                      the fastest versions for a processor. Must stay valid */
+    const struct fxs_kernels *kernels;   /* null: the plain C versions of the stages. internal/kernels.h makes a table
+                                            of the fastest versions for a processor. Must stay valid */
 } fxs_config;
 FXS_INIT(fxs_config)
 

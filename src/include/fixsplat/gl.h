@@ -163,7 +163,8 @@ FXS_EXPERIMENTAL fxs_gl_info fxs_compute_info(const fxs_compute *compute);
 
 /* Copies a scene to the device and replaces the previous content of *copy. All rows of the scene must be in memory (no
    `places`). */
-FXS_EXPERIMENTAL int fxs_compute_upload(fxs_compute *compute, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why);
+FXS_EXPERIMENTAL int fxs_compute_upload(fxs_compute *compute, fxs_compute_scene *copy, const fxs_scene *scene,
+                                        fxs_message *why);
 
 /* Deletes a copy and sets it to 0. */
 FXS_EXPERIMENTAL void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *copy);
@@ -186,7 +187,8 @@ FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request 
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
    for `fetch`. After an error nothing was drawn, unless the device failed while drawing. The first call takes longer,
    as shaders are compiled. */
-FXS_EXPERIMENTAL int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
+FXS_EXPERIMENTAL int fxs_compute_draw(fxs_compute *compute, const fxs_request *request,
+                                      const fxs_compute_scene *const *copies,
                              const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
-/* Streams a packed scene with levels of detail (internal/packed.h, version 6): a pool in memory holds a part of the scene's
- * rows. Headers, palette and tree are read when the scene is opened, rows when frames want them. The bytes come from a
- * file, a server or callbacks.
+/* Streams a packed scene with levels of detail (internal/packed.h, version 6): a pool in memory holds a part of the
+ * scene's rows. Headers, palette and tree are read when the scene is opened, rows when frames want them. The bytes come
+ * from a file, a server or callbacks.
  *
  *     fxs_pager_open_file("city.fxs", NULL, &pager, &message);
  *     fxs_object_init(&object, fxs_pager_scene(pager));

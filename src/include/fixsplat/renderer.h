@@ -55,10 +55,10 @@ FXS_INIT(fxs_open_options)
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
    mapping; a damaged chunk is drawn as it is, which is safe, unless check_all refuses the file. If other programs may
-   truncate the file, call fxs_map_guard (system.h) once before fxs_open. Files of other formats are packed. `options` may
-   be null; for an .fxs only max_gaussians, check_all, the allocator and the pager apply. With a pager, the path may be
-   an http(s) address. fxs_close frees *opened, which is null after an error.
-   Errors: as fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
+   truncate the file, call fxs_map_guard (system.h) once before fxs_open. Files of other formats are packed. `options`
+   may be null; for an .fxs only max_gaussians, check_all, the allocator and the pager apply. With a pager, the path may
+   be an http(s) address. fxs_close frees *opened, which is null after an error. Errors: as fxs_scene_file_open,
+   fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
 FXS_API int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 
 /* fxs_open for a file of `bytes` bytes in memory. An .fxs file aligned to 64 must stay in memory unchanged until
@@ -75,9 +75,9 @@ FXS_API int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs
 FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 
 /* Chooses a first view of objects without cameras: renders small pictures from many sides and from inside, and takes
-   the view that shows most of the objects, upright. box: least and greatest corner of the objects' visible part (for one
-   scene the inner bounds of its report). `up`: the up direction, of any length, or all 0 if it is unknown; receives the
-   up direction of length 1. The direction of the view is the same on every machine, for any picture. Takes about
+   the view that shows most of the objects, upright. box: least and greatest corner of the objects' visible part (for
+   one scene the inner bounds of its report). `up`: the up direction, of any length, or all 0 if it is unknown; receives
+   the up direction of length 1. The direction of the view is the same on every machine, for any picture. Takes about
    0.2 s. Errors: as fxs_view_look_at, FXS_ERR_SIZE, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
 FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, double box[2][3], double up[3],
                            const fxs_picture *picture, fxs_view *view, fxs_message *message);

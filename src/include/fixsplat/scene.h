@@ -53,10 +53,8 @@ FXS_API size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
 
 /* ---- Start data -------------------------------------------------------------------------------------------------- */
 
-/* The start data of a packed scene: its up direction and a start view. Both are in the header (internal/packed.h) and optional.
-   The renderer does not read them.
-
-   The functions keep no state, so several threads may call them at the same time. */
+/* The start data of a packed scene: its up direction and a start view. Both are in the header (internal/packed.h) and
+   optional. The renderer does not read them. */
 
 /* All fields 0: nothing is known. */
 typedef struct fxs_start {
@@ -347,13 +345,14 @@ FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *
    The two Gaussians of a pair are weighted by opacity times area. The merged position and covariance are the mean and
    the covariance of the pair as one distribution; dc and SH are weighted means. The merged opacity keeps the sum of
    opacity times area, but is at most 0.99, or the larger opacity of the two if that is higher. Each round pairs every
-   Gaussian with the neighbour of least loss, among the nearest 16 in its chunk of 256 (fxs_order). Then it merges the
-   quarter of the pairs with the least loss, skipping a pair that shares a Gaussian with an earlier pair. The loss is
-   Runnalls' bound (2007, "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of the colours.
-   The result is the same on every machine.
+   Gaussian with the neighbour of least loss, among the nearest 16 in its chunk of 256. Then it merges the quarter of
+   the pairs with the least loss, skipping a pair that shares a Gaussian with an earlier pair. The loss is Runnalls'
+   bound (2007, "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of the colours. The result
+   is the same on every machine.
 
-   Memory: 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` may be null. Returns 0, or an error and a message; the caller must then close the file. Errors: as
-   fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
+   Memory: 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` may be null.
+   Returns 0, or an error and a message; the caller must then close the file. Errors: as fxs_scene_file_read,
+   FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info,
                                     const fxs_progress *progress, fxs_message *message);
 
@@ -421,7 +420,8 @@ FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *g
    null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if
    Gaussians are missing, FXS_ERR_MEMORY. After an error the new file is removed, and an existing file of that name is
    unchanged. */
-FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, const fxs_progress *progress, fxs_message *message);
+FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report,
+                                   const fxs_progress *progress, fxs_message *message);
 
 /* ---- .fxs files -------------------------------------------------------------------------------------------------- */
 

@@ -161,7 +161,8 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
 
 static int find_order(decimated *d, fxs_message *message)
 {
-    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run, .workers.count = 1, .allocator = d->allocator};
+    const fxs_pack_options options = {.size = sizeof(fxs_pack_options), .workers.run = run, .workers.count = 1,
+                                      .allocator = d->allocator};
     memset(d->entries, 0, d->count * sizeof *d->entries);
     for (uint32_t i = 0; i < d->count; i++)
         memcpy(d->entries[i].position, d->gaussians[i].position, sizeof d->entries[i].position);
@@ -325,7 +326,8 @@ static int decimate(decimated *d, uint32_t target, const fxs_progress *progress,
     return 0;
 }
 
-int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, const fxs_progress *progress, fxs_message *message)
+int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info,
+                            const fxs_progress *progress, fxs_message *message)
 {
     const fxs_allocator *allocator = fxs_stream_allocator(file);
     if (target < 1)

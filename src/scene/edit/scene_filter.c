@@ -132,7 +132,8 @@ static const fxs_reader filtered = {
     NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
 };
 
-static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, const fxs_progress *progress, fxs_message *message)
+static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, const fxs_progress *progress,
+                 fxs_message *message)
 {
     enum { BATCH = 256 };
     fxs_gaussian batch[BATCH];
@@ -145,7 +146,8 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, c
     return 0;
 }
 
-static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, const fxs_progress *progress, fxs_message *message)
+static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, const fxs_progress *progress,
+                       fxs_message *message)
 {
     FXS_TRY(fxs_floaters_find(&r->floaters, r->allocator, message));
     FXS_TRY(fxs_scene_file_rewind(file, message));

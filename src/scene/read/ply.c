@@ -69,7 +69,8 @@ static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fiel
     for (int i = rows->first; i < rows->end; i++) {
         const fxs_ply_property *p = &reader->header.property_table[i];
         double value;
-        FXS_TRY(p->is_list ? skip_list(reader, p) : fxs_ply_read_number(&reader->bytes, reader->header.encoding, p->type,
+        FXS_TRY(p->is_list ? skip_list(reader, p) : fxs_ply_read_number(&reader->bytes, reader->header.encoding,
+                                                                        p->type,
                                                                     &value));
         const int field = reader->field_table[i];
         if (field != NO_FIELD)

@@ -21,7 +21,8 @@ FXS_EXPERIMENTAL void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_
 
 /* Moves `old_count` items of a block to a new block for `count` items, and frees the old block. `block` may be null
    if old_count is 0. Returns null if memory ran out; the old block then stays unchanged. */
-FXS_EXPERIMENTAL void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
+FXS_EXPERIMENTAL void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count,
+                                   size_t size);
 
 /* Frees a block. A null block is allowed. */
 FXS_EXPERIMENTAL void fxs_release(const fxs_allocator *allocator, void *block);

@@ -8,7 +8,8 @@
 extern "C" {
 #endif
 
-FXS_EXPERIMENTAL extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_compute,
+FXS_EXPERIMENTAL extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch,
+    fxs_backend_gles_compute,
                          fxs_backend_osmesa, fxs_backend_cuda;
 
 #ifdef __cplusplus

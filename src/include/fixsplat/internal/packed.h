@@ -311,15 +311,16 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
 
 /* Returns the bytes of a packed scene without a tree. palette_entries is 0 to 128 per stage. Returns 0 if an
    argument is out of range. */
-FXS_EXPERIMENTAL size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
+FXS_EXPERIMENTAL size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
+                                        uint32_t palette_entries);
 
 /* Returns the bytes of the tree that follows `chunks` chunks. Returns 0 for fewer than two chunks, or if the size
    exceeds a size_t. */
 FXS_EXPERIMENTAL size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
 
 /* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
-   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (internal/packed.h). Returns the
-   number of entries written, fewer than scene->count only if the scene is damaged. */
+   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (internal/packed.h).
+   Returns the number of entries written, fewer than scene->count only if the scene is damaged. */
 FXS_EXPERIMENTAL uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
 
 #ifdef __cplusplus

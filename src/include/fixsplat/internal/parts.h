@@ -25,7 +25,8 @@ FXS_EXPERIMENTAL int fxs_scene_open_parts(fxs_scene *scene, const void *head, co
 /* Prefetch: calls options.want for the chunks that a frame would draw, but draws nothing. `memory` as for
    fxs_render; targets are not read. Returns 0, or an error as fxs_render. Does nothing if budget, detail and places
    do not limit the chunks. */
-FXS_EXPERIMENTAL int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes);
+FXS_EXPERIMENTAL int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory,
+                                 size_t memory_bytes);
 
 #ifdef __cplusplus
 }

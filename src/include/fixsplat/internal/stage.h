@@ -294,30 +294,38 @@ typedef struct fxs_kernels {
              time grows with the square of the number of slices. Slices support colour and coverage only; a back end
              needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
    *memory may be null. Returns total; 0 if an argument is out of range or the memory exceeds a size_t. */
-FXS_EXPERIMENTAL size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+FXS_EXPERIMENTAL size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count,
+                                        int32_t width,
                                int32_t height, fxs_frame_memory *memory);
 
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
 FXS_EXPERIMENTAL extern const fxs_kernels fxs_kernels_c;
 
-FXS_EXPERIMENTAL int32_t fxs_project_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+FXS_EXPERIMENTAL int32_t fxs_project_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
+                                       fxs_splat *splats,
                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-FXS_EXPERIMENTAL int fxs_shade_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+FXS_EXPERIMENTAL int fxs_shade_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
+                                 const uint32_t *indices,
                         uint32_t count, fxs_splat *splats);
-FXS_EXPERIMENTAL void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+FXS_EXPERIMENTAL void fxs_bin_c(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
+                                uint32_t count,
                        fxs_box *boxes);
-FXS_EXPERIMENTAL void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row,
+FXS_EXPERIMENTAL void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
+                                  int32_t row,
                          int32_t rows, fxs_span *spans);
 FXS_EXPERIMENTAL uint32_t fxs_note_c(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                             uint32_t *macros, uint32_t *listed);
 FXS_EXPERIMENTAL void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count);
 FXS_EXPERIMENTAL uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
-FXS_EXPERIMENTAL void fxs_blend_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+FXS_EXPERIMENTAL void fxs_blend_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                                  const uint32_t *entries,
                          uint32_t count, fxs_tile *tile);
-FXS_EXPERIMENTAL void fxs_trace_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+FXS_EXPERIMENTAL void fxs_trace_c(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                                  const uint32_t *entries,
                          const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace);
-FXS_EXPERIMENTAL void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+FXS_EXPERIMENTAL void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile,
+                                    int32_t columns,
                            int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
 /* Writes pixels like kernels->resolve, in any format. */
