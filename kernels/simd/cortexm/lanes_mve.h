@@ -202,7 +202,7 @@ static inline vu top_half(wide x, vi shift)
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
 }
 
-/* As in src/include/fixsplat/internal/fixed.h. a b >> 30 is the high half of 2 a times 2 b, since both are below 2^31. */
+/* As in internal/fixed.h. a b >> 30 is the high half of 2 a times 2 b, since both are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));

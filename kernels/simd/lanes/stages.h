@@ -18,8 +18,7 @@
 #define FXS_SPANS(isa) void FXS_STAGE_OF(spans, isa)(const fxs_stage_view *view, const fxs_splat *splat, \
     const fxs_bounds *bounds, int32_t row, int32_t rows, fxs_span *spans)
 #define FXS_NOTE(isa) uint32_t FXS_STAGE_OF(note, isa)(const fxs_stage_view *view, const fxs_box *boxes, \
-                                                                 uint32_t first, \
-    uint32_t count, uint32_t *macros, uint32_t *listed)
+    uint32_t first, uint32_t count, uint32_t *macros, uint32_t *listed)
 #define FXS_LIST(isa) uint32_t FXS_STAGE_OF(list, isa)(const fxs_key *keys, uint32_t count, uint32_t tile, \
     uint32_t *entries)
 #define FXS_SORT(isa) void FXS_STAGE_OF(sort, isa)(fxs_key *keys, fxs_key *spare, uint32_t count)

@@ -221,7 +221,7 @@ static inline vu mul_high(vu a, vu b)
     return high_half(mul_wide_u(a, b));
 }
 
-/* As in src/include/fixsplat/internal/fixed.h. a b >> 30 is the high half of 2 a times 2 b, since both are below 2^31. */
+/* As in internal/fixed.h. a b >> 30 is the high half of 2 a times 2 b, since both are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));

@@ -3,7 +3,7 @@
  *
  * Functions return 0, or an FXS_ERR_* and a message; `message` must not be null. Any other null pointer is
  * FXS_ERR_ARGUMENT, unless the function's comment allows it. An open scene is read-only, so several threads may render
- * it. One thread at a time may use a renderer; a renderer that draws with OpenGL belongs to the thread that created it. */
+ * it. One thread at a time may use a renderer. A renderer that draws with OpenGL belongs to the thread that made it. */
 #ifndef FXS_RENDERER_H
 #define FXS_RENDERER_H
 
