@@ -189,23 +189,24 @@ for name, K, pose in (("[R | t]", Ks, poses[:, :3]), ("one K, 4 x 4", Ks[0], pos
 # ---- Signals ---------------------------------------------------------------------------------------------------------
 
 huge, wide = packed.frame(8000, 6000), packed.frame(4000, 3000)
+faint = [fixsplat.Object(packed, opacity=0.02)] * 100          # a picture of these takes long on any machine
 seconds = [time.monotonic()]
-refuses("render: Ctrl-C", KeyboardInterrupt, "^$", lambda: interrupted(lambda: packed.render(huge, threads=1)))
+refuses("render: Ctrl-C", KeyboardInterrupt, "^$", lambda: interrupted(lambda: fixsplat.render(faint, huge, threads=1)))
 seconds.append(time.monotonic())
-packed.render(huge, threads=1)
+fixsplat.render(faint, huge, threads=1)
 seconds = np.diff(seconds + [time.monotonic()])
 ok("render: Ctrl-C: before the picture is complete", seconds[0] < 0.6 * seconds[1], seconds)
-undisturbed = packed.render(wide, threads=1).colour
+undisturbed = fixsplat.render(faint, wide, threads=1).colour
 ok("render: Ctrl-C: no wake-up is left", signal.set_wakeup_fd(-1) == -1)
 refuses("render: Ctrl-C with a stop function", KeyboardInterrupt, "^$",
-        lambda: interrupted(lambda: packed.render(huge, threads=1, stop=lambda: False)))
+        lambda: interrupted(lambda: fixsplat.render(faint, huge, threads=1, stop=lambda: False)))
 noticed = []
 signal.signal(signal.SIGUSR1, lambda *_: noticed.append(1))
 reader, writer = os.pipe()
 os.set_blocking(writer, False)
 signal.set_wakeup_fd(writer)
 threading.Timer(0.05, lambda: signal.pthread_kill(threading.main_thread().ident, signal.SIGUSR1)).start()
-same("render: another signal: the same picture", packed.render(wide, threads=1).colour, undisturbed)
+same("render: another signal: the same picture", fixsplat.render(faint, wide, threads=1).colour, undisturbed)
 ok("render: another signal: handled", noticed == [1])
 ok("render: another signal: told to who waited for it", signal.set_wakeup_fd(-1) == writer and
    os.read(reader, 9) == bytes([signal.SIGUSR1]))

@@ -22,7 +22,8 @@ export PYTHONPATH PYTHONDONTWRITEBYTECODE FIXSPLAT_LIBRARY
 # ---- Declarations ----------------------------------------------------------------------------------------------------
 
 check "the version is the library's" equal "$("$python" -c 'import fixsplat; print(fixsplat.__version__)')" "$version"
-(cd "$root" && sh tools/scripts/declarations.sh src/include/fixsplat/*.h) >headers.txt
+(cd "$root" && sh tools/scripts/declarations.sh src/include/fixsplat/*.h src/include/fixsplat/internal/*.h) \
+    >headers.txt
 "$python" -c 'from fixsplat._library import lib, string; print(string(lib.fxs_declarations()), end="")' >declared.txt
 check "the library's declarations are those of the headers" cmp headers.txt declared.txt
 cat >undeclared.py <<'END'

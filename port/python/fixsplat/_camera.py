@@ -92,8 +92,9 @@ class Camera:
         vertical field of view, 1 to 170 degrees. up: the direction that is up in the picture."""
         view = new("fxs_view")
         vectors = [list(numbers(name, values, (3,))) for name, values in (("eye", eye), ("target", target), ("up", up))]
-        call("fxs_view_look_at", view, *vectors, number("fov", fov, 1, 170),
-             whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE))
+        picture = new("fxs_picture", fov=number("fov", fov, 1, 170), width=whole("width", width, 1, lib.FXS_MAX_SIZE),
+                      height=whole("height", height, 1, lib.FXS_MAX_SIZE))
+        call("fxs_view_look_at", view, *vectors, picture)
         return cls._of(view)
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from ._camera import number, numbers
 from ._gaussians import Gaussians, Progress, Stream, file_options
-from ._library import NULL, Calls, Error, PathLike, Struct, call, ffi, file_name, lib, new, string, whole
+from ._library import NULL, Calls, Error, PathLike, Struct, call, ffi, file_name, lib, new, sized, string, whole
 from ._scene import Memory, Scene
 
 Source = Union[PathLike, Gaussians, Scene]
@@ -142,8 +142,7 @@ def _placement(up: Any, rotate: Any, scale: float, translate: Any) -> Struct:
 
 
 def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree: int) -> Struct:
-    how = new("fxs_scene_filter")
-    lib.fxs_scene_filter_init(how)
+    how = sized("fxs_scene_filter")
     if crop is not None:
         low, high = numbers("crop", crop, (2, 3))
         if (low > high).any():
@@ -186,8 +185,8 @@ def _find_bounds(stream: Stream, options: Struct) -> None:
 
 def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, progress: Progress) -> Struct:
     info, writer, report, done = stream.info, new("fxs_scene_writer *"), new("fxs_scene_write_report"), 0
-    options = new("fxs_scene_write_options", count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
-                  spz_version=spz_version, spz_fine=bool(spz_fine), origin=list(info.origin))
+    options = sized("fxs_scene_write_options", count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
+                    spz_version=spz_version, spz_fine=bool(spz_fine), origin=list(info.origin))
     if out.endswith(".glb"):
         _find_bounds(stream, options)
     call("fxs_scene_writer_open", file_name(out), options, writer)
@@ -199,7 +198,7 @@ def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, prog
             done += n
     except BaseException:
         # Closing an unfinished writer removes its file.
-        lib.fxs_scene_writer_close(writer[0], report, NULL, NULL, new("fxs_message"))
+        lib.fxs_scene_writer_close(writer[0], report, NULL, new("fxs_message"))
         raise
-    call("fxs_scene_writer_close", writer[0], report, stream.calls.progress, NULL)
+    call("fxs_scene_writer_close", writer[0], report, stream.calls.progress)
     return report

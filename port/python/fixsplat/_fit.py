@@ -12,8 +12,8 @@ import numpy as np
 
 from ._camera import Camera, numbers
 from ._gaussians import floats
-from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, colour, ffi, file_name, lib,
-                       new, pool, release, whole)
+from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, colour, ffi, file_name,
+                       lib, new, release, sized, whole, workers)
 from ._scene import Memory, Scene
 
 EXPOSURES = {"none": lib.FXS_FIT_EXPOSURE_NONE, "gain": lib.FXS_FIT_EXPOSURE_GAIN,
@@ -96,7 +96,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
         raise TypeError("colours: are for points")
     if not is_path and (resolution, hold_out, skip_bad) != (None, None, False):
         raise TypeError("resolution, hold_out, skip_bad: are for files, not for arrays")
-    options, reading = new("fxs_fit_options"), new("fxs_photos_options")
+    options, reading = sized("fxs_fit_options"), sized("fxs_photos_options")
     _fill(options, recipe, steps, max_gaussians)
     options.sh_degree = whole("sh_degree", sh_degree, 0, 3)
     options.seed = reading.seed = whole("seed", seed, 0, 2**64 - 1)
@@ -114,10 +114,8 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     reading.resolution = 1600 if resolution is None else whole("resolution", resolution, 1, lib.FXS_MAX_SIZE)
     reading.hold_out = 8 if hold_out is None else whole("hold_out", hold_out, 0, 2**32 - 1)
     reading.skip_bad = bool(skip_bad)
-    with pool(threads) as (run, made, count):
-        options.run = reading.run = run
-        options.pool = reading.pool = made
-        options.threads = count
+    with workers(threads) as made:
+        options.workers = reading.workers = made[0]
         if is_path:
             with _read(photos, reading) as taken:  # type: ignore[arg-type]
                 return _fit(os.fsdecode(file_name(photos)), taken, options, progress)  # type: ignore[arg-type]
@@ -130,7 +128,6 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
 
 
 def _fill(options: Struct, recipe: str, steps: Optional[int], max_gaussians: Optional[int]) -> None:
-    lib.fxs_fit_options_init(options)
     options.recipe = choose("recipe", recipe, RECIPES)
     options.steps = lib.fxs_fit_recipe_steps(options.recipe) if steps is None else whole("steps", steps, 1, 10**9)
     options.max_gaussians = (lib.fxs_fit_recipe_gaussians(options.recipe) if max_gaussians is None
@@ -149,7 +146,7 @@ def _choose_devices(options: Struct, devices: "Sequence[int]") -> None:
 def _read(path: PathLike, reading: Struct) -> "Iterator[Struct]":
     photos, name = new("fxs_photos"), file_name(path)
     with Calls(left_out=lambda why: warnings.warn(f"left out: {why}", stacklevel=2)) as calls:
-        reading.progress, reading.left_out = calls.progress, calls.left_out
+        reading.progress, reading.left_out = calls.progress[0], calls.left_out
         call("fxs_photos_read", name, reading, photos)
     try:
         if photos.points_are_random:

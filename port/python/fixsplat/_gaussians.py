@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._library import (NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, copy, ffi, file_name, lib, new,
-                       whole)
+                       sized, whole)
 
 if TYPE_CHECKING:
     from ._convert import Conversion
@@ -126,15 +126,16 @@ def _about(name: str) -> "Iterator[None]":
         raise Error(f"{name}: {error}", error.code, error.bytes_needed) from None
 
 
-def file_options(level: int, axes: str, max_gaussians: int, max_memory: int, calls: Calls) -> "dict[str, Any]":
-    return {"level": whole("level", level, 0, 1000), "axes": choose("axes", axes, AXES), "progress": calls.progress,
-            "max_gaussians": whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
-            "max_memory": whole("max_memory", max_memory, 0, 2**64 - 1)}
+def file_options(level: int, axes: str, max_gaussians: int, max_memory: int, calls: Calls) -> Struct:
+    return sized("fxs_scene_file_options", level=whole("level", level, 0, 1000), axes=choose("axes", axes, AXES),
+                 progress=calls.progress[0], max_gaussians=whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
+                 max_memory=whole("max_memory", max_memory, 0, 2**64 - 1))
 
 
-def open_options(file: "dict[str, Any]", profile: str, threads: int, calls: Calls) -> Struct:
-    return new("fxs_open_options", file=file, profile=choose("profile", profile, PROFILES),
-               threads=whole("threads", threads, 0, 64), progress=calls.progress)
+def open_options(file: Struct, profile: str, threads: int, calls: Calls) -> Struct:
+    """Returns options that point to `file`, the options of `file_options` or NULL. The caller keeps `file` alive."""
+    return sized("fxs_open_options", file=file, profile=choose("profile", profile, PROFILES),
+                 threads=whole("threads", threads, 0, 64), progress=calls.progress[0])
 
 
 def _filler(gaussians: Gaussians) -> "Callable[[int, Any, int], None]":
@@ -161,8 +162,8 @@ class Stream:
         self.handle, self._kept = handle[0], kept
 
     @classmethod
-    def of_file(cls, path: PathLike, options: "dict[str, Any]", calls: Calls) -> "Stream":
-        return cls(os.fsdecode(file_name(path)), calls, "fxs_scene_file_open", new("fxs_scene_file_options", **options))
+    def of_file(cls, path: PathLike, options: Struct, calls: Calls) -> "Stream":
+        return cls(os.fsdecode(file_name(path)), calls, "fxs_scene_file_open", options)
 
     @classmethod
     def of_scene(cls, memory: "Memory", calls: Calls) -> "Stream":
@@ -197,15 +198,15 @@ class Stream:
     def filter(self, how: Struct) -> Struct:
         report = new("fxs_scene_filter_report")
         with _about(self.name):
-            call("fxs_scene_file_filter", self.handle, how, self.info, report, self.calls.progress, NULL)
+            call("fxs_scene_file_filter", self.handle, how, self.info, report, self.calls.progress)
         return report
 
     def decimate(self, target: int) -> None:
         with _about(self.name):
-            call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, NULL)
+            call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress)
 
     def pack(self, profile: str, threads: int) -> Struct:
-        options = open_options({}, profile, threads, self.calls)
+        options = open_options(NULL, profile, threads, self.calls)
         handle, self.handle, opened = self.handle, NULL, new("fxs_opened *")
         with _about(self.name):
             call("fxs_open_gaussians", os.fsencode(self.name), handle, self.info, options, opened)

@@ -101,6 +101,17 @@ def new(kind: str, **fields: Any) -> Any:
     return ffi.new(f"{kind} *", fields or None)
 
 
+def sized(kind: str, *arguments: Any, **fields: Any) -> Struct:
+    """Returns a pointer to a new struct that begins with its size. It has these fields, and the library's defaults in
+    the other fields. arguments: those of the init function of the struct between the struct and the size. It does not
+    keep the memory alive to which the fields point."""
+    struct = ffi.new(f"{kind} *")
+    getattr(lib, f"{kind}_init", lib.fxs_struct_init)(struct, *arguments, ffi.sizeof(kind))
+    for name, value in fields.items():
+        setattr(struct, name, value)
+    return struct
+
+
 def copy(struct: Struct) -> Struct:
     return ffi.new(ffi.typeof(struct), struct[0])
 
@@ -173,6 +184,9 @@ class Calls:
 
     The same holds for an exception of the handler of Ctrl-C. Without this class it would be lost in a function that C
     calls, and C calls such a function even where no `progress` is given.
+
+    progress, stop: structs of C that hold the functions. left_out: a function of C. Each is valid as long as this
+    object.
     """
 
     def __init__(self, progress: "Optional[Callable[[float], object]]" = None,
@@ -180,9 +194,10 @@ class Calls:
                  stop: "Optional[Callable[[], object]]" = None):
         self._raised: Optional[BaseException] = None
         self._handler: Any = None
-        self.progress = ffi.callback("fxs_progress_fn *", lambda _, done: self._call(progress, done))
         self.left_out = ffi.callback("fxs_left_out_fn *", lambda _, why: self._tell(left_out, string(why)))
-        self.stop = ffi.callback("fxs_stop_fn *", lambda _: self._ask(stop))
+        self._progress = ffi.callback("fxs_progress_fn *", lambda _, done: self._call(progress, done))
+        self._stop = ffi.callback("fxs_stop_fn *", lambda _: self._ask(stop))
+        self.progress, self.stop = new("fxs_progress", call=self._progress), new("fxs_stop", call=self._stop)
 
     def source(self, fill: "Callable[[int, Any, int], None]") -> Any:
         """Returns a function of C that gives n Gaussians from number `first` on: `fill(first, out, n)` writes them."""
@@ -265,12 +280,11 @@ def signals() -> "Iterator[Any]":
 
 
 @contextmanager
-def pool(threads: int) -> "Iterator[tuple[Any, Any, int]]":
-    """Makes a pool of threads, and yields the function that runs jobs, the first argument of the function, and the
-    number of threads. 0 threads stand for one thread on each processor."""
+def workers(threads: int) -> "Iterator[Struct]":
+    """Makes a pool of threads, and yields it as an fxs_workers. 0 threads stand for one thread on each processor."""
     threads = whole("threads", threads, 0, 64) or lib.fxs_processors()
     made = lib.fxs_pool_create(threads)
     try:
-        yield (lib.fxs_pool_run, made, threads) if made else (NULL, NULL, 1)
+        yield new("fxs_workers", run=lib.fxs_pool_run, pool=made, count=threads) if made else new("fxs_workers")
     finally:
         lib.fxs_pool_destroy(made)

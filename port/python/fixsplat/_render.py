@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ._camera import Camera, number, numbers, rotation_of
 from ._library import (CUTOFFS, NULL, Calls, Error, PathLike, Struct, call, check, choose, colour, ffi, file_name, lib,
-                       new, signals, string, whole)
+                       new, signals, sized, string, whole)
 from ._scene import Memory, Scene
 
 NOTHING: int = lib.FXS_NOTHING
@@ -179,9 +179,9 @@ class Renderer:
         if not self._table:
             names = ", ".join(["auto"] + [b.name for b in backends()])
             raise ValueError(f"backend={backend!r}: expected one of {names}")
-        options = new("fxs_backend_options", device=whole("device", device, 0, 2**31 - 1),
-                      max_memory=whole("max_memory", max_memory, 0, 2**64 - 1),
-                      threads=whole("threads", threads, 0, 64))
+        options = sized("fxs_backend_options", device=whole("device", device, 0, 2**31 - 1),
+                        max_memory=whole("max_memory", max_memory, 0, 2**64 - 1),
+                        threads=whole("threads", threads, 0, 64))
         handle, message, self.name = new("void *"), new("fxs_message"), string(self._table.name)
         check(self._table.open(handle, options, message), message, f"backend {self.name}: ")
         self._handle = handle[0]
@@ -208,17 +208,17 @@ class Renderer:
     def draw(self, placed: _Placed, request: Struct) -> None:
         """Draws into the targets of the request, and waits until the picture is complete, or until Ctrl-C raises an
         exception. A signal whose handler raises nothing leaves a picture to be drawn once more."""
-        message, stop = new("fxs_message"), request.options.stop
+        message, stop, given = new("fxs_message"), request.options.stop, bool(request.options.stop.call)
         with self._turn():
             self._forget_closed()
             for memory in placed.memories:
                 self._drawn[memory.scene] = weakref.ref(memory)
             with signals() as byte:
-                if byte and not stop:
-                    request.options.stop, request.options.stop_argument = lib.fxs_stop_by_byte, byte
+                if byte and not given:
+                    stop.call, stop.argument = lib.fxs_stop_by_byte, byte
                 result = self._table.render(self._handle, request, NULL, message)
-            if result == lib.FXS_ERR_STOPPED and not stop:
-                request.options.stop = NULL
+            if result == lib.FXS_ERR_STOPPED and not given:
+                stop.call = NULL
                 result = self._table.render(self._handle, request, NULL, message)
             check(result, message)
 
@@ -342,8 +342,8 @@ def _arrays(targets: "Sequence[str]", width: int, height: int) -> "Dict[str, npt
 def _aim(arrays: "Dict[str, npt.NDArray[Any]]", alpha: bool, depth_bits: int) -> Struct:
     images = {"id" if name == "ids" else name: {"pixels": ffi.from_buffer(array), "stride": array.strides[0]}
               for name, array in arrays.items()}
-    return new("fxs_targets", format=lib.FXS_FORMAT_RGBA8_COVERAGE if alpha else lib.FXS_FORMAT_RGBA8,
-               depth_bits=depth_bits, **images)
+    return sized("fxs_targets", format=lib.FXS_FORMAT_RGBA8_COVERAGE if alpha else lib.FXS_FORMAT_RGBA8,
+                 depth_bits=depth_bits, **images)
 
 
 def _in_units(depths: "npt.NDArray[Any]", bits: int) -> "npt.NDArray[np.float32]":
@@ -356,9 +356,10 @@ def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool, budget: 
     behind = colour("background", background)
     if alpha and any(behind):
         raise ValueError("background: with alpha=True there is none")
-    return new("fxs_options", cutoff=choose("cutoff", cutoff, CUTOFFS), sh_degree=whole("sh_degree", sh_degree, 0, 3),
-               background=behind, budget=whole("budget", budget, 0, 2**32 - 1),
-               detail_q8=round(256 * number("detail", detail, 0, 16384)))
+    return sized("fxs_options", cutoff=choose("cutoff", cutoff, CUTOFFS),
+                 sh_degree=whole("sh_degree", sh_degree, 0, 3), background=behind,
+                 budget=whole("budget", budget, 0, 2**32 - 1),
+                 detail_q8=round(256 * number("detail", detail, 0, 16384)))
 
 
 def _camera(K: Any, world_to_camera: Any, width: Optional[int], height: Optional[int]) -> Camera:
@@ -417,14 +418,14 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     depths = [name for name in arrays if name.endswith("depth")]
     bits = placed.depth_bits(camera) if depths else 0
     aimed = _aim(arrays, alpha, bits)
-    request = new("fxs_request", objects=placed.array, count=len(placed.memories), options=options[0], eyes=1,
-                  cameras=[cameras[0]], targets=[aimed[0]])
+    request = sized("fxs_request", objects=placed.array, count=len(placed.memories), options=options[0], eyes=1,
+                    cameras=[cameras[0]], targets=[aimed[0], sized("fxs_targets")[0]])
     renderer = _renderer(backend, threads, device, max_memory)
     if stop is None:
         renderer.draw(placed, request)
     else:
         with Calls(stop=stop) as calls:
-            request.options.stop = calls.stop
+            request.options.stop = calls.stop[0]
             renderer.draw(placed, request)
     for memory in placed.memories:
         memory.check()

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ._camera import Camera, number, numbers
 from ._gaussians import Gaussians, Progress, Stream, file_options, open_options
-from ._library import PROFILES, Calls, PathLike, Struct, call, ffi, file_name, lib, new, string, whole
+from ._library import PROFILES, Calls, PathLike, Struct, call, ffi, file_name, lib, new, sized, string, whole
 
 if TYPE_CHECKING:
     from ._convert import Conversion
@@ -161,16 +161,17 @@ class Scene:
         view, start = new("fxs_view"), new("fxs_start")
         low, high = self.inner_box
         size = whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE)
-        angle = number("fov", 50 if fov is None else fov, 1, 170)
+        picture = new("fxs_picture", fov=number("fov", 50 if fov is None else fov, 1, 170), width=size[0],
+                      height=size[1])
         if up is None and fov is None and lib.fxs_view_of_start(view, self.memory.data, *size):
             view.near = lib.fxs_near_of_box(list(low), list(high))
         elif up is None:
-            placed, memory = new("fxs_object"), self.memory
-            lib.fxs_object_init(placed, memory.scene)
+            memory = self.memory
+            placed = sized("fxs_object", memory.scene)
             lib.fxs_start_of(start, memory.data)
-            call("fxs_first_view_upright", placed, 1, low, high, start.up, angle, *size, view)
+            call("fxs_first_view", placed, 1, [low, high], start.up, picture, view)
         else:
-            call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), angle, *size)
+            call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), picture)
         return Camera._of(view)
 
     def render(self, K: Any, world_to_camera: Any = None, width: Optional[int] = None, height: Optional[int] = None,
@@ -256,7 +257,8 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
     """
     opened = new("fxs_opened *")
     with Calls(progress) as calls:
-        options = open_options(file_options(level, axes, max_gaussians, max_memory, calls), profile, threads, calls)
+        file = file_options(level, axes, max_gaussians, max_memory, calls)
+        options = open_options(file, profile, threads, calls)
         if isinstance(source, (bytes, bytearray, memoryview)):
             data = bytes(source)
             name, held, options.check_all = "bytes", ffi.from_buffer(data), 1
