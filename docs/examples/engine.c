@@ -112,8 +112,11 @@ static void show(SDL_Window *window)
 
 static fxs_gl_function load(void *unused, const char *name)
 {
+    fxs_gl_function function;
+    void *address = SDL_GL_GetProcAddress(name);
     (void)unused;
-    return (fxs_gl_function)SDL_GL_GetProcAddress(name);
+    memcpy(&function, &address, sizeof function);          /* C has no cast between the two kinds of pointers */
+    return function;
 }
 
 /* The compute back end draws all stages on the GPU, with OpenGL ES 3.1. The other back end projects and sorts on the
@@ -137,11 +140,14 @@ static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
         d->memory = malloc(fxs_compute_memory(request));
         return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
     }
-    fxs_context_init(&d->context, NULL);                           /* threads are optional: fixsplat/system.h */
     static fxs_kernels fastest;
+    fxs_config config;
+    fxs_config_init(&config);                              /* one thread; for more, config.workers and system.h */
     fxs_kernels_choose(&fastest, fxs_cpu_detect());
-    d->context.config.kernels = &fastest;
-    d->bytes = fxs_frame_bytes(&d->context, request->objects, 1, WIDTH, HEIGHT, NULL);
+    config.kernels = &fastest;
+    if (fxs_context_init(&d->context, &config))
+        return 1;
+    d->bytes = fxs_request_bytes(&d->context, request, NULL);
     return posix_memalign(&d->memory, 64, d->bytes) || fxs_gles_create(&d->gles, load, NULL, NULL, why);
 }
 
