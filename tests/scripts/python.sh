@@ -91,7 +91,8 @@ refuses "FIXSPLAT_LIBRARY: no such file" "cannot be loaded: .*none.so.*FIXSPLAT_
 echo 'int fxs_version(void) { return 507; }' >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "another version" "other.so is of version 0.5.7, this package is for $version" "$work/other.so"
-echo "int fxs_version(void) { return $(echo "$version" | awk -F'[.-]' '{ print $1 * 10000 + $2 * 100 + $3 }'); }" >other.c
+number=$(echo "$version" | awk -F'[.-]' '{ print $1 * 10000 + $2 * 100 + $3 }')
+echo "int fxs_version(void) { return $number; }" >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "a library without its functions" "not this package's: .*undefined symbol" "$work/other.so"
 echo 'int other;' >other.c
