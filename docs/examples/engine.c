@@ -4,6 +4,8 @@
  *     cc engine.c -o engine $(pkg-config --cflags --libs fixsplat sdl2 glesv2)
  *     ./engine SCENE                    opens a window; a click prints the Gaussian under the pointer
  *     ./engine SCENE PICTURE X Y        writes one frame to a file; prints the Gaussian at pixel (X, Y) */
+#define _POSIX_C_SOURCE 200809L    /* posix_memalign */
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
