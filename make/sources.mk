@@ -8,7 +8,8 @@ KERNELS_wasm := kernels/simd/wasm/*.c
 
 # Sources of the library: for every system, for an operating system, for a processor, for an optional library.
 SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.c src/scene/write/*.c \
-                   src/scene/edit/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c
+                   src/scene/edit/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c src/fit/photos/*.c \
+                   src/fit/stages/*.c src/fit/refine/*.c
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
 SOURCES_PORT := port/backend/*.c port/board/*.c

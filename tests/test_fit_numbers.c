@@ -1,7 +1,7 @@
 /* Compares the elementary functions of the fit with the C library over their whole range, and the optimiser with
    Adam in doubles. */
 #include "src/base/exponential.h"
-#include "src/fit/exposure.h"
+#include "src/fit/stages/exposure.h"
 #include "fit_scene.h"
 
 static float number(int exponent, int is_negative)

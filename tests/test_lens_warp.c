@@ -1,7 +1,7 @@
 /* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
-#include "src/fit/photo_pixels.h"
+#include "src/fit/photos/photo_pixels.h"
 
 enum { WIDE = 160, HIGH = 120 };
 

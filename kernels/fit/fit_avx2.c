@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for AVX2, with 8 lanes. */
+/* Compiles the stages of the fit in src/fit/stages/fit_isa.h for AVX2, with 8 lanes. */
 #include <immintrin.h>
 #define ISA avx2
 #define LANES 8
@@ -9,4 +9,4 @@
 #define ANY(which) (!_mm256_testz_si256((__m256i)(which), (__m256i)(which)))
 #define CHOOSE(which, a, b) ((real)_mm256_blendv_ps((__m256)(b), (__m256)(a), (__m256)(which)))
 #define BITS(which) ((uint32_t)_mm256_movemask_ps((__m256)(which)))
-#include "src/fit/fit_isa.h"
+#include "src/fit/stages/fit_isa.h"

@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for AVX-512, with 16 lanes. */
+/* Compiles the stages of the fit in src/fit/stages/fit_isa.h for AVX-512, with 16 lanes. */
 #include <immintrin.h>
 #define ISA avx512
 #define LANES 16
@@ -43,4 +43,4 @@ static inline void add_vectors(const __m512 *v, float *sums)
 }
 
 #define ADD_PLACES(vectors, sums) add_vectors((const __m512 *)(vectors), sums)
-#include "src/fit/fit_isa.h"
+#include "src/fit/stages/fit_isa.h"

@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for NEON on AArch64, with 4 lanes. */
+/* Compiles the stages of the fit in src/fit/stages/fit_isa.h for NEON on AArch64, with 4 lanes. */
 #include <arm_neon.h>
 #define ISA neon
 #define LANES 4
@@ -9,4 +9,4 @@
 #define ANY(which) (vmaxvq_u32((uint32x4_t)(which)) != 0)
 #define CHOOSE(which, a, b) ((real)vbslq_f32((uint32x4_t)(which), (float32x4_t)(a), (float32x4_t)(b)))
 #define BITS(which) vaddvq_u32((uint32x4_t)(which) & (uint32x4_t){1, 2, 4, 8})
-#include "src/fit/fit_isa.h"
+#include "src/fit/stages/fit_isa.h"

@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for SSE4.1, with 4 lanes. */
+/* Compiles the stages of the fit in src/fit/stages/fit_isa.h for SSE4.1, with 4 lanes. */
 #include <smmintrin.h>
 #define ISA sse41
 #define LANES 4
@@ -9,4 +9,4 @@
 #define ANY(which) (!_mm_testz_si128((__m128i)(which), (__m128i)(which)))
 #define CHOOSE(which, a, b) ((real)_mm_blendv_ps((__m128)(b), (__m128)(a), (__m128)(which)))
 #define BITS(which) ((uint32_t)_mm_movemask_ps((__m128)(which)))
-#include "src/fit/fit_isa.h"
+#include "src/fit/stages/fit_isa.h"

@@ -9,8 +9,8 @@
 
 #include <fixsplat/internal/message.h>
 #include "coarse.h"
-#include "photo_pixels.h"
-#include "photos_internal.h"
+#include "src/fit/photos/photo_pixels.h"
+#include "src/fit/photos/photos_internal.h"
 #include "recipe.h"
 
 #define FAR 2.0                    /* the outermost blocks extend beyond the cameras' bounding box by this many sides of

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "src/base/run.h"
-#include "densify_one.h"
+#include "src/fit/stages/densify_one.h"
 
 typedef struct wanted {
     float gradient;

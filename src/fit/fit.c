@@ -13,8 +13,8 @@
 #include <fixsplat/fit.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/fit_more.h>
-#include "exposure.h"
-#include "pose.h"
+#include "src/fit/stages/exposure.h"
+#include "src/fit/stages/pose.h"
 #include "random.h"
 #include "recipe.h"
 #include "sky.h"

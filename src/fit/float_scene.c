@@ -12,7 +12,7 @@
 #include <fixsplat/internal/packed.h>
 #include "src/base/os_calls.h"
 #include "fit_internal.h"
-#include "planes.h"
+#include "src/fit/stages/planes.h"
 #include "random.h"
 
 struct fxs_float_scene {

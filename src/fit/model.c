@@ -7,9 +7,9 @@
 
 #include "src/base/run.h"
 #include "src/base/os_calls.h"
-#include "curve.h"
+#include "src/fit/stages/curve.h"
 #include "nearest.h"
-#include "planes.h"
+#include "src/fit/stages/planes.h"
 
 static float *planes_of(size_t stride, size_t planes)
 {

@@ -2,8 +2,8 @@
 #ifndef FXS_FIT_QUANTISE_H
 #define FXS_FIT_QUANTISE_H
 
-#include "fit_lanes.h"
-#include "fit_stage.h"
+#include "src/fit/stages/fit_lanes.h"
+#include "src/fit/stages/fit_stage.h"
 
 /* Rounds to the nearest integer in 0..most_code; most_code must be below 2^22. */
 static inline whole code_of(real x, int most_code)

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "fit_lanes.h"
+#include "src/fit/stages/fit_lanes.h"
 
 static double distance(const double a[3], const double b[3])
 {

@@ -3,7 +3,7 @@
 #define FXS_FIT_RECIPE_H
 
 #include <fixsplat/fit.h>
-#include "fit_stage.h"
+#include "src/fit/stages/fit_stage.h"
 
 typedef struct fxs_fit_plan {
     int sh_degree;

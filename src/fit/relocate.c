@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "src/base/run.h"
-#include "relocate_one.h"
+#include "src/fit/stages/relocate_one.h"
 
 typedef struct draws {
     uint64_t *sums;

@@ -3,7 +3,7 @@
 #define FXS_FIT_SKY_H
 
 #include <fixsplat/fit.h>
-#include "fit_stage.h"
+#include "src/fit/stages/fit_stage.h"
 
 typedef struct fxs_fit_sky {
     fxs_fit_point *points;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "src/base/os_calls.h"
-#include "exposure.h"
-#include "pose.h"
+#include "src/fit/stages/exposure.h"
+#include "src/fit/stages/pose.h"
 
 enum { JOB = 4096 };               /* Gaussians per job */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };

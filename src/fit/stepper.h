@@ -4,7 +4,7 @@
 #define FXS_FIT_STEPPER_H
 
 #include <fixsplat/fit.h>
-#include "fit_stage.h"
+#include "src/fit/stages/fit_stage.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -7,7 +7,7 @@
 #include <fixsplat/internal/fit_more.h>
 #include "src/base/try_internal.h"
 #include "fit_internal.h"
-#include "fit_lanes.h"
+#include "src/fit/stages/fit_lanes.h"
 
 /* smallest determinant of mean (1 - d d^T), with viewing directions d; some 6 degrees apart */
 #define LEAST_SPREAD 0.01

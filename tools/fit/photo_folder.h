@@ -2,7 +2,7 @@
 #ifndef PHOTO_FOLDER_H
 #define PHOTO_FOLDER_H
 
-#include "src/fit/photo_masks.h"
+#include "src/fit/photos/photo_masks.h"
 #include "tools/command/task.h"
 
 typedef struct photographs {

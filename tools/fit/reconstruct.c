@@ -13,8 +13,8 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/image.h>
 #include "src/camera/camera_find.h"
-#include "src/fit/photo_points.h"
-#include "src/fit/photo_masks.h"
+#include "src/fit/photos/photo_points.h"
+#include "src/fit/photos/photo_masks.h"
 #include "tools/command/command.h"
 #include "tools/command/file_guard.h"
 #include "film_frames.h"

@@ -1,4 +1,4 @@
-/* Exposures of photographs on a device (src/fit/exposure.h), with the CPU's order of floating-point operations. */
+/* Exposures of photographs on a device (src/fit/stages/exposure.h), with the CPU's order of floating-point operations. */
 #ifndef FXS_CUDA_FIT_EXPOSURE_CUH
 #define FXS_CUDA_FIT_EXPOSURE_CUH
 
@@ -6,7 +6,7 @@
 
 namespace {
 #define static static __host__ __device__
-#include "src/fit/exposure.h"
+#include "src/fit/stages/exposure.h"
 #undef static
 
 const uint32_t GAIN_THREADS = FXS_FIT_GAIN * GAIN_PARTS;

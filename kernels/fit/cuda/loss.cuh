@@ -1,4 +1,4 @@
-/* The loss between a rendered picture and its photograph (L1 and SSIM, src/fit/loss.h) and its gradient by the
+/* The loss between a rendered picture and its photograph (L1 and SSIM, src/fit/stages/loss.h) and its gradient by the
  * pixels. */
 #ifndef FXS_CUDA_FIT_LOSS_CUH
 #define FXS_CUDA_FIT_LOSS_CUH
@@ -7,7 +7,7 @@
 
 namespace {
 #define static static __host__ __device__
-#include "src/fit/loss.h"
+#include "src/fit/stages/loss.h"
 #undef static
 
 /* A block of threads computes SQUARE x SQUARE pixels, with a margin of REACH pixels for SSIM's windows. A thread

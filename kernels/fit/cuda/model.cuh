@@ -13,9 +13,9 @@
 
 namespace {
 #define static static __host__ __device__
-#include "src/fit/curve.h"
-#include "src/fit/densify_one.h"
-#include "src/fit/relocate_one.h"
+#include "src/fit/stages/curve.h"
+#include "src/fit/stages/densify_one.h"
+#include "src/fit/stages/relocate_one.h"
 #undef static
 
 const uint32_t MODEL_THREADS = 256;

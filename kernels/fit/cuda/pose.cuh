@@ -1,4 +1,4 @@
-/* Poses of photographs on a device (src/fit/pose.h), with the CPU's order of floating-point operations. */
+/* Poses of photographs on a device (src/fit/stages/pose.h), with the CPU's order of floating-point operations. */
 #ifndef FXS_CUDA_FIT_POSE_CUH
 #define FXS_CUDA_FIT_POSE_CUH
 
@@ -7,7 +7,7 @@
 
 namespace {
 #define static static __host__ __device__
-#include "src/fit/pose.h"
+#include "src/fit/stages/pose.h"
 #undef static
 
 const uint32_t POSE_THREADS = FXS_FIT_POSE * GAIN_PARTS;

@@ -11,14 +11,14 @@
 #include <cuda_runtime.h>
 
 #include "kernels/cuda/warp.cuh"
-#include "src/fit/fit_stage.h"
+#include "src/fit/stages/fit_stage.h"
 
 /* Compiles src/fit with one lane: `real` is float, and each operation matches the CPU's. Needs a build without
    contraction of multiplications and additions. */
 namespace {
 #define static static __host__ __device__
-#include "src/fit/fit_lanes.h"
-#include "src/fit/fit_gaussian.h"
+#include "src/fit/stages/fit_lanes.h"
+#include "src/fit/stages/fit_gaussian.h"
 
 /* Returns alpha / (1 - alpha), correctly rounded, for alpha in 2^-8..0.99: a Newton step for the reciprocal, then a
    correction by the remainder (Markstein 1990). */
@@ -37,13 +37,13 @@ static inline float odds_of(float alpha)
 #endif
 }
 
-#include "src/fit/fit_pixel.h"
-#include "src/fit/span.h"
-#include "src/fit/fit_project.h"
-#include "src/fit/adam.h"
-#include "src/fit/noise.h"
+#include "src/fit/stages/fit_pixel.h"
+#include "src/fit/stages/span.h"
+#include "src/fit/stages/fit_project.h"
+#include "src/fit/stages/adam.h"
+#include "src/fit/stages/noise.h"
 #include "src/fit/quantise.h"
-#include "src/fit/smooth.h"
+#include "src/fit/stages/smooth.h"
 #undef static
 
 struct step_seen {

@@ -316,7 +316,7 @@ __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_F
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
-/* Sums every second pixel of a 4x4 block as a binary tree, in the order of src/fit/tile.h. */
+/* Sums every second pixel of a 4x4 block as a binary tree, in the order of src/fit/stages/tile.h. */
 template <int Apart>
 __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {

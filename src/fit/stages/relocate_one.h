@@ -3,7 +3,7 @@
 #define FXS_FIT_RELOCATE_ONE_H
 
 #include "planes.h"
-#include "random.h"
+#include "src/fit/random.h"
 
 enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are clamped */
 #define DEAD UINT32_MAX            /* marks a faint Gaussian instead of a number of draws */

@@ -3,7 +3,7 @@
 #define FXS_REFINE_VIEWS_H
 
 #include <fixsplat/fit.h>
-#include "stepper.h"
+#include "src/fit/stepper.h"
 
 enum { FXS_REFINE_LARGE, FXS_REFINE_SMALL, FXS_REFINE_SIZES };
 

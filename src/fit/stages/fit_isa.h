@@ -3,7 +3,7 @@
 #include "loss.h"
 #include "noise.h"
 #include "fit_project.h"
-#include "quantise.h"
+#include "src/fit/quantise.h"
 #include "smooth.h"
 #include "tile.h"
 

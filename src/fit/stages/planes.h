@@ -3,7 +3,7 @@
 #define FXS_FIT_PLANES_H
 
 #include "fit_lanes.h"
-#include "model.h"
+#include "src/fit/model.h"
 
 static inline float *plane(const fxs_fit_model *m, int which)
 {

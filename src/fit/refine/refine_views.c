@@ -14,8 +14,8 @@
 #include "src/base/try_internal.h"
 #include "src/camera/camera_internal.h"
 #include "src/camera/first_view.h"
-#include "fit_internal.h"
-#include "random.h"
+#include "src/fit/fit_internal.h"
+#include "src/fit/random.h"
 
 enum { LEAST = 720, MOST = 1920 };     /* longer side of a large picture in pixels */
 enum { FOV = 50, PARTS = 6 };

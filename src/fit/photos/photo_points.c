@@ -8,7 +8,7 @@
 #include "src/camera/colmap_internal.h"
 #include <fixsplat/internal/message.h>
 #include "src/scene/read/ply_header.h"
-#include "random.h"
+#include "src/fit/random.h"
 
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
 #define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */

@@ -25,9 +25,9 @@
 #include "src/pack/decode.h"
 #include "src/pack/move.h"
 #include "src/pack/tree.h"
-#include "fit_internal.h"
-#include "planes.h"
-#include "random.h"
+#include "src/fit/fit_internal.h"
+#include "src/fit/stages/planes.h"
+#include "src/fit/random.h"
 #include "refine_views.h"
 
 #define LOGIT_MOST 7.0f                /* larger logits of opacity have practically no gradient */
