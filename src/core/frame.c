@@ -23,22 +23,36 @@
 #include "stereo.h"
 #include "targets.h"
 
-int fxs_render(const fxs_context *context, const fxs_request *given, void *memory, size_t memory_bytes,
-               fxs_stats *stats)
+static int render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
+                  fxs_stats *stats)
 {
     fxs_frame f;
-    fxs_request request;
-    if (stats)
-        memset(stats, 0, sizeof *stats);
-    int error = fxs_request_read(&request, given);
-    error = error ? error : fxs_targets_missing(context, &request);
-    error = error ? error : fxs_frame_init(&f, context, &request, memory, memory_bytes);
+    int error = fxs_targets_missing(context, request);
+    error = error ? error : fxs_frame_init(&f, context, request, memory, memory_bytes);
     if (error)
         return error;
-    error = request.eyes == 2 ? fxs_stereo_render(&f, &request) : fxs_frame_render(&f);
+    error = request->eyes == 2 ? fxs_stereo_render(&f, request) : fxs_frame_render(&f);
     if (stats)
         *stats = f.stats;
     return error;
+}
+
+/* Not inlined, so that a request of this version takes no copy on the stack. */
+static __attribute__((noinline)) int render_copy(const fxs_context *context, const fxs_request *given, void *memory,
+                                                 size_t memory_bytes, fxs_stats *stats)
+{
+    fxs_request request;
+    const int error = fxs_request_read(&request, given);
+    return error ? error : render(context, &request, memory, memory_bytes, stats);
+}
+
+int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
+               fxs_stats *stats)
+{
+    if (stats)
+        memset(stats, 0, sizeof *stats);
+    return fxs_request_is_whole(request) ? render(context, request, memory, memory_bytes, stats)
+                                         : render_copy(context, request, memory, memory_bytes, stats);
 }
 
 int fxs_frame_render(fxs_frame *f)

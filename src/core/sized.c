@@ -52,6 +52,12 @@ int fxs_sized_read(void *all, size_t bytes, const void *given)
     return size ? 0 : FXS_ERR_STRUCT;
 }
 
+int fxs_request_is_whole(const fxs_request *request)
+{
+    return request && request->size == sizeof *request && request->targets[0].size == sizeof request->targets[0] &&
+           request->targets[1].size == sizeof request->targets[1] && request->options.size == sizeof request->options;
+}
+
 /* A program's request: the fields before the targets, two targets of targets[0].size bytes, and the options. */
 int fxs_request_read(fxs_request *all, const fxs_request *given)
 {

@@ -20,6 +20,9 @@ void fxs_sized_fill(void *given, uint32_t size, const void *all, size_t bytes);
    struct has. Sets the size of `all` to `bytes`. Returns 0, or FXS_ERR_STRUCT. */
 int fxs_sized_read(void *all, size_t bytes, const void *given);
 
+/* True if a request, its targets and options have the sizes of this version, so that it need not be copied. */
+int fxs_request_is_whole(const fxs_request *request);
+
 /* Reads a request with its targets and options; their sizes are those of the program's header too. Returns 0,
    FXS_ERR_ARGUMENT for null, or FXS_ERR_STRUCT. */
 int fxs_request_read(fxs_request *all, const fxs_request *given);

@@ -20,7 +20,7 @@ typedef struct fxs_cuda fxs_cuda;
 /* Device memory of a renderer, bytes. */
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* packed scenes; of a scene that does not fit, the part on the device */
-    uint64_t splats;               /* per slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
+    uint64_t splats;               /* per slot: 46 bytes a Gaussian, 100 a chunk, 424 an object; with a budget or a
                                       detail also 6.3 MB, 18 bytes for each chunk and node of the scenes, 312 an
                                       object */
     uint64_t tiles;                /* per slot: 136 bytes a tile, 8.5 KB */

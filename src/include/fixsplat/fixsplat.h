@@ -373,7 +373,7 @@ FXS_API int fxs_context_init(fxs_context *context, const fxs_config *config);
 
 /* The working memory of a frame by use, in bytes. */
 typedef struct fxs_frame_memory {
-    size_t splats;                 /* projected Gaussians: 72 bytes each; 456 per object */
+    size_t splats;                 /* projected Gaussians: 72 bytes each; 424 per object */
     size_t tiles;                  /* tiles of 16x16 pixels: 17 bytes each, plus 1 per thread */
     size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
     size_t keys;                   /* room to sort the lists, as large as `entries`; with draw_unlisted plus 8 KiB a
