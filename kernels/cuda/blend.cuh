@@ -666,7 +666,7 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_stag
     r.store(p, view, f, t);
 }
 
-/* Blends tiles whose lists of splats are sorted. `alone` is true if no other frame is in flight. */
+/* Blends the tiles that have sorted lists of splats. `alone` is true if no other frame is in flight. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_stage_view view, const __grid_constant__ frame_buffers f,

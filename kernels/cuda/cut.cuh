@@ -3,7 +3,7 @@
  *
  * A node's key is the gain of opening the node, which replaces it by its children. Nodes are opened in descending
  * order of key until the budget of drawn chunks ends. A child's key is at most its parent's, so the opened nodes are
- * a prefix of that order. Prefix sums over a histogram of all keys give the key at which the budget ends. The nodes
+ * a prefix of that order. Prefix sums over a histogram of all keys give the key where the budget ends. The nodes
  * with that key, the candidates, are sorted and added one by one. */
 #ifndef FXS_CUDA_CUT_CUH
 #define FXS_CUDA_CUT_CUH
@@ -45,7 +45,7 @@ struct cut_status {
     uint32_t blocks_done[2];
     uint32_t stops;                /* 1: the budget of drawn chunks may end before all tree nodes are opened (replaced
                                       by their children) */
-    uint32_t stop_first, stop_last;        /* first and last index in the histogram `keys` at which the budget of drawn
+    uint32_t stop_first, stop_last;        /* first and last index in the histogram `keys` where the budget of drawn
                                               chunks may end */
     cut_sums before, all;
     uint32_t candidates;
@@ -216,9 +216,9 @@ __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* Nodes are opened (replaced by their children) in descending order of their keys. Finds the first key at which the
-   budget of drawn chunks may end, and the first at which it certainly does. The two keys can differ, because opening
-   some nodes reduces the number of drawn chunks. */
+/* Nodes are opened (replaced by their children) in descending order of their keys. Finds the first key where the budget
+   of drawn chunks may end, and the first where it certainly ends. The two keys can differ, because opening some nodes
+   reduces the number of drawn chunks. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -356,8 +356,8 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
     return over;
 }
 
-/* Computes the range of keys over which tree nodes fade into their children. `last` is the index of the last key whose
-   nodes are opened (replaced by their children). `of_last` is the number of opened nodes with that key. */
+/* Computes the range of keys over which tree nodes fade into their children. `last` is the index of the last key with
+   opened nodes (nodes replaced by their children). `of_last` is the number of these nodes. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;

@@ -384,8 +384,8 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
     }
 }
 
-/* Blends the collected splats, whose keys are in shared->keys. Returns true if a pixel of the tile is not opaque yet.
-   This function is not inlined, to leave registers to the callers' loops. */
+/* Blends the collected splats in shared->keys. Returns true if a pixel of the tile is not opaque yet. This function is
+   not inlined, to leave registers to the callers' loops. */
 __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
 {
     const tile_splats *t = &tile;

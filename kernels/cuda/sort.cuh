@@ -113,7 +113,7 @@ __device__ key_range range_of_list(K *shared, const G *g, VisitAll visit_all)
     return range_of(shared, least, most, g);
 }
 
-/* Returns log2 of the bin width with which K::bins bins cover the keys `low` to `high`. */
+/* Returns log2 of the width of a bin, such that K::bins bins cover the keys `low` to `high`. */
 template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
@@ -277,8 +277,7 @@ __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
     return count;
 }
 
-/* Returns the last index at which a bin ends, at most `room` keys after `first`. Returns `first` if no bin ends
-   there. */
+/* Returns the last end of a bin at most `room` keys after index `first`. Returns `first` if no bin ends there. */
 template <class K>
 __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
 {

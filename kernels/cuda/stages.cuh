@@ -102,7 +102,8 @@ struct frame_buffers {
     uint32_t *depths;
     union {
         large_splat *larges;
-        list_segment *segments;    /* segments share memory with `larges`; valid after the kernel fill_lists */
+        list_segment *segments;    /* segments of tile lists share memory with `larges`; valid after the kernel
+                                      fill_lists */
     };
     tile_list *lists;              /* lists[i list_step] describes the list of tile i. With many Gaussians per tile,
                                       each element has its own memory sector, as atomics on one sector are serialised */

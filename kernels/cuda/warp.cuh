@@ -68,7 +68,7 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
 }
 
 /* Divides work evenly among the lanes of a warp. Each lane brings `own` items, and the warp visits all items, 32 per
-   step. All lanes call visit(lane that brought the item, index of the item, true if there is an item). */
+   step. All lanes call visit(lane that brought the item, index of the item, true for a valid item). */
 template <class Visit>
 __device__ inline void share_out(uint32_t own, Visit visit)
 {

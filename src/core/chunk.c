@@ -43,11 +43,13 @@ FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8)
         return offset_q11;
     if (offset_q11 > FXS_FAINT_Q11)
         return FXS_FAINT_Q11 + 1;
-    const uint32_t opacity_q30 = falling_q30((offset_q11 * 94548 + 2048) >> 12);       /* 94548 is 2^16 / ln 2 */
+    const uint32_t opacity_q30 = falling_q30((offset_q11 * 94548 + 2048) >> 12);       /* the factor 1 / ln 2 is 94548
+                                                                                          in Q16 */
     const uint32_t clear_q30 = (1u << 30) - (opacity_q30 < FXS_OPAQUE_Q30 ? opacity_q30 : FXS_OPAQUE_Q30);
     const uint32_t share_q30 = (1u << 30) - falling_q30(octaves_below_q16(clear_q30) * share_q8 >> 8);
     const uint32_t offset = share_q30 ? (uint32_t)(((uint64_t)octaves_below_q16(share_q30) * 90852 + (1 << 20)) >> 21)
-                                      : FXS_FAINT_Q11 + 1;                              /* 90852 is 2 ln 2 2^16 */
+                                      : FXS_FAINT_Q11 + 1;                              /* the factor 2 ln 2 is 90852 in
+                                                                                           Q16 */
     return offset > FXS_FAINT_Q11 ? FXS_FAINT_Q11 + 1 : offset;
 }
 

@@ -98,7 +98,8 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
 typedef struct fxs_sh_sums {
     int32_t palette[3], odd[3];    /* sums of basis function * coefficient in Q15; at most 2^29 in `palette`, 2^22 in
                                       `odd` */
-    int gain;                      /* coded factor of the odd numbers: (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
+    int gain;                      /* coded factor of the compact profile's odd numbers: (8 + bits 2..0) * 2^(bits 7..3)
+                                      * 2^-32 */
 } fxs_sh_sums;
 
 static inline int32_t fxs_sh_sum_q16(const fxs_sh_sums *s, const fxs_scene *scene, int channel)

@@ -12,7 +12,7 @@
 int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
                             uint64_t *blended);
 
-/* Blends a tile like fxs_blend_c. Also adds the numbers of evaluated and blended pairs of a pixel and a Gaussian to
+/* Blends a tile like fxs_blend_c. Also counts the evaluated and blended pairs of a pixel and a Gaussian: adds them to
    *evaluated and *blended. */
 void fxs_blend_count(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                              const uint32_t *entries, uint32_t count, fxs_tile *tile, uint64_t *evaluated,

@@ -39,7 +39,7 @@ typedef struct search {
     uint32_t drawn, most_drawn;
     uint32_t visit_room;
     fxs_fading fading;
-    uint32_t viewed;               /* object in whose space `view` is; FXS_NOTHING: none */
+    uint32_t viewed;               /* object that `view` was computed for; FXS_NOTHING: none */
     fxs_stage_view view;
     int full, error;
 } search;

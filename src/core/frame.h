@@ -84,7 +84,7 @@ typedef struct fxs_frame {
                                               ends */
     uint32_t *lengths;
     uint32_t *next;                        /* for each part of the splats: a counter per macro tile, then FXS_NEXT_MORE
-                                              numbers */
+                                              numbers about the first pass's notes */
     uint64_t *macro_times;
 
     int32_t first_row, end_row;
@@ -98,8 +98,8 @@ typedef struct fxs_frame {
     fxs_key *keys, *spare;
     uint32_t key_capacity;
 
-    /* Slices draw part of a tile row's splats at a time. Capacity of a slice in splats; its width in macro tiles (2x2
-       tiles), 0: no slices. */
+    /* A slice draws part of a tile row's splats. slice_room: its capacity in splats; slice_macros: its width in macro
+       tiles (2x2 tiles), 0: no slices. */
     uint32_t slice_room, slice_macros;
     fxs_tile *pixels;
     fxs_trace *nothing;

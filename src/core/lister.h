@@ -4,7 +4,7 @@
 
 #include "frame.h"
 
-/* Return the ranges of tile rows, and of tile columns, whose lists may contain a splat. */
+/* Return the tile rows, and the tile columns, where a list may contain the splat. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
 fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds);
@@ -24,8 +24,8 @@ typedef struct fxs_lister {
     uint32_t first_macro, last_macro;
     uint32_t *next;                /* for each macro tile: number of keys; in the second pass, index of its next key */
     uint64_t *notes;
-    uint32_t room, taken;          /* capacity for the first pass's notes; number of notes taken, UINT32_MAX:
-                                      overflow */
+    uint32_t room, taken;          /* capacity for notes (results of the first pass for the second); number of notes
+                                      taken, UINT32_MAX: overflow */
     uint32_t noted, from;
 } fxs_lister;
 
@@ -40,8 +40,8 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 /* Second pass over the splats that the first pass noted: writes their keys, using the notes. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
-/* With the square cut-off, a tile may list splats whose ellipse misses the tile. Sets FXS_ENTRY_CUT_OFF in the entries
-   of these splats. */
+/* With the square cut-off, a splat may be in the list of a tile that its ellipse misses. Sets FXS_ENTRY_CUT_OFF in the
+   entries of such splats. */
 void fxs_mark_cut_off(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
 
 #endif

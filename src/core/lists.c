@@ -4,8 +4,9 @@
 #include "lists.h"
 #include "memory.h"
 
-/* Four numbers per part of the splats in fxs_frame.next, about the first pass's notes: number of notes, index of the
-   first splat that is not noted, offset and capacity of the notes. */
+/* The first pass over the splats notes its results for the second pass. Four numbers in fxs_frame.next describe the
+   notes of one part of the splats: number of notes, index of the first splat that is not noted, offset and capacity of
+   the notes. */
 enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
@@ -50,8 +51,8 @@ static void fill_part(void *argument, uint32_t part)
         if (from < last)
             fxs_bin_fill(&l, from, last - from, f->keys);
     }
-    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* the notes are lost, because sorting reuses their
-                                                                  memory */
+    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* the first pass's notes are lost, because sorting
+                                                                  reuses their memory */
 }
 
 static void share_notes(fxs_frame *f)

@@ -45,7 +45,8 @@ static int32_t offset_of_q11(uint32_t opacity_q16)
     if (opacity_q16 == ONE_Q16 || !opacity_q16)
         return 0;
     const int64_t below_q16 = ((int64_t)16 << 16) - fxs_log2_q16(opacity_q16);
-    return fxs_min((int)((below_q16 * 45426 * 2 + (1 << 20)) >> 21), FXS_FAINT_Q11 + 1);   /* 45426 is ln 2 in Q16 */
+    return fxs_min((int)((below_q16 * 45426 * 2 + (1 << 20)) >> 21), FXS_FAINT_Q11 + 1);   /* the factor ln 2 is 45426
+                                                                                              in Q16 */
 }
 
 int fxs_object_view_init(fxs_object_view *out, const fxs_stage_view *world, const fxs_camera *camera,

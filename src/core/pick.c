@@ -43,8 +43,8 @@ static int64_t scaled_q32(int64_t mantissa, int exponent)
                POSITION_MOST_Q32);
 }
 
-/* Returns how far a pixel's ray is from the camera's axis along x or y. For x the distance is (X + 1/2 - cx) / f, times
-   the depth z in perspective. */
+/* Returns how far the ray of a pixel is from the camera's axis along x or y. For pixel column X, the distance is (X +
+   1/2 - cx) / f, times the depth z in perspective. */
 static int64_t across_q32(const fxs_camera *camera, int32_t pixel, int32_t c_q12, int32_t f_q12, uint32_t key)
 {
     const int64_t offset_q12 = ((int64_t)pixel << 12) + 2048 - c_q12;

@@ -147,7 +147,7 @@ static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, ui
     out->exponent = exponent;
 }
 
-/* The square root and its reciprocal of a number x = m 2^-32 4^half, with m 2^-32 in [1/4, 1). */
+/* A number x = m 2^-32 4^half, and the reciprocal square root of m 2^-32, which is in [1/4, 1). */
 typedef struct root {
     uint32_t m, inverse_q30;
     int half;                      /* exponent of the root: sqrt(x) = sqrt(m * 2^-32) * 2^half */
@@ -356,7 +356,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_v
         if (!s.det_undilated_q60)
             return 0;
         int32_t log2 = fxs_log2_q16(s.det_q60) - fxs_log2_q16(s.det_undilated_q60);
-        offset_q11 += (int32_t)(((int64_t)log2 * 45426 + (1 << 20)) >> 21);   /* 45426 is ln 2 in Q16 */
+        offset_q11 += (int32_t)(((int64_t)log2 * 45426 + (1 << 20)) >> 21);   /* the factor ln 2 is 45426 in Q16 */
     }
     if (offset_q11 > FXS_FAINT_Q11)
         return 0;

@@ -39,7 +39,7 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of splats of the tiles in a macro tile (2x2 tiles). Must not write behind the ends of these lists,
+/* Makes the lists of splats of the tiles in a macro tile (2x2 tiles). Must not write beyond the ends of these lists,
    where other jobs write. */
 static void list_macro(void *argument, uint32_t job)
 {
@@ -74,8 +74,8 @@ static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blende
     return error;
 }
 
-/* Passes tiles first to last to the back end in runs, as many tiles at once as have lists that fit in `spare`. The list
-   of one tile always fits. */
+/* Passes tiles first to last to the back end in runs of tiles. The lists of a run must fit in the array `spare`; the
+   list of one tile always fits. */
 static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
 {
     int error = 0;

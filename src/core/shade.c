@@ -1,5 +1,5 @@
 /* Computes a splat's colour from spherical harmonics (SH) and the view direction: max(0, 0.5 + sum basis *
- * coefficient). Basis and signs are those of Kerbl et al. 2023 and KHR_gaussian_splatting. */
+ * coefficient). Basis and signs are as in Kerbl et al. 2023 and KHR_gaussian_splatting. */
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 

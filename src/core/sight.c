@@ -10,7 +10,8 @@
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
-#define BLUR 4                     /* the error of Gaussians smaller than a pixel falls with this power of their size */
+#define BLUR 4                     /* the error of Gaussians smaller than a pixel falls with the power BLUR of their
+                                      size */
 #define BLURRED_Q8 (-256)
 #define UNLIMITED_Q8 (1 << 24)
 #define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2, half the dilation of a splat, Q8 */
@@ -51,9 +52,9 @@ static uint64_t exp2_q16(int32_t x_q8)
 }
 
 /* Returns log2 of the growth that a distant node of the level-of-detail tree needs, (area + 0.15 swell) / (area +
-   0.15). The dilation of splats by 0.3 pixels^2 makes many small Gaussians cover more than a node's few coarse ones.
-   Half the dilation is used, because small Gaussians hide each other. Antialiased scenes already compensate for the
-   dilation. */
+   0.15). swell is the opacity sum of the leaves below the node, divided by the node's own. The dilation of splats by
+   0.3 pixels^2 makes many small Gaussians cover more than a node's few coarse ones. Half the dilation is used, because
+   small Gaussians hide each other. Antialiased scenes already compensate for the dilation. */
 static int32_t swell_of(const fxs_stage_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;

@@ -52,8 +52,8 @@ int fxs_sized_read(void *all, size_t bytes, const void *given)
     return size ? 0 : FXS_ERR_STRUCT;
 }
 
-/* Reads a program's request, whose structs may be shorter than the library's. It has the fields before the targets, two
-   targets of targets[0].size bytes, and the options. */
+/* Reads a program's request with structs that may be shorter than the library's. The request has the fields before the
+   targets, two targets of targets[0].size bytes, and the options. */
 int fxs_request_read(fxs_request *all, const fxs_request *given)
 {
     const size_t head = offsetof(fxs_request, targets);

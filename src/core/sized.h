@@ -22,7 +22,7 @@ void fxs_sized_fill(void *given, uint32_t size, const void *all, size_t bytes);
    `given` has. Sets the size of `all` to `bytes`. Returns 0, or FXS_ERR_STRUCT. */
 int fxs_sized_read(void *all, size_t bytes, const void *given);
 
-/* Reads a program's request with its targets and options, whose sizes come from the program's header. Returns 0,
+/* Reads a program's request with its targets and options; the program's header may define shorter structs. Returns 0,
    FXS_ERR_ARGUMENT for null, or FXS_ERR_STRUCT. */
 int fxs_request_read(fxs_request *all, const fxs_request *given);
 
@@ -30,7 +30,7 @@ int fxs_request_read(fxs_request *all, const fxs_request *given);
    size than objects[0], sets a default object and returns FXS_ERR_STRUCT. Otherwise returns 0. */
 int fxs_object_read(fxs_object *all, const fxs_object *objects, uint32_t i);
 
-/* Returns object `i` of a program's array, whose structs may be shorter than the library's. Only the fields up to
+/* Returns object `i` of a program's array; its structs may be shorter than the library's. Only the fields up to
    `visible`, which every version has, may be read. */
 static inline const fxs_object *fxs_object_at(const fxs_object *objects, uint32_t i)
 {

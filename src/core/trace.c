@@ -6,8 +6,8 @@
 #include "targets.h"
 #include "trace.h"
 
-#define STRETCH 32767u             /* largest number of list entries in a stretch, so that entry numbers fit in 16
-                                      bits */
+#define STRETCH 32767u             /* largest number of list entries that are blended at once, so that entry numbers fit
+                                      in 16 bits */
 #define PART 512u
 #define AHEAD 16
 

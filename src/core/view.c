@@ -92,8 +92,9 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
-/* A Gaussian's centre is out of range at a slope of 64 or 65536 pixels away. Returns log2 of the smallest sigma in
-   pixels with which such a Gaussian may reach the picture. The radius is 3.5 (2^exponent + 1) pixels. */
+/* A Gaussian's centre is out of range if its slope exceeds 64 or it is more than 65536 pixels away. Returns log2 of the
+   smallest sigma in pixels with which such a Gaussian may reach the picture. The radius is 3.5 (2^exponent + 1)
+   pixels. */
 static int32_t veil_exponent(const fxs_stage_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
