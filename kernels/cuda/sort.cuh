@@ -277,7 +277,7 @@ __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
     return count;
 }
 
-/* Returns the last end of a bin at most `room` keys after index `first`. Returns `first` if no bin ends there. */
+/* Returns the last end of a bin that is at most `room` keys after index `first`. Returns `first` for no such bin. */
 template <class K>
 __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
 {

@@ -83,8 +83,8 @@ typedef struct fxs_frame {
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list of splats; end of the list in `spare`, for back
                                               ends */
     uint32_t *lengths;
-    uint32_t *next;                        /* for each part of the splats: a counter per macro tile, then FXS_NEXT_MORE
-                                              numbers about the first pass's notes */
+    uint32_t *next;                        /* for each part of the splats: a counter per macro tile (2x2 tiles), then
+                                              FXS_NEXT_MORE numbers about notes */
     uint64_t *macro_times;
 
     int32_t first_row, end_row;

@@ -6,8 +6,8 @@
 #include "targets.h"
 #include "trace.h"
 
-#define STRETCH 32767u             /* largest number of list entries that are blended at once, so that entry numbers fit
-                                      in 16 bits */
+#define STRETCH 32767u             /* a list's entries are numbered in stretches of at most STRETCH, so that the numbers
+                                      fit in 16 bits */
 #define PART 512u
 #define AHEAD 16
 
