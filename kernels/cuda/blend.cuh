@@ -4,13 +4,15 @@
  * splats per step, queues the splats that touch the region, and blends them one by one. Long lists go to blend_dense
  * (dense.cuh), or to blend_tiles, which sorts and blends one batch after another.
  *
- * A pixel's level, u^2 + v^2 + offset in a splat's coordinates u and v, is the index of the alpha table. Levels are
- * integers in float registers. With c = coordinate_q13 2^-7,
+ * A pixel's level is u^2 + v^2 + offset, where u and v are the pixel's coordinates relative to a splat. The level is
+ * the index into the table of alpha. The part v^2 + offset, row_level, is equal for all pixels of a row. Levels are
+ * doubled integers, stored in floats between 2^23 and 2^24, where a float has the unit 1. With c = coordinate_q13 2^-7,
+ * one operation adds the square of a coordinate:
  *
  *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
  *
- * below 2^24. Limits of the level are at most 2^23 + 45395. Coordinates beyond +-4 need no clamp, as their level
- * exceeds every limit. */
+ * The largest levels that are drawn are stored as at most 2^23 + 45395. Coordinates beyond +-4 need no clamp, as their
+ * level exceeds every limit. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
@@ -20,8 +22,8 @@
 namespace {
 
 const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
-const uint32_t SPLIT_MAGNITUDE = 13;                   /* tile lists of 2^13 splats or more are first put into bins
-                                                          of depth */
+const uint32_t SPLIT_MAGNITUDE = 13;                   /* tile lists with 2^SPLIT_MAGNITUDE splats or more are divided
+                                                          into depth bins before they are sorted */
 const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;
 const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;
 typedef group<GROUP_THREADS> tile_group;
@@ -31,25 +33,29 @@ template <int Each>
 constexpr uint32_t LANES = REGION / Each;
 template <int Each>
 constexpr int ROWS = WARP / LANES<Each>;
-const uint32_t STEPS = 4;                  /* splats that are blended between two tests for an early out */
+const uint32_t STEPS = 4;                  /* number of splats that a thread blends before it tests whether its pixels
+                                              are opaque */
 const uint32_t QUEUE = WARP + STEPS;
-const int LEVEL_ONE = 0x4b000000;          /* the bits of 2^23 as a float */
+const int LEVEL_ONE = 0x4b000000;          /* bits of the float 2^23 */
 
 struct queued_row {
     uint32_t u_q24;
-    float level;                   /* 2^23 + 2 row_level + 1 */
+    float level;                   /* 2^23 + 2 (v^2 + offset) + 1: the part of a pixel's level (u^2 + v^2 + offset) that
+                                      is equal in the row */
 };
 
-/* A splat in a warp's queue. 80 bytes avoid bank conflicts. */
+/* A splat in a warp's queue of splats to blend. The size of 80 bytes avoids bank conflicts in shared memory. */
 struct alignas(16) queued_splat {
     queued_row rows[ROWS<2>];
     uint32_t ux_q24;
-    int limit;                             /* largest level that is drawn, as the bits of a float */
-    uint32_t red_green, blue;              /* colour in Q14, two channels per word */
+    int limit;                             /* largest level (u^2 + v^2 + offset) of a pixel that is drawn, as the bits
+                                              of a float */
+    uint32_t red_green, blue;              /* colour of the splat in Q14; red_green holds two channels */
 };
 
 struct queued_trace {
-    uint32_t key, index;                   /* depth key; index of the Gaussian among all drawn Gaussians */
+    uint32_t key, index;                   /* depth of a splat as a sort key; index of its Gaussian among all drawn
+                                              Gaussians */
 };
 
 /* A pixel while splats are blended. Each colour sum (Q13) is at most 2^15, so two sums fit in a word. */
@@ -59,14 +65,15 @@ struct pixel {
 };
 
 struct traced_pixel : pixel {
-    uint32_t limit;                        /* depth key of the occluder, which hides farther splats */
+    uint32_t limit;                        /* depth of an opaque occluder at the pixel, as a sort key; farther splats
+                                              are hidden */
     bool hidden;
     int weight;
     uint32_t largest, median;
     uint64_t depths;
 };
 
-/* Most groups of 4 warps per thread block; more would leave too few registers. */
+/* Largest number of groups (4 warps each) in a thread block. More groups would leave too few registers per thread. */
 template <class Pixel>
 constexpr uint32_t groups_most = 6;
 template <>
@@ -114,14 +121,14 @@ size_t blend_bytes(uint32_t groups)
     return sizeof(blend_shared<Pixel>) - sizeof(group_shared<Pixel>) + groups * sizeof(group_shared<Pixel>);
 }
 
-/* Returns coordinate_q13 2^-7. The float 1.5 2^16 has a unit of 2^-7, so adding an integer to its bits converts the
-   integer. */
+/* Returns 64 times a coordinate as a float, rounded down to a multiple of 2^-7. The float 1.5 2^16 has a unit of 2^-7,
+   so adding an integer to its bits converts the integer. */
 __device__ inline float coordinate_q6(uint32_t coordinate_q24)
 {
     return __int_as_float(((int32_t)coordinate_q24 >> 11) + 0x47c00000) - 98304.0f;
 }
 
-/* Returns 2^23 + 2 row_level + 1, where row_level = v^2 + offset. */
+/* Returns the part of a pixel's level (u^2 + v^2 + offset) that is equal in its row: 2^23 + 2 (v^2 + offset) + 1. */
 __device__ inline float row_level(uint32_t v_q24, int offset_q11)
 {
     const float v = coordinate_q6(v_q24);
@@ -140,8 +147,8 @@ __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q2
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
-/* Adds fxs_mul_q15(weight, colour) to each colour sum. Colours are in Q14, so that each result is the upper half of
-   a product. */
+/* Adds a splat's colour, times its weight, to a pixel's colour sums. Each term equals fxs_mul_q15(weight, colour). As
+   colours are in Q14, each term is the upper half of a 32-bit product. */
 __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32_t green_q14, uint32_t blue_q14)
 {
     const uint32_t red = (uint32_t)weight * red_q14 + 32768, green = (uint32_t)weight * green_q14 + 32768;
@@ -180,7 +187,8 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Fills in *q except the colour. Returns true if the splat can touch a pixel of the region at (x, y). */
+/* Fills in the queued splat *q, except its colour. Returns true if the splat can touch a pixel of the region at pixel
+   (x, y). */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -218,7 +226,7 @@ __device__ inline bool is_open(const Pixel (&p)[Each])
     return takes_more(&p[0]) || takes_more(&p[Each - 1]);
 }
 
-/* Sets p->hidden if an occluder hides the next splat, and thus all later splats. */
+/* Sets p->hidden if an occluder hides the next splat at pixel p, and thus all later splats. */
 __device__ inline void see_next(pixel *, const queued_trace *)
 {
 }
@@ -268,7 +276,8 @@ struct region_blender {
     {
     }
 
-    /* Appends splats that touch the region to the queue, testing one splat per lane. Returns the queue's new length. */
+    /* Appends to the warp's queue the splats that touch its region of pixels; each lane tests one splat. Returns the
+       queue's new length. */
     __device__ uint32_t queue_splats(const Pixel *p, uint32_t entry, bool listed, uint32_t queued) const
     {
         queued_splat q;
@@ -346,7 +355,7 @@ struct target {
     int plain;
 };
 
-/* One clamp of the final sum is enough, since colour sums only increase. */
+/* One clamp of a pixel's final colour sum is enough, since colour sums only increase. */
 __device__ inline int sum_of_colour(const pixel *p, int c)
 {
     return fxs_min((int)((c < 2 ? p->red_green >> 16 * c : p->blue) & 0xffff), 32767);
@@ -361,7 +370,7 @@ __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, i
     *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
 }
 
-/* Not inlined, to save registers in the callers' loops. */
+/* This function is not inlined, to save registers in the callers' loops. */
 __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
@@ -442,8 +451,9 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
     p->depths = 0;
 }
 
-/* Processing order of tiles: tiles with long lists of splats first. Lane i of a warp describes the tiles with
-   floor(log2(list length)) = 31 - i. Each of these tiles has `each` turns, a power of 2 or 0. */
+/* The order in which tiles are blended or sorted: tiles with long lists of splats first. Lane i of a warp holds the
+   class of tiles with floor(log2(list length)) = 31 - i. Each tile of the class has `each` turns (pieces of work), a
+   power of 2 or 0. */
 struct turns {
     uint32_t start, end, each, all, tiles;
 };
@@ -656,7 +666,7 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_stag
     r.store(p, view, f, t);
 }
 
-/* Blends tiles with sorted lists of splats. alone: no other frame is in flight. */
+/* Blends the tiles that have sorted lists of splats. `alone` is true if no other frame is in flight. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_stage_view view, const __grid_constant__ frame_buffers f,

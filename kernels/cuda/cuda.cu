@@ -1,9 +1,9 @@
 /* The CUDA back end (cuda.h): allocates device memory and launches the kernels of a frame. Several frames may be in
  * flight, each in a slot with streams, events and device buffers.
  *
- * Kernel order: choose the level of detail of scenes with a tree, project, start_lists, fill_lists, sort_lists,
- * blend. A second stream blends long tile lists while the first sorts the others. fxs_cuda_finish renders a frame
- * again with larger buffers if its tile lists overflowed. */
+ * The kernels of a frame choose the level of detail, project the Gaussians to splats, list the splats of each tile
+ * (start_lists, fill_lists), sort the lists (sort_lists) and blend. A second stream blends long tile lists while the
+ * first sorts the others. fxs_cuda_finish renders a frame again with larger buffers if its tile lists overflowed. */
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
@@ -21,8 +21,8 @@ struct slot {
     cudaStream_t stream, side;
     cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
-    block objects;                 /* contents: fxs_object_view[], crop boxes, views for the level of detail, list of
-                                      drawn chunks of Gaussians */
+    block objects;                 /* arrays of a frame: fxs_object_view[], crop boxes, views for the level of detail,
+                                      list of drawn chunks (256 Gaussians each) */
     block splats, tiles, larges, entries;
     block cut;
     block pixels;
@@ -35,25 +35,31 @@ struct slot_sizes {
 enum { PLANES = 7 };
 
 struct frame {
-    fxs_stage_view view;                 /* view of the world; in a frame with one plain object, view of the object */
-    fxs_scene scene;               /* the scene of a frame with one plain object, with device pointers */
+    fxs_stage_view view;                 /* camera in world space; for one object without scale, crop and tint: in the
+                                            object's space */
+    fxs_scene scene;               /* the scene with device pointers, if the frame has one object without scale, crop
+                                      and tint */
     fxs_targets targets;
-    bool hosted[PLANES];           /* true: an image rendered on the device, then copied to pinned host memory */
+    bool hosted[PLANES];           /* true: this output image is rendered on the device, then copied to the caller's
+                                      pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
-    uint32_t cut_room;             /* most chunks of Gaussians that are drawn; 0: no limit */
+    uint32_t cut_room;             /* largest number of chunks (256 Gaussians each) that are drawn; 0: no limit */
     uint32_t cut_chunks, whole_chunks;
-    bool cut_here;                 /* true: the host chooses the level of detail, because the scene's tree is invalid */
+    bool cut_here;                 /* true: the host chooses the level of detail, because a scene's level-of-detail tree
+                                      is invalid */
     uint64_t staged;
-    bool plain;                    /* true: one object, not scaled, cropped or tinted, with all Gaussians drawn */
+    bool plain;                    /* true: the frame has one object, not scaled, cropped or tinted, with all Gaussians
+                                      drawn */
     bool pooled;
 };
 
 }
 
-struct fxs_cuda {                  /* allocated in pinned host memory, so that kernels can write `needs` */
+struct fxs_cuda {                  /* the struct lies in pinned host memory, so that kernels can write its array
+                                      `needs` */
     int device, timed;
     float milliseconds;
-    int dense;                     /* 1: the device has enough shared memory for blend_dense */
+    int dense;                     /* 1: the device has enough shared memory for the kernel blend_dense */
     uint32_t processors, slot_count;
     uint32_t groups, traced_groups;
     uint32_t warps, traced_warps;
@@ -65,9 +71,11 @@ struct fxs_cuda {                  /* allocated in pinned host memory, so that k
     slot slots[SLOTS];
     cudaEvent_t ready, began;
     bool began_marked;
-    bool early;                    /* programmatic dependent launch: a kernel may start before the previous one ends */
+    bool early;                    /* true: a kernel may start before the previous kernel ends (programmatic dependent
+                                      launch) */
     uint64_t capacity, large_capacity;
-    uint64_t entries_most, split_most;      /* artificial capacities for tests; 0: none */
+    uint64_t entries_most, split_most;      /* small capacities of the tile lists that tests set to cause overflows; 0:
+                                               none */
 
     fxs_options options;
     frame frames[FXS_CUDA_BATCH];
@@ -85,8 +93,8 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Returns the number of frames in flight: 1 with a pooled scene, as each frame may evict Gaussians that the previous
-   frame reads. */
+/* Returns the number of frames in flight. It is 1 if a scene is only partly in device memory, as each frame may evict
+   Gaussians that the previous frame reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
@@ -131,7 +139,8 @@ uint64_t drawn_at(const frame *of)
     return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_stage_view) : 0);
 }
 
-/* With null blocks, only *sizes is valid. */
+/* Places the arrays of a frame in the memory blocks of a slot, and computes the sizes of these blocks. If the blocks
+   are not allocated yet, only *sizes is valid. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
@@ -262,7 +271,7 @@ uint64_t memory_most(const fxs_cuda *cuda)
     uint64_t most = memory->most ? memory->most : UINT64_MAX;
     size_t left = 0, all = 0;
     if (cuda->scenes.bytes_wanted && !check(nullptr, cudaMemGetInfo(&left, &all))) {
-        const uint64_t there = memory->bytes + left - left / 16;       /* leaves 1/16 of the free device memory for
+        const uint64_t there = memory->bytes + left - left / 16;       /* 1/16 of the free device memory stays free for
                                                                           CUDA modules and fragmentation */
         most = most < there ? most : there;
     }
@@ -632,8 +641,8 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
     f.number = ++cuda->frame_number;
-    if (fxs_targets_traced(&of->targets))                    /* pixels with depth or id outputs read depths to the
-                                                                end, so scratch memory must not overwrite depths */
+    if (fxs_targets_traced(&of->targets))                    /* frames with depth or id outputs read the array `depths`
+                                                                to the end, so scratch memory must not overlap it */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     if (cuda->entries_most) {
         f.capacity = cuda->entries_most;
@@ -804,8 +813,8 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
     return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 
-/* Shared memory per thread block is 227 KiB on H100 and H200, 163 on A100, 99 on others. blend_dense does not fit
-   into 99. */
+/* A thread block has 227 KiB of shared memory on H100 and H200, 163 KiB on A100, and 99 KiB on other GPUs. The kernel
+   blend_dense does not fit into 99 KiB. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
     int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
@@ -1026,7 +1035,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     if (error)
         return error;
     on_device scope(cuda->device);
-    cudaGetLastError();            /* clears an error left by other code */
+    cudaGetLastError();            /* clears a CUDA error that other code has left */
     cuda->options = *options;
     error = take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
@@ -1057,7 +1066,7 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
     if (!cuda || !cuda->frame_count)
         return failed(why, FXS_ERR_ARGUMENT, "no frame is under way");
     on_device scope(cuda->device);
-    cudaGetLastError();            /* clears an error left by other code */
+    cudaGetLastError();            /* clears a CUDA error that other code has left */
     int error = wait(cuda, why);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
         if (cuda->needs[i].damaged)
@@ -1077,7 +1086,7 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
     if (error)
         return error;
     on_device scope(cuda->device);
-    cudaGetLastError();            /* clears an error left by other code */
+    cudaGetLastError();            /* clears a CUDA error that other code has left */
     for (uint32_t i = 0; i < count && !error; i++) {
         frame checked;
         error = take_frame(&checked, &frames[i], options, why);
@@ -1092,7 +1101,8 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         cuda->device_frames[i].targets = frames[i].targets;
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
-    /* The default stream would block other renderers. The other stream waits for the copies to the device. */
+    /* The frames do not use CUDA's default stream, because it would block other renderers. Their own stream first waits
+       for the copies to the device, which the default stream makes. */
     error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
     error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);

@@ -3,7 +3,7 @@
  *
  * A node's key is the gain of opening the node, which replaces it by its children. Nodes are opened in descending
  * order of key until the budget of drawn chunks ends. A child's key is at most its parent's, so the opened nodes are
- * a prefix of that order. Prefix sums over a histogram of all keys give the key at which the budget ends. The nodes
+ * a prefix of that order. Prefix sums over a histogram of all keys give the key where the budget ends. The nodes
  * with that key, the candidates, are sorted and added one by one. */
 #ifndef FXS_CUDA_CUT_CUH
 #define FXS_CUDA_CUT_CUH
@@ -23,8 +23,9 @@ const int16_t UNSEEN = -1;
 
 struct alignas(8) node_sight {
     int32_t key_q8;
-    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8; UNSEEN: the node is invisible */
-    uint16_t seen_children;        /* bits 0 and 1: the first and second child is visible */
+    int16_t room_q8;               /* log2(size of the node / wanted detail), 0 to FXS_FADE_MOST_Q8; UNSEEN: the node is
+                                      invisible */
+    uint16_t seen_children;        /* bits 0 and 1: the camera sees the node's first and second child */
 };
 
 struct alignas(16) key_count {
@@ -39,14 +40,17 @@ struct cut_sums {
 
 struct cut_status {
     uint32_t roots;
-    uint32_t last_key, first_key;  /* largest and smallest index in the histogram `keys`; first_key is stored as KEYS
-                                      - 1 - index */
+    uint32_t last_key, first_key;  /* largest and smallest used index in the histogram `keys`; first_key is stored as
+                                      KEYS - 1 - index */
     uint32_t blocks_done[2];
-    uint32_t stops;                /* 1: the budget may end before all tree nodes are opened */
-    uint32_t stop_first, stop_last;        /* first and last key index where the budget may end */
+    uint32_t stops;                /* 1: the budget of drawn chunks may end before all tree nodes are opened (replaced
+                                      by their children) */
+    uint32_t stop_first, stop_last;        /* first and last index in the histogram `keys` where the budget of drawn
+                                              chunks may end */
     cut_sums before, all;
     uint32_t candidates;
-    uint64_t stop;                 /* sort key of the first tree node that is not opened; UINT64_MAX: all are opened */
+    uint64_t stop;                 /* sort key of the first tree node that is not opened (replaced by its children);
+                                      UINT64_MAX: all nodes are opened */
     fxs_fading fading;
     uint32_t drawn;
 };
@@ -54,8 +58,9 @@ struct cut_status {
 struct cut_buffers {
     cut_status *status;
     uint32_t *block_counts;
-    uint32_t *marks;               /* one bit per chunk of Gaussians; 1: the chunk is drawn */
-    key_count *keys;               /* histogram of the nodes' keys, in descending order of key */
+    uint32_t *marks;               /* one bit per chunk (256 Gaussians); 1: the chunk is drawn */
+    key_count *keys;               /* histogram of the tree nodes' keys (gain of replacing a node by its children),
+                                      largest key first */
     uint16_t *shares_q8;
     node_sight *sights;
     uint64_t *candidates;
@@ -66,7 +71,8 @@ struct cut_buffers {
     uint32_t room, detail_q8;
 };
 
-/* Finds the parents of the tree's nodes. Sets wrong_tree if a node is damaged or two nodes share a child. */
+/* Stores the parent of each node of the level-of-detail tree. Sets wrong_tree if a node is damaged or two nodes share a
+   child. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -130,7 +136,7 @@ __device__ inline uint32_t place_of_key(int32_t key_q8)
     return (uint32_t)(KEY_MOST_Q8 - key_q8);
 }
 
-/* Returns the sort key of a tree node. Nodes are opened in ascending order of the sort key. */
+/* Returns a number that orders tree nodes. Nodes with smaller numbers are replaced by their children first. */
 __device__ inline uint64_t order_of(int32_t key_q8, uint32_t chunk)
 {
     return (uint64_t)place_of_key(key_q8) << 32 | chunk;
@@ -154,7 +160,8 @@ __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant_
         atomicAdd(&c.status->roots, 1);
 }
 
-/* Returns true in the last thread block that arrives here. All other blocks' writes are visible then. */
+/* Returns true only in the thread block that calls this function last. That block then sees all writes of the other
+   blocks. */
 __device__ inline bool is_last_block(uint32_t *blocks_done)
 {
     __shared__ uint32_t place;
@@ -172,7 +179,7 @@ __device__ inline cut_sums operator+(cut_sums a, cut_sums b)
     return {a.nodes + b.nodes, a.children + b.children, a.no_more + b.no_more};
 }
 
-/* Returns the exclusive prefix sum over a thread block. */
+/* Returns the sum of `own` over all earlier threads of a thread block. *all receives the sum over all threads. */
 __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
 {
     __shared__ cut_sums warps[STOP_THREADS / WARP];
@@ -201,15 +208,17 @@ __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
     return (int64_t)c->whole_chunks + c->status->roots + s.children - s.no_more;
 }
 
-/* Returns true if opening the nodes of a sum exceeds the budget or the limit of visited nodes. */
+/* Returns true if replacing the counted tree nodes by their children would draw too many chunks or visit too many
+   nodes. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* Finds the first key that may exceed the budget, and the first that certainly does. Opening some nodes reduces the
-   number of drawn chunks, so the two keys can differ. */
+/* Nodes are opened (replaced by their children) in descending order of their keys. Finds the first key where the budget
+   of drawn chunks may end, and the first where it certainly ends. The two keys can differ, because opening some nodes
+   reduces the number of drawn chunks. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -256,7 +265,8 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* Clamps each tree node's key to its ancestors' keys, and counts nodes by key. Clamping a node twice is harmless. */
+/* Lowers each tree node's key to the smallest key of its ancestors, and counts the nodes by key. Lowering a key twice
+   is harmless. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -303,7 +313,8 @@ __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant
         find_keys(&c);
 }
 
-/* Bitonic sort in one thread block. Rounds begin with mirrored pairs, so missing elements act as +infinity. */
+/* Sorts values by a bitonic sort in one thread block. Each round begins with mirrored pairs, so missing elements act as
+   +infinity. */
 __device__ void sort_candidates(uint64_t *values, uint32_t count)
 {
     for (uint32_t size = 2; size < 2 * count; size *= 2)
@@ -345,8 +356,8 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
     return over;
 }
 
-/* Computes the width of the fade between levels of detail, in units of the key. of_last: number of opened nodes with
-   the last key. last: index of the last key. */
+/* Computes the range of keys over which tree nodes fade into their children. `last` is the index of the last key with
+   opened nodes (nodes replaced by their children). `of_last` is the number of these nodes. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;
@@ -429,8 +440,8 @@ __device__ inline void add_drawn(const cut_buffers *c, uint32_t chunk, uint32_t 
     atomicAdd(&c->block_counts[chunk / LIST_CHUNKS], 1);
 }
 
-/* Returns the share of optical depth that a tree node inherits: the product of its ancestors' faded_q8. An ancestor
-   with 256 ends the walk, as its ancestors have 256 too. */
+/* Returns the share of its optical depth that a tree node draws while its ancestors fade: the product of their
+   faded_q8. The walk ends at an ancestor with faded_q8 = 256, as all ancestors above it have 256 too. */
 __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, const node_sight *sights, uint32_t own)
 {
     uint8_t faded[DEPTH_MOST + 1];

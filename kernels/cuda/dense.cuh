@@ -13,10 +13,11 @@ namespace {
 
 const uint32_t ROW_PAIRS = FXS_TILE / 2;
 typedef group_keys<960> dense_keys;
-const uint32_t FULL = 512;                 /* no more splats are collected above this number */
+const uint32_t FULL = 512;                 /* number of collected splats above which no more splats are collected */
 const uint32_t REACH_MOST = 8192;
 const uint32_t WORDS = dense_keys::room / WARP;
-const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes per pixel; FEW: most pixels for blend_few */
+const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes that share a pixel; FEW: largest number of pixels for the
+                                              function blend_few */
 const uint32_t STEPS_MOST = 15360;
 
 struct dense_shared {
@@ -27,21 +28,22 @@ struct dense_shared {
     uint4 shades[dense_keys::room];
     union {
         uint32_t masks[ROW_PAIRS][dense_keys::room];    /* per splat, one bit for each pixel that the splat can touch */
-        uint16_t steps[STEPS_MOST];        /* 1 - alpha of step k of pixel i, later the weight, is at index k all + i */
+        uint16_t steps[STEPS_MOST];        /* element k all + i holds 1 - alpha of the k-th splat of pixel i, later its
+                                              weight; `all` is the number of pixels */
     };
     struct {
         uint32_t n, count;
     } few[FEW];
     union {
         uint32_t bins[dense_keys::bins];
-        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* per pixel, one bit for each splat that can touch the
-                                                            pixel; + 1 against bank conflicts */
+        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* for each pixel, one bit per splat that can touch it; + 1
+                                                            avoids bank conflicts */
     };
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
     uint64_t *room;
     uint32_t turn, collected;
     pixel pixels[FXS_TILE_PIXELS];
-    uint32_t open[ROW_PAIRS];              /* one bit per pixel; 1: not opaque yet */
+    uint32_t open[ROW_PAIRS];              /* one bit per pixel of the tile; 1: the pixel is not opaque yet */
 };
 
 static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
@@ -50,7 +52,8 @@ static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a bloc
 struct dense_splat {
     uint32_t u_q24, ux_q24, uy_q24, v_q24;
     uint32_t vy_q24, offset_red, green_blue;
-    int limit;                     /* largest level that is drawn, as the bits of a float */
+    int limit;                     /* largest level (u^2 + v^2 + offset) of a pixel that is drawn, as the bits of a
+                                      float */
 
     __device__ dense_splat(const uint4 &shape, const uint4 &shade)
         : u_q24(shape.x), ux_q24(shape.y), uy_q24(shape.z), v_q24(shape.w), vy_q24(shade.x), offset_red(shade.y),
@@ -73,7 +76,7 @@ struct dense_splat {
 
 struct dense_list {
     uint64_t *keys;
-    uint32_t *places;                      /* indices into keys; null: all keys */
+    uint32_t *places;                      /* indices of the list's splats in the array `keys`; null: all keys */
     uint32_t count;
 
     __device__ dense_list from(uint32_t first, uint32_t some) const
@@ -179,8 +182,8 @@ __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
     return dense_splat(shared->shapes[i], shared->shades[i]);
 }
 
-/* Returns the transmittance T after a splat, T (1 - alpha), rounded to nearest with ties downwards. Two dependent
-   operations only, as they form a pixel's critical path. */
+/* Returns the transmittance behind a splat, T (1 - alpha), rounded to nearest with ties downwards. Only two dependent
+   operations are used, because they limit the speed of blending. */
 __device__ inline int left_q15(int transmittance_q15, int rest_q15)
 {
     return (transmittance_q15 * rest_q15 + 16383) >> 15;
@@ -211,7 +214,8 @@ struct mark_walk {
         words &= words - 1;
     }
 
-    /* Returns the index of this lane's splat among the next four marked splats; WORDS * WARP: none. */
+    /* Each lane of a quad (four lanes) takes one of a pixel's next four marked splats. Returns the index of this lane's
+       splat, or WORDS * WARP for none. */
     __device__ uint32_t next(uint32_t lane)
     {
         uint32_t own = 0;
@@ -227,12 +231,14 @@ struct mark_walk {
     }
 };
 
-/* Blends the marked splats at pixel n of the tile: one alpha per lane of a quad, then the four weights in sequence. */
+/* Blends the splats that are marked for pixel n of the tile. The four lanes of a quad compute one alpha each; then the
+   four weights follow in sequence. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
     const pixel before = active ? shared->pixels[n] : pixel{};
-    pixel p = {before.transmittance, 0, 0};                /* each lane sums the colours of its own splats */
+    pixel p = {before.transmittance, 0, 0};                /* each of the four lanes sums the colours of its own
+                                                              splats */
     mark_walk walk(shared, n, lane);
     while (__any_sync(ALL_LANES, active && walk.marks)) {
         const uint32_t place = walk.next(lane);
@@ -268,7 +274,8 @@ struct open_pixels {
         all = __shfl_sync(ALL_LANES, end, WARP - 1);
     }
 
-    /* Returns the index in the tile of the i-th pixel that is not opaque yet; any pixel if i >= all. */
+    /* Returns the index in the tile of the i-th pixel that is not opaque yet. If i >= all, the number of such pixels,
+       the index is arbitrary. */
     __device__ uint32_t place(uint32_t i) const
     {
         uint32_t pair = 0;
@@ -298,7 +305,8 @@ __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, con
     }
 }
 
-/* Calls visit(step, splat index) for each splat that a bit mask of pixel n marks. Returns the number of steps. */
+/* Calls visit(step, splat index) for each splat that a bit mask of pixel n marks; `step` counts these splats. Returns
+   the number of splats. */
 template <class Visit>
 __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
@@ -310,7 +318,8 @@ __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t
     return __shfl_sync(ALL_LANES, end, WARP - 1);
 }
 
-/* Replaces the 1 - alpha of a pixel's steps by the weights. Returns the number of steps until the pixel is opaque. */
+/* Replaces 1 - alpha of each splat at a pixel by the splat's weight. Returns the number of splats until the pixel is
+   opaque. */
 __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, int *transmittance)
 {
     enum { AT_ONCE = 16 };
@@ -335,8 +344,8 @@ __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, 
     return i;
 }
 
-/* Blends at most FEW pixels: a warp computes the alphas of a pixel, one lane the weights, and the warp sums the
-   colours. */
+/* Blends the splats if at most FEW pixels are not opaque yet. For each pixel, a warp computes the alphas, one lane
+   computes the weights, and the warp sums the colours. */
 __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP, all = pixels.all, words = min(STEPS_MOST / (all * WARP), WARP);
@@ -375,8 +384,8 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
     }
 }
 
-/* Blends the splats of shared->keys. Returns true if a pixel is not opaque yet. Not inlined, to leave registers to
-   the callers' loops. */
+/* Blends the collected splats in shared->keys. Returns true if a pixel of the tile is not opaque yet. This function is
+   not inlined, to leave registers to the callers' loops. */
 __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
 {
     const tile_splats *t = &tile;
@@ -440,8 +449,8 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
     return count;
 }
 
-/* Appends keys of splats that can touch a pixel to shared->keys. Returns the total number of keys, which may exceed
-   the capacity. */
+/* Appends to shared->keys the keys of the list's splats that can touch a pixel that is not opaque yet. Returns the
+   total number of keys, which may exceed the capacity of shared->keys. */
 __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
     const tile_splats *t = &tile;
@@ -455,7 +464,8 @@ __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile,
     return collected(shared, g);
 }
 
-/* Moves the keys of splats that can touch a pixel to the start of the list. Returns their number. */
+/* Moves the keys of the splats that can touch a pixel that is not opaque yet to the start of the list. Returns the
+   number of these splats. */
 __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
@@ -546,7 +556,8 @@ __device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const 
     return blend_split<true>(shared, f, t, finer, (const uint32_t *)room, g);
 }
 
-/* Blends a list of splats in bins of depth. A bin that does not fit into shared memory is split. */
+/* Blends a list of splats, one depth bin after another. A bin that does not fit into shared memory is split into finer
+   bins. */
 template <bool Finer>
 __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const uint32_t *ends, const dense_group *g)
@@ -569,7 +580,8 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
                 have = all;
                 continue;
             }
-            if (g->thread == 0)                /* too many splats were kept: discards them and retries with fewer */
+            if (g->thread == 0)                /* too many splats were collected: discards the new splats and collects
+                                                  fewer */
                 shared->collected = have;
             g->sync();
             reach = 0;
@@ -586,7 +598,7 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
     return !have || blend_collected(shared, *t, have);
 }
 
-/* Puts a tile's list of splats into bins of depth. Returns keys = null if scratch memory is short. */
+/* Sorts the splats of a tile's list into bins of depth. Returns a list with null keys if scratch memory is short. */
 __device__ dense_list split_tile(dense_shared *shared, const frame_buffers *f, const dense_list &all,
                                  const dense_group *g)
 {

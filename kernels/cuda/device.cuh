@@ -21,7 +21,7 @@ struct host_block {
     uint64_t bytes;
 };
 
-/* Device memory in bytes. most = 0: no limit. */
+/* A budget of device memory: the largest allowed number of bytes (0: no limit), and the allocated number. */
 struct budget {
     uint64_t most, bytes;
 };
@@ -54,7 +54,7 @@ const char *words(cudaError_t error)
     return cudaGetErrorString(error);
 }
 
-/* Converts the first of two CUDA errors that is set to an FXS_ERR_* code. */
+/* Converts a CUDA error to an FXS_ERR_* code and a message. If `error` is success, converts `second` instead. */
 int check(fxs_message *why, cudaError_t error, cudaError_t second = cudaSuccess)
 {
     error = error ? error : second;

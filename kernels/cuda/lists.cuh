@@ -1,6 +1,6 @@
 /* Fills the list of splats (projected Gaussians) of each tile of 16x16 pixels, unsorted. A thread block projects and
- * shades one chunk of 256 packed Gaussians. A frame with one plain object passes view and scene as kernel
- * parameters. Otherwise (Many) objects are in device memory. */
+ * shades one chunk of 256 packed Gaussians. If a frame has one object without scale, crop and tint, its view and scene
+ * are kernel parameters. Otherwise the template parameter Many is true, and the objects are in device memory. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -32,7 +32,8 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
     return error ? error : fxs_object_has_chunk(object, &header);
 }
 
-/* Writes the views of chunks of Gaussians that the camera sees. Sets status->damaged for an invalid chunk header. */
+/* Stores the chunks (256 Gaussians each) that the camera sees, transformed to camera space. Sets status->damaged for an
+   invalid chunk header. */
 template <bool Many>
 __global__ void locate_chunks(const __grid_constant__ fxs_stage_view view, const __grid_constant__ fxs_scene scene,
                               const __grid_constant__ frame_buffers f, uint32_t chunks)
@@ -65,7 +66,8 @@ __global__ void locate_chunks(const __grid_constant__ fxs_stage_view view, const
     }
 }
 
-/* Packs the tiles of a small splat: bit BOX_COLUMNS r + c of `mask` is tile base + r tiles_x + c. */
+/* Packs the set of tiles that a small splat touches. Bit BOX_COLUMNS r + c of `mask` stands for the tile with the
+   number base + r tiles_x + c. */
 __device__ inline uint64_t box_of(uint32_t base, uint64_t mask)
 {
     return (uint64_t)base << BOX_TILES | mask;
@@ -83,7 +85,7 @@ struct block_splats {
     uint64_t arrived[2];
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
-    uint32_t row_ends[FXS_CHUNK];          /* inclusive prefix sum of the splats' numbers of tile rows */
+    uint32_t row_ends[FXS_CHUNK];          /* inclusive prefix sum of the numbers of tile rows that the splats cover */
     uint8_t masks[FXS_CHUNK][BOX_ROWS];
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
@@ -142,7 +144,8 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
 #endif
 }
 
-/* Computes row_ends from the number of tile rows that each thread's splat covers. Returns the total number of rows. */
+/* Sets row_ends to the inclusive prefix sum of the numbers of tile rows that the threads' splats cover. Returns the
+   total number of rows. */
 __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
 {
     const uint32_t sum = warp_sum(rows), warp = threadIdx.x / WARP;
@@ -173,15 +176,15 @@ __device__ bool is_large(const ellipse *e, const fxs_stage_view *view)
            e->rows.last - e->rows.first >= BOX_ROWS;
 }
 
-/* True for a narrow splat on a single tile row that the picture's edge does not cut. */
+/* Returns true for a splat on one tile row and at most 4 tiles that the picture's upper and lower edges do not cut. */
 __device__ bool is_whole(const ellipse *e, const fxs_stage_view *view)
 {
     return view->cutoff != FXS_CUTOFF_SQUARE && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* Counts a splat in a span of tiles: adds 1 at the first tile and -1 after the last. start_lists sums these
-   differences along each row. */
+/* Counts a splat in consecutive tiles of a row: adds 1 at the first tile and -1 after the last. The kernel start_lists
+   later sums these differences along each row. */
 __device__ void count_tiles(const frame_buffers *f, const fxs_stage_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
@@ -259,7 +262,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     __shared__ block_splats b;
     wait_for_last_kernel();
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
-    const uint32_t place = cv->chunk;      /* loaded before the test, so that both loads overlap */
+    const uint32_t place = cv->chunk;      /* this value is loaded before the test below, so that both loads overlap */
     if (blockIdx.x >= f.status->chunks)
         return;
     const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
@@ -369,7 +372,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
         });
 }
 
-/* Enters one large splat into the lists of its tiles, by one warp. */
+/* Enters one large splat into the lists of the tiles that it touches. A whole warp runs this function. */
 __device__ void fill_large(const fxs_stage_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);

@@ -8,15 +8,16 @@
 
 namespace {
 
-const uint32_t BUSY = FXS_NOTHING - 1;     /* marks a chunk of Gaussians that is being copied into the pool */
+const uint32_t BUSY = FXS_NOTHING - 1;     /* marks a chunk (256 Gaussians) that is being copied into the pool */
 const uint32_t TURNS_MOST = 64;
 const uint32_t FETCH_THREADS = 128;
 
 struct alignas(64) scene_head {
-    uint32_t wrong_tree;           /* nonzero: the host chooses the level of detail */
+    uint32_t wrong_tree;           /* nonzero: the level-of-detail tree is invalid, so the host chooses the level of
+                                      detail */
     uint32_t place_count, next_place;
-    uint32_t *owners, *stamps;     /* per place of the pool: chunk of Gaussians or FXS_NOTHING; number of the last
-                                      frame that drew the chunk */
+    uint32_t *owners, *stamps;     /* for each place of the pool: its chunk (256 Gaussians) or FXS_NOTHING; number of
+                                      the last frame that drew the chunk */
     const unsigned char *rows;
 };
 
@@ -35,7 +36,8 @@ __host__ __device__ inline uint32_t *parents_of(const fxs_scene *there)
     return (uint32_t *)(there->chunks - parents_bytes(there));
 }
 
-/* Valid only for a scene with a level-of-detail tree or a pool. */
+/* Returns the head of a scene's device memory. Valid only for a scene with a level-of-detail tree or with a pool, which
+   holds part of the scene. */
 __host__ __device__ inline scene_head *head_of(const fxs_scene *there)
 {
     return (scene_head *)((unsigned char *)parents_of(there) - sizeof(scene_head));
@@ -57,7 +59,8 @@ __device__ inline void keep_place(const fxs_scene *scene, uint32_t chunk, uint32
         head_of(scene)->stamps[scene->places[chunk]] = number;
 }
 
-/* Takes a place in the pool that frame `number` does not use. Returns FXS_NOTHING after TURNS_MOST failed tries. */
+/* Takes a place in the pool for a chunk (256 Gaussians), but no place that frame `number` uses. Returns FXS_NOTHING
+   after TURNS_MOST failed tries. */
 __device__ inline uint32_t take_place(const fxs_scene *scene, uint32_t *places, uint32_t chunk, uint32_t number)
 {
     scene_head *head = head_of(scene);

@@ -22,7 +22,7 @@ __device__ inline unsigned char *shared_memory()
     return memory;
 }
 
-/* Returns a b + c by one mad instruction, which nvcc would not emit. */
+/* Returns a * b + c by one mad instruction, which nvcc would not emit. */
 __device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t sum;
@@ -38,8 +38,9 @@ __device__ inline float approximate_root(float x)
     return root;
 }
 
-/* Returns alpha T + 1/2 in Q30 for a transmittance T; 0 if level > limit or T < Closed. alpha is the 16-bit element
-   of alpha_q15 at byte offset level & 0xfffe. */
+/* Returns alpha * T + 1/2 in Q30 for a splat at a pixel with transmittance T. Returns 0 if level > limit (the splat is
+   too faint) or T < Closed (the pixel is opaque). alpha is the 16-bit element of alpha_q15 at byte offset level &
+   0xfffe. */
 template <int Closed>
 __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
 {
@@ -54,7 +55,7 @@ __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int l
     return product;
 }
 
-/* Keeps x in a register; nvcc would compute x again in every loop iteration. */
+/* Returns x, kept in a register. Otherwise nvcc would compute x again in every loop iteration. */
 __device__ inline uint32_t kept(uint32_t x)
 {
     asm volatile("" : "+r"(x));

@@ -11,18 +11,20 @@ namespace {
 
 struct scene_copy {
     const fxs_scene *key;
-    fxs_scene here, there;         /* the scene as given by the caller; the same scene with device pointers */
-    block data;                    /* null: not copied to the device yet */
-    bool wrong_tree;               /* true: the tree is invalid, so the host chooses the level of detail */
+    fxs_scene here, there;         /* here: the scene as given by the caller; there: the same scene with device
+                                      pointers */
+    block data;                    /* device memory of the scene; null: the scene is not copied to the device yet */
+    bool wrong_tree;               /* true: the level-of-detail tree is invalid, so the host chooses the level of
+                                      detail */
     bool pooled;
-    void *rows;                    /* all Gaussians of a scene that the device holds only in part, in pinned host
-                                      memory */
+    void *rows;                    /* all Gaussians in pinned host memory, if the device holds only part of the scene */
 };
 
 struct scene_table {
     host_block memory;
     uint32_t count;
-    uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes to be copied: with and without their Gaussians */
+    uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes that will be copied to the device: with and without
+                                              their Gaussians */
     uint32_t pools;
 };
 
@@ -99,7 +101,8 @@ void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
     t->count--;
 }
 
-/* Adds a scene to the table, to be copied later. Drops the old copy of a scene that has changed. */
+/* Adds a scene to the table of scenes on the device; it is copied later. If the scene has changed, its old copy is
+   dropped. */
 int want_scene(scene_table *t, budget *taken, const fxs_scene *scene, fxs_message *why)
 {
     const scene_copy *found = find_scene(t, scene);

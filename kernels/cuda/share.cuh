@@ -1,5 +1,6 @@
-/* Balances the load of blend_dense. A tile with a long list of splats is split into parts, groups of pixel columns,
- * each with its own thread block. share_lists finds the splats of each part, in segments of the list. */
+/* Balances the load of the kernel blend_dense, which blends tiles with long lists of splats. Such a tile is split into
+ * parts, groups of pixel columns, each with its own thread block. The kernel share_lists finds the splats of each part,
+ * in segments of the tile's list. */
 #ifndef FXS_CUDA_SHARE_CUH
 #define FXS_CUDA_SHARE_CUH
 
@@ -10,8 +11,8 @@ namespace {
 const uint32_t DENSE_THREADS = 1024;
 const uint32_t SHARE_THREADS = 512;
 const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;
-const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the fewest list entries of a part, and of
-                                                                  the most of a segment */
+const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the smallest number of list entries in a part
+                                                                  of a tile; log2 of the largest number in a segment */
 typedef group<DENSE_THREADS> dense_group;
 typedef group<SHARE_THREADS> share_group;
 
@@ -20,8 +21,9 @@ __device__ inline uint32_t segments_of(uint32_t magnitude)
     return magnitude < SEGMENT_MAGNITUDE ? 1 : 2u << (magnitude - SEGMENT_MAGNITUDE);
 }
 
-/* Returns into how many parts a tile is split, a power of two. A tile is split while a part has more than half of a
-   thread block's average load, or a quarter if the split adds few entries. */
+/* Returns the number of parts into which each tile with a long list is split, a power of two. A tile is split while a
+   part has more than half of a thread block's average load. The limit is a quarter if the split adds few list
+   entries. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];
@@ -142,8 +144,8 @@ struct share_shared {
     uint16_t *places;
 };
 
-/* Finds, for each part of a tile, the splats of a list segment that can touch the part. Also widens the list's depth
-   range. */
+/* Finds, for each part of a tile, the splats that can touch the part, in one segment of the tile's list. Also extends
+   the depth range of the list. */
 __device__ void share_segment(list_segment *out, shared_range *range, share_shared *shared, const frame_buffers *f,
                               const tile_splats *t, const segment_of_list &s, const share_group *g)
 {

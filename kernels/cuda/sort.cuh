@@ -1,5 +1,6 @@
-/* Sorts keys (depth in the upper 32 bits, index in the lower) in shared memory, by a group of threads. A group sorts
- * the nearest keys of a long list that fit, and further keys only while a pixel is not opaque. */
+/* Sorts keys of splats (depth in the upper 32 bits, index in the lower) in shared memory, by a group of threads. If a
+ * list is too long for shared memory, the group sorts the nearest keys that fit. It sorts further keys only while a
+ * pixel of the tile is not opaque. */
 #ifndef FXS_CUDA_SORT_CUH
 #define FXS_CUDA_SORT_CUH
 
@@ -14,14 +15,15 @@ struct group_keys {
     static constexpr uint32_t room = Room, bins = 1u << Bits;
     static constexpr int bits = Bits;
     uint64_t keys[Room];
-    uint16_t places[Room];                 /* indices into keys, in the order of the bins of depth */
+    uint16_t places[Room];                 /* indices into the array `keys`, in the order of the depth bins */
     uint2 bounds[GROUP_WARPS_MOST];
     uint32_t sums[GROUP_WARPS_MOST];
     uint32_t segments[WARP];
     uint32_t count, bin;
 };
 
-/* If a thread has more than two bins, an unused bin follows the thread's bins, to avoid bank conflicts. */
+/* If a thread has more than two bins of the histogram, one unused bin follows them, to avoid bank conflicts in shared
+   memory. */
 template <class K, uint32_t T>
 constexpr bool has_gaps = K::bins / T > 2;
 
@@ -81,7 +83,7 @@ struct key_range {
     uint64_t low, high;
 };
 
-/* Returns the key range that covers the depths of all threads. */
+/* Returns a range of keys that covers the depths `least` to `most` of all threads in the group. */
 template <class K, class G>
 __device__ key_range range_of(K *shared, uint32_t least, uint32_t most, const G *g)
 {
@@ -111,7 +113,7 @@ __device__ key_range range_of_list(K *shared, const G *g, VisitAll visit_all)
     return range_of(shared, least, most, g);
 }
 
-/* Returns log2 of the width of a bin, such that K::bins bins cover `low` to `high`. */
+/* Returns log2 of the width of a bin, such that K::bins bins cover the keys `low` to `high`. */
 template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
@@ -119,8 +121,8 @@ __device__ inline int bin_shift(uint64_t low, uint64_t high)
     return bits > K::bits ? bits - K::bits : 0;
 }
 
-/* Returns the number of keys in all bins before this thread's bins. *own receives the number in the thread's own
-   bins. */
+/* The bins of a histogram are divided among the threads. Returns the number of keys in all bins before this thread's
+   bins. *own receives the number in the thread's own bins. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
@@ -156,8 +158,8 @@ __device__ void clear_bins(uint32_t *bins, const G *g)
         bins[i] = 0;
 }
 
-/* Finds the longest prefix of bins with at most K::room keys. shared->bin receives the first bin after the prefix,
-   shared->count the number of keys in the prefix. */
+/* Finds how many of the first bins hold at most K::room keys together. shared->bin receives the first bin after these,
+   shared->count the number of their keys. */
 template <class K, class G>
 __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
@@ -174,8 +176,8 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
     g->sync();
 }
 
-/* Moves the smallest keys from r->low on, at most K::room, to shared->keys, and advances r->low. Returns the number
-   of moved keys. At least one key must be left. */
+/* Moves the smallest keys of the range *r, at most K::room, to shared->keys. Advances r->low past these keys and
+   returns their number. The range must hold at least one key. */
 template <class K, class G, class VisitAll>
 __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G *g, VisitAll visit_all)
 {
@@ -195,7 +197,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
         const uint64_t bin = shared->bin, width = (uint64_t)1 << shift;
         if (found) {
             last = bin < K::bins ? first + bin * width - 1 : last;
-        } else {                           /* the first bin holds too many keys: refines it */
+        } else {                           /* the first bin holds too many keys: divides it into finer bins */
             first += bin * width;
             last = first + width - 1;
         }
@@ -213,13 +215,14 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
     return found;
 }
 
-/* Bins of different widths, for clustered depths: the key range has 32 segments with bins in proportion to their
-   keys. */
+/* Bins of different widths, for clustered depths. The range of keys has 32 equal segments; a segment with more keys has
+   more bins. */
 template <class K, class G>
 struct segmented {
-    const uint32_t *segments;              /* per segment: first bin << 16 | number of bins */
+    const uint32_t *segments;              /* for each segment of the key range: first bin << 16 | number of bins */
     uint64_t low;
-    int shift;                             /* log2 of a segment's width; at least 27, as the low 32 bits are indices */
+    int shift;                             /* log2 of the width of a segment of keys; at least 27, as the low 32 bits of
+                                              a key are an index */
 
     __device__ segmented(K *shared, key_range r, uint32_t count, const G *g) : segments(shared->segments), low(r.low)
     {
@@ -244,8 +247,8 @@ struct segmented {
     }
 };
 
-/* Writes values to `sorted` bin by bin, by counting sort. visit_all(visit) calls visit(key, value). Afterwards
-   `bins` holds the ends of the bins. */
+/* Writes values to `sorted` in the order of the bins of their keys, by counting sort. visit_all(visit) must call
+   visit(key, value) for each value. Afterwards `bins` holds the end of each bin. */
 template <class Moved, class K, class G, class VisitAll>
 __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
@@ -274,7 +277,7 @@ __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
     return count;
 }
 
-/* Returns the last bin end within `room` keys after `first`, or `first`. */
+/* Returns the last end of a bin that is at most `room` keys after index `first`. Returns `first` for no such bin. */
 template <class K>
 __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
 {
@@ -288,8 +291,8 @@ __device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
     return ends[ends_within<K>(ends, first)];
 }
 
-/* Writes the indices of shared->keys in ascending order of depth. Within a bin, a key's rank is the number of
-   smaller keys. */
+/* Writes to `entries` the indices in shared->keys in ascending order of depth. Within a depth bin, a key's place is the
+   number of smaller keys. */
 template <class K, class G>
 __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
@@ -331,8 +334,8 @@ __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *sh
         sort_keys(entries, (group_keys<Room, Bits - 2> *)shared, bins, count, g);
 }
 
-/* Calls take(count) for batches of keys in ascending order of depth, until take returns false. A batch is in
-   shared->keys, unsorted. ends: ends of the bins of the list; null: no bins. */
+/* Splits a list of keys into batches in ascending order of depth. Calls take(count) for each batch until take returns
+   false; the batch is in shared->keys, unsorted. `ends` holds the ends of the list's depth bins; null: no bins. */
 template <class K, class G, class Take>
 __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
                           const G *g, Take take)

@@ -15,7 +15,7 @@
 #define static static __host__ __device__
 #include <fixsplat/internal/packed.h>
 #include "src/core/sized.h"
-/* this copy is internal */
+/* this copy of the C sources is internal to the CUDA back end */
 #undef FXS_API
 #define FXS_API
 namespace {
@@ -40,23 +40,23 @@ __device__ const uint16_t offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "src/core/opacity.inc"
 };
 
-/* A splat (projected Gaussian) that covers more than BOX_COLUMNS x BOX_ROWS tiles; with the square cut-off, any
-   splat. */
+/* A splat (projected Gaussian) that covers more than BOX_COLUMNS x BOX_ROWS tiles. With the square cut-off (an option),
+   every splat counts as large. */
 struct large_splat {
     fxs_bounds bounds;
     uint32_t index;
     int32_t first;
 };
 
-const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* above MANY_GAUSSIANS Gaussians per tile, list_step is
-                                                              LISTS_APART */
+const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* with more than MANY_GAUSSIANS Gaussians per tile, the
+                                                              lists of two tiles are LISTS_APART elements apart */
 const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 
-/* Memory that a frame needs. A frame that exceeds its buffers is not blended. */
+/* Sizes of the buffers that a frame needs. If the allocated buffers are smaller, the frame is not blended. */
 struct frame_needs {
     uint64_t entries;
     uint32_t larges, visible;
-    uint32_t damaged;              /* 1: the header of a chunk of Gaussians is out of range */
+    uint32_t damaged;              /* 1: the header of a chunk (256 Gaussians) is out of range */
 };
 
 /* Depth range of a tile's list that several thread blocks share. The minimum is stored as ~minimum, so that
@@ -65,9 +65,9 @@ struct shared_range {
     uint32_t not_least, most;
 };
 
-/* A segment of a tile's list, with the splats that can touch each part of the tile. */
+/* A segment (consecutive entries) of a tile's list, with the splats that can touch each part of the tile. */
 struct list_segment {
-    uint16_t *places;              /* indices of list entries, part after part; null: out of memory */
+    uint16_t *places;              /* indices of list entries, in the order of the tile's parts; null: out of memory */
     uint16_t ends[PARTS_MOST];
 };
 
@@ -81,9 +81,10 @@ struct frame_status : frame_needs {
 };
 
 struct tile_list {
-    uint32_t count;                /* length of the tile's list; before start_lists: difference to the previous tile
-                                      in the row */
-    uint32_t next;                 /* index of the list's next entry; after fill_lists: end of the list */
+    uint32_t count;                /* length of the tile's list; before the kernel start_lists: difference to the
+                                      previous tile's length */
+    uint32_t next;                 /* index of the next entry to fill in; after the kernel fill_lists: end of the
+                                      list */
 };
 
 struct frame_buffers {
@@ -92,23 +93,25 @@ struct frame_buffers {
     const fxs_object_view *objects;
     uint32_t object_count;
     uint32_t number;
-    const fxs_drawn *drawn;        /* null: all chunks of Gaussians are drawn */
+    const fxs_drawn *drawn;        /* chunks (256 Gaussians each) that are drawn; null: all */
     const uint32_t *drawn_count;
     uint32_t *chunk_objects;
     fxs_chunk_view *chunk_views;
-    fxs_splat *splats;             /* valid only for visible splats */
+    fxs_splat *splats;             /* projected Gaussians; only visible splats are valid */
     uint64_t *boxes;
     uint32_t *depths;
     union {
         large_splat *larges;
-        list_segment *segments;    /* shares memory with larges; valid after fill_lists */
+        list_segment *segments;    /* segments of tile lists share memory with `larges`; valid after the kernel
+                                      fill_lists */
     };
-    tile_list *lists;              /* the list of tile i is lists[i list_step]. With many Gaussians per tile, each
-                                      list has its own memory sector, as atomics on one sector are serialised */
-    uint32_t list_step;            /* distance between the lists of two tiles: 1 or LISTS_APART */
+    tile_list *lists;              /* lists[i list_step] describes the list of tile i. With many Gaussians per tile,
+                                      each element has its own memory sector, as atomics on one sector are serialised */
+    uint32_t list_step;            /* distance in `lists` between two tiles: 1 or LISTS_APART */
     uint32_t *classes;
-    uint64_t *entries;             /* tile lists; an entry is depth << 32 | splat index, with the flag
-                                      FXS_ENTRY_CUT_OFF. sort_lists leaves only the low halves, sorted by depth */
+    uint64_t *entries;             /* entries of all tile lists: depth << 32 | splat index, with the flag
+                                      FXS_ENTRY_CUT_OFF. The kernel sort_lists leaves only the low halves, sorted by
+                                      depth */
     uint64_t *split_entries;
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;

@@ -30,7 +30,8 @@ __device__ inline uint32_t whole(float x)
     return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
 }
 
-/* Returns the largest |u| with u^2 <= left, plus a margin above the rounding error. */
+/* Returns the largest |u| with u^2 <= left, plus a margin above the rounding error. u is a pixel's coordinate relative
+   to a splat. */
 __device__ inline float reach_of(float left)
 {
     return approximate_root(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
@@ -67,8 +68,9 @@ struct row_walk {
     }
 };
 
-/* Returns a bit mask of the tile's columns that a splat can touch. u is linear, so its extremes lie in the first or
-   last row. The margin of 5 exceeds the rounding error of the level. */
+/* Returns a bit mask of the tile's pixel columns that a splat can touch. The splat's coordinate u is linear, so its
+   extremes lie in the first or last row. The margin of 5 exceeds the rounding error of a pixel's level, u^2 + v^2 +
+   offset. */
 __device__ inline uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
 {
     const int32_t first_row = max((int32_t)s->first_row - t->y, 0);

@@ -67,8 +67,8 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
     }
 }
 
-/* Balances work: each lane has `own` items, and the warp visits all items, 32 per step. All lanes call visit(owner
-   lane, index of the item, active). */
+/* Divides work evenly among the lanes of a warp. Each lane brings `own` items, and the warp visits all items, 32 per
+   step. All lanes call visit(lane that brought the item, index of the item, true for a valid item). */
 template <class Visit>
 __device__ inline void share_out(uint32_t own, Visit visit)
 {

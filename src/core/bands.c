@@ -1,6 +1,6 @@
-/* Lays out a frame's memory and divides the frame into bands of tile rows. If the memory holds a splat for every
- * Gaussian, one band covers the picture. Otherwise a first pass, the plan, counts the splats of each tile row. A block
- * is a range of chunks of 256 Gaussians. A slot holds one splat. */
+/* Lays out a frame's memory and divides the frame into bands, ranges of tile rows. If the memory holds a splat
+ * (projected Gaussian) for every Gaussian, one band covers the picture. Otherwise a first pass, the plan, counts the
+ * splats of each tile row. A block is a range of chunks of 256 Gaussians. A slot is a place for one splat. */
 #include "bands.h"
 #include "draw.h"
 #include "lister.h"
@@ -13,11 +13,12 @@
 #define JOBS 8u
 #define KEYS 2u
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + 2 * sizeof(uint32_t))
-#define LIST_BYTES (2 * sizeof(fxs_key))       /* bytes of a list key and of the space to sort it */
+#define LIST_BYTES (2 * sizeof(fxs_key))       /* bytes of a key in a list of splats, and of the second key that sorting
+                                                  needs */
 #define SLICE_LEAST 128u
 #define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
 
-/* Bump allocator; only measures if `rest` is null. */
+/* Bump allocator for the arrays of a frame. If `rest` is null, it only adds up their sizes. */
 typedef struct arena {
     unsigned char *rest;
     uint64_t used;
@@ -38,8 +39,8 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* Allocates the arrays that live for the whole frame. A plan uses fewer, larger blocks, because each block of a band
-   needs spare slots for one chunk. */
+/* Allocates the arrays that live for the whole frame. A frame that is divided into bands (ranges of tile rows) has
+   fewer and larger blocks of Gaussians, because each block of a band needs 256 spare places for splats. */
 static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
@@ -74,8 +75,8 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->fixed_bytes = m.used;
 }
 
-/* Allocates the arrays of a band. The lists get the rest of the memory, up to KEYS keys per slot and 16 per tile.
-   Returns the bytes of the whole frame. */
+/* Allocates the arrays of a band (some rows of tiles) with places for `slots` splats. The lists of splats get the rest
+   of the memory, up to KEYS keys per splat and 16 per tile. Returns the bytes of the whole frame. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -109,7 +110,7 @@ static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_sl
              to_multiple_of_16(slots) * (SLOT_BYTES + keys_a_slot * LIST_BYTES);
 }
 
-/* One key per slot suffices, because no list is longer than the number of slots. */
+/* Memory for one list key per splat suffices, because no list of splats is longer than the number of splats. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
     return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
@@ -189,7 +190,8 @@ static void sum_rows(fxs_frame *f, uint32_t block)
     }
 }
 
-/* Returns the slots for a block's splats in tile rows first_row to end_row - 1, plus one chunk. */
+/* Returns how many slots (places for splats) a block of Gaussians needs in tile rows first_row to end_row - 1. This
+   includes 256 spare slots for one chunk of Gaussians. */
 static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_row, int32_t end_row)
 {
     uint32_t most = (fxs_block_start(f, block + 1) - fxs_block_start(f, block)) * FXS_CHUNK;

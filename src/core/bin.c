@@ -1,7 +1,10 @@
-/* bin: finds the tiles that a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +-
- * breadth sqrt(r^2 - v^2), v between the row's first and last pixel row; the ellipse's leftmost and rightmost points
- * are at v = +- r shear / sqrt(A), A being the variance of x. A margin of 1/8 pixel and 1/256 of the ellipse's size
- * covers rounding, so a list never misses a pixel that passes the test in pixel.h. */
+/* The stage `bin` finds the tiles that a splat (projected Gaussian) touches.
+ *
+ * In the splat's coordinates u and v, its edge is u^2 + v^2 = r^2, an ellipse in the picture. At a given v the ellipse
+ * spans x = cx + shear v +- breadth sqrt(r^2 - v^2). On a tile row, v lies between its values at the row's first and
+ * last pixel row. The ellipse's leftmost and rightmost points are at v = +- r shear / sqrt(A), where A is the variance
+ * of x. A margin of 1/8 pixel and 1/256 of the ellipse's size covers rounding errors. Thus a tile's list has every
+ * splat that passes the test in pixel.h at a pixel of the tile. */
 #include <fixsplat/internal/fixed.h>
 #include "lister.h"
 #include "memory.h"
@@ -53,7 +56,8 @@ static int32_t cut_to(int32_t r, int64_t v)
     return v < -r ? -r : v > r ? r : (int32_t)v;
 }
 
-/* Returns half the width of the ellipse at v. The middle is at x = cx + shear v. */
+/* Returns half the width in pixels of a splat's ellipse, u^2 + v^2 = r^2, at a given v. The middle is at x = cx + shear
+   v. */
 static int32_t half_width_q8(const ellipse *e, int32_t v_q12)
 {
     uint32_t square_q24 = (uint32_t)(e->r_q12 * e->r_q12 - v_q12 * v_q12);
@@ -65,8 +69,8 @@ static int32_t larger(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* Returns the tile columns that the ellipse touches in a tile row. A veil, too large for `bounds`, touches all
-   columns. */
+/* Returns the tile columns that a splat's ellipse touches in a tile row. A veil, a splat too large for `bounds`,
+   touches all columns. */
 static span ellipse_span(const ellipse *e, const fxs_stage_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
@@ -78,7 +82,8 @@ static span ellipse_span(const ellipse *e, const fxs_stage_view *view, int32_t r
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
     int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* The extreme point lies in this row if v sqrt(A) = +- r shear for a v between top and bottom. */
+    /* The ellipse's leftmost or rightmost point lies in this tile row if v sqrt(A) = +- r shear for a v between top and
+       bottom. A is the variance of x. */
     int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
@@ -92,7 +97,8 @@ static span ellipse_span(const ellipse *e, const fxs_stage_view *view, int32_t r
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Returns the tiles of the square cut-off: floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1. */
+/* Returns the tile columns (or rows) that a square of half size `radius` around a splat's centre c covers. The tiles
+   are floor((c - radius) / 16) to floor((c + radius + 15) / 16) - 1. */
 static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
@@ -126,7 +132,7 @@ static uint64_t spread_row(uint32_t tiles, int32_t row)
     return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
 }
 
-/* Returns a mask of a span's tiles. Bit 0 is column `from`; the span has at most 31 tiles. */
+/* Returns a bit mask of a range of tile columns. Bit 0 is column `from`; the range has at most 31 tiles. */
 static uint32_t tiles_of(span s, int32_t from)
 {
     return s.first > s.last ? 0 : (2u << (s.last - from)) - (1u << (s.first - from));
@@ -172,7 +178,8 @@ void fxs_spans_c(const fxs_stage_view *view, const fxs_splat *splat, const fxs_b
         spans[i] = span_of(&e, view, row + i);
 }
 
-/* Writes keys to the lists of macro tiles. If `keys` is null, counts the keys and takes notes instead. */
+/* Writes a key for each splat to the lists of the macro tiles (2x2 tiles) that list it. If `keys` is null, counts the
+   keys instead, and notes the results for the second pass. */
 static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
     const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
@@ -296,7 +303,8 @@ static int touches(const fxs_stage_view *view, const fxs_splat *splat, const fxs
 uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries)
 {
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < count; i++) {         /* no branch, because branches would be unpredictable */
+    for (uint32_t i = 0; i < count; i++) {         /* the loop has no branch, because the processor could not predict
+                                                      it */
         entries[listed] = FXS_LISTED_SLOT(keys[i]);
         listed += (uint32_t)keys[i] >> tile & 1;
     }

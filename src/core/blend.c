@@ -2,7 +2,7 @@
 #include "draw.h"
 #include "memory.h"
 
-/* A splat relative to a tile: u and v at the tile's first pixel, and the rows to blend. */
+/* A splat relative to a tile: its coordinates u and v at the tile's first pixel, and the pixel rows to blend. */
 typedef struct at_tile {
     int32_t u_q24, v_q24, first_row, last_row, limit_q11;
 } at_tile;
@@ -29,7 +29,7 @@ void fxs_tile_clear(fxs_tile *tile)
 
 typedef struct blending {
     fxs_tile *tile;
-    fxs_trace *trace;              /* null: no depths or ids */
+    fxs_trace *trace;              /* receives depths and ids; null: no depths or ids are needed */
     int number;
     int depth_q15;
     uint64_t evaluated, blended;
@@ -53,7 +53,7 @@ static int is_hidden(const blending *b, int i)
     return b->trace && b->trace->which & FXS_TRACE_END && b->number >= b->trace->end[i];
 }
 
-/* Blends a splat over a row. Returns the number of pixels that became opaque. */
+/* Blends a splat over one pixel row of a tile. Returns the number of pixels that became opaque. */
 static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile *p)
 {
     fxs_tile *tile = b->tile;

@@ -5,7 +5,8 @@
 #include "chunk.h"
 #include "memory.h"
 
-/* Codes of a Gaussian in the layout of the default profile. Shorter codes fill the high bits. */
+/* Codes of a Gaussian in the layout of the default profile (encoding). Shorter codes of other profiles fill the high
+   bits. */
 typedef struct fxs_codes {
     uint16_t position[3];
     uint32_t rotation, scale, colour;
@@ -25,19 +26,19 @@ static inline uint16_t fxs_half_at(const unsigned char *row, uint32_t g)
     return fxs_little_16(half);
 }
 
-/* Widens 11 bits to 16 by repeating the high bits. */
+/* Widens an 11-bit code to 16 bits by repeating its high bits. */
 static inline uint16_t fxs_spread_11(uint32_t code)
 {
     return (uint16_t)(code << 5 | code >> 6);
 }
 
-/* Widens codes of 7, 7 and 6 bits to 10, 10 and 9 bits. */
+/* Widens a Gaussian's three scale codes of 7, 7 and 6 bits to 10, 10 and 9 bits. */
 static inline uint32_t fxs_spread_scale(uint32_t x, uint32_t y, uint32_t z)
 {
     return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 3 | z >> 3) << 20;
 }
 
-/* Widens colour codes of 7, 7 and 6 bits to the high 8 bits of 9-bit codes. */
+/* Widens the codes of red, green and blue, of 7, 7 and 6 bits, to 9 bits each. Returns the high 8 bits of each code. */
 static inline uint32_t fxs_spread_colour(uint32_t r, uint32_t g, uint32_t b)
 {
     return (r << 1 | r >> 6) | (g << 1 | g >> 6) << 8 | (b << 2 | b >> 4) << 16;
@@ -71,7 +72,8 @@ static inline const unsigned char *fxs_sh_record(const fxs_scene *scene, const u
            g * fxs_sh_bytes(scene->profile, scene->sh_degree);
 }
 
-/* Returns a channel's residual codes of the compact profile. A code has 3 bits; the first is in bits 2..0. */
+/* The compact profile (an encoding) stores residuals of spherical harmonics as 3-bit codes. Returns the codes of one
+   colour channel; the first is in bits 2..0. */
 static inline uint64_t fxs_residual(const unsigned char *record, int degree, int channel)
 {
     const uint32_t bytes = fxs_sh_bytes(FXS_PROFILE_COMPACT, degree);
@@ -82,7 +84,7 @@ static inline uint64_t fxs_residual(const unsigned char *record, int degree, int
     return fxs_little_64(word) >> (bit - 8 * first);
 }
 
-/* Returns the palette entry of a signed index, an int8_t[3][16]. Ignores the sign. */
+/* Returns an entry of the scene's palette of spherical harmonics, an int8_t[3][16]. Ignores the sign in `index`. */
 static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t stage, uint32_t index)
 {
     index &= FXS_PALETTE_NEGATIVE - 1;
@@ -90,11 +92,14 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
     return scene->palette + (size_t)(stage * scene->palette_entries + index) * FXS_PALETTE_STRIDE;
 }
 
-/* Sums of spherical harmonics with a palette. A coefficient is the chunk's mean plus one palette entry per stage, times
-   the scene's step. The compact profile adds odd numbers, -7 to 7, times the Gaussian's gain. */
+/* Sums of a Gaussian's spherical harmonics that are stored by palette entries. A coefficient is the chunk's mean plus
+   one palette entry per stage, times the scene's step. The compact profile adds odd numbers, -7 to 7, times the
+   Gaussian's gain. */
 typedef struct fxs_sh_sums {
-    int32_t palette[3], odd[3];    /* sums of basis * number, Q15: at most 2^29 and 2^22 */
-    int gain;                      /* gain of the residual: (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
+    int32_t palette[3], odd[3];    /* sums of basis function * coefficient in Q15; at most 2^29 in `palette`, 2^22 in
+                                      `odd` */
+    int gain;                      /* coded factor of the compact profile's odd numbers: (8 + bits 2..0) * 2^(bits 7..3)
+                                      * 2^-32 */
 } fxs_sh_sums;
 
 static inline int32_t fxs_sh_sum_q16(const fxs_sh_sums *s, const fxs_scene *scene, int channel)
@@ -114,7 +119,7 @@ static inline fxs_codes fxs_codes_of(const fxs_scene *scene, const unsigned char
                        fxs_word_at(rows + FXS_ROW_COLOUR, g)};
 }
 
-/* Returns true if index g of a chunk holds no Gaussian. */
+/* Returns true if place g of a chunk (up to 256 Gaussians) holds no Gaussian. */
 static inline int fxs_slot_is_empty(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
 {
     const fxs_codes codes = fxs_codes_of(scene, rows, g);

@@ -1,11 +1,12 @@
-/* fxs_count_pairs: renders a frame with a version of blend that counts pairs of a splat and a pixel. Writes no
- * target. */
+/* fxs_count_pairs renders a frame with a version of the blend stage that counts pairs of a splat and a pixel. It writes
+ * no image. */
 #include "count.h"
 #include "frame.h"
 #include "sized.h"
 
 typedef struct counting {
-    fxs_frame frame;               /* must be first: count_tile casts it to counting */
+    fxs_frame frame;               /* the frame must be the first field, because count_tile casts its address to a
+                                      `counting` */
     fxs_targets targets;
     uint64_t evaluated, blended;
 } counting;

@@ -1,10 +1,12 @@
 /* Chooses the chunks that a frame draws from the level-of-detail trees of its objects. A chunk has 256 Gaussians; a
- * node's chunk is a coarse version of its children. The search starts at the roots and opens the node with the largest
- * key, which measures the error removed. The search ends at the first node that exceeds the budget. Skipping that node
- * for a smaller one would make levels flip when the camera moves.
+ * node's chunk is a coarse version of its children.
  *
- * To avoid popping, the nodes opened last fade: they are drawn together with their children. A share s of an opacity is
- * 1 - (1 - opacity)^s. A 64th of the budget is reserved for fading nodes. */
+ * The search starts at the roots and opens the node with the largest key: replaces it by its children. The key measures
+ * the error that this removes. The search ends at the first node that exceeds the budget. Skipping that node for a
+ * smaller one would make levels flip when the camera moves.
+ *
+ * To avoid popping, the nodes opened last fade: they are drawn together with their children. A node that draws a share
+ * s changes its opacities to 1 - (1 - opacity)^s. A 64th of the budget is reserved for fading nodes. */
 #include "cut.h"
 #include "sized.h"
 
@@ -18,26 +20,26 @@
 
 typedef struct visit {
     uint32_t chunk, object;
-    uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
+    uint32_t parent;               /* index of the parent node in `visits`; FXS_NOTHING for a root */
     fxs_sight sight;
-    uint32_t share_q8;             /* share of the optical depth of the chunk and its descendants */
+    uint32_t share_q8;             /* share of the optical depth that the chunk and its descendants draw together */
     uint8_t opened;
-    uint8_t short_of;              /* 1: a child to draw is not loaded */
+    uint8_t short_of;              /* 1: a child that must be drawn is not loaded */
     uint8_t needed;
     uint8_t absent;
-    uint8_t hidden;                /* 1: not loaded, or an ancestor is drawn instead */
+    uint8_t hidden;                /* 1: the chunk is not loaded, or an ancestor is drawn in its place */
 } visit;
 
 typedef struct search {
     fxs_cut *cut;
     visit *visits;
-    uint32_t *heap;                /* nodes that may be opened, largest key first */
+    uint32_t *heap;                /* tree nodes that may be opened (replaced by their children), largest key first */
     uint32_t *opened;
     uint32_t visit_count, heap_count, opened_count;
     uint32_t drawn, most_drawn;
     uint32_t visit_room;
     fxs_fading fading;
-    uint32_t viewed;               /* object that the view belongs to; FXS_NOTHING: none */
+    uint32_t viewed;               /* object that `view` was computed for; FXS_NOTHING: none */
     fxs_stage_view view;
     int full, error;
 } search;
@@ -70,7 +72,7 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
     return (uint32_t)(most < least ? least : most);
 }
 
-/* Orders nodes by descending key, then ascending object and chunk. */
+/* Orders tree nodes by descending key, then by ascending object and chunk. */
 static int is_before(const search *s, uint32_t a, uint32_t b)
 {
     const visit *v = &s->visits[a], *w = &s->visits[b];
@@ -146,7 +148,8 @@ static void open_node(search *s, uint32_t number)
         visit_chunk(s, object, node.children[i], number);
 }
 
-/* Opens the next node. Returns 0 if no node is left or the budget is spent. */
+/* Opens the tree node with the largest key: replaces it by its children. Returns 0 if no node is left or the budget is
+   spent. */
 static int open_next(search *s)
 {
     const uint32_t visits = s->visit_count, opened = s->opened_count;
@@ -163,7 +166,8 @@ static int open_next(search *s)
     return 0;
 }
 
-/* Sets the range of keys that fade. Unused budget shortens the range, so that fading ends gradually. */
+/* Sets the range of keys in which tree nodes fade into their children. Unused budget shortens the range, so that fading
+   ends gradually. */
 static void find_fade(search *s, uint32_t room)
 {
     const uint32_t left = s->drawn < s->most_drawn ? s->most_drawn - s->drawn : 0, opened = s->opened_count;
@@ -229,13 +233,15 @@ static void find_shares(search *s)
     }
 }
 
-/* Returns the share of the optical depth that is drawn with the chunk itself, not with its children. */
+/* A tree node that fades is drawn together with its children. Returns the share of the optical depth that the node
+   itself draws. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
 }
 
-/* Replaces each missing chunk by its nearest loaded ancestor, from the leaves up, and requests the needed chunks. */
+/* Replaces each missing chunk by its nearest loaded ancestor in the tree, from the leaves up. Requests the chunks that
+   the frame needs. */
 static void find_missing(search *s)
 {
     for (uint32_t i = s->visit_count; i-- > 0;) {
@@ -271,7 +277,8 @@ static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
-/* Adds the chunks of objects without a tree, in place from the back of the array. */
+/* Adds all chunks of the objects without a level-of-detail tree to the drawn chunks, in place from the back of the
+   array. */
 static void add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;

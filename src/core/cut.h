@@ -6,8 +6,8 @@
 
 typedef struct fxs_drawn {
     uint32_t chunk;                /* number of the chunk, counted over all objects */
-    uint16_t share_q8;             /* share of the optical depth, 1 to 1024; 256: unchanged */
-    uint16_t grow_q8;              /* growth of the sigmas, log2, 0 to 256 */
+    uint16_t share_q8;             /* factor of the Gaussians' optical depth, 1 to 1024; 256: unchanged */
+    uint16_t grow_q8;              /* log2 of the growth of the Gaussians' sigmas, 0 to 256 */
 } fxs_drawn;
 
 typedef struct fxs_cut {
@@ -17,19 +17,20 @@ typedef struct fxs_cut {
     const fxs_camera *camera;
     const fxs_object_view *views;
     uint32_t room;
-    void *memory;                  /* fxs_cut_bytes(room) bytes, aligned to 8 */
+    void *memory;                  /* scratch memory of fxs_cut_bytes(room) bytes, aligned to 8 */
 
-    fxs_drawn *drawn;              /* result, in `memory`: chunks in ascending order */
+    fxs_drawn *drawn;              /* result, in `memory`: chunks to draw, in ascending order */
     uint32_t count;
-    uint32_t missing;              /* result: number of chunks that are not loaded */
+    uint32_t missing;              /* result: number of needed chunks that are not loaded */
 } fxs_cut;
 
-/* Returns the largest number of chunks to draw. 0: draw all leaves, because the options set no limit. */
+/* Returns the largest number of chunks (256 Gaussians each) to draw. Returns 0 if the options set no limit; then all
+   leaves of the trees are drawn. */
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options);
 
 uint64_t fxs_cut_bytes(uint32_t room);
 
-/* Fills in the results. Returns 0 or FXS_ERR_SCENE. */
+/* Chooses the chunks to draw and sets the results in *cut. Returns 0 or FXS_ERR_SCENE. */
 int fxs_cut_find(fxs_cut *cut);
 
 static inline uint32_t fxs_cut_chunks(const fxs_scene *scene, int is_cut)

@@ -1,4 +1,5 @@
-/* Draws macro tiles of 2x2 tiles on the processor: sorts each list, blends, writes the pixels. */
+/* Draws macro tiles (2x2 tiles) on the processor: sorts each list of splats, blends the splats and writes the
+ * pixels. */
 #include "draw.h"
 #include "lister.h"
 #include "lists.h"
@@ -7,7 +8,7 @@
 #include "times.h"
 #include "trace.h"
 
-#define TIMED 4                    /* times one macro tile in 4, because clocks are slow */
+#define TIMED 4                    /* one macro tile in 4 is timed, because reading the clock is slow */
 
 void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {

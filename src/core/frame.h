@@ -11,10 +11,10 @@
 #define FXS_SORT_BUCKETS 2048
 
 enum fxs_frame_mode {
-    FXS_FRAME_WHOLE,               /* memory holds a splat for every Gaussian */
-    FXS_FRAME_PLAN,                /* counts the splats of each tile row without keeping them */
-    FXS_FRAME_BAND,                /* memory holds the splats of one band */
-    FXS_FRAME_SLICES               /* memory holds part of the splats of a tile row */
+    FXS_FRAME_WHOLE,               /* the memory holds a splat for every Gaussian */
+    FXS_FRAME_PLAN,                /* a first pass counts the splats of each tile row without keeping them */
+    FXS_FRAME_BAND,                /* the memory holds the splats of one band (some rows of tiles) */
+    FXS_FRAME_SLICES               /* the memory holds only part of the splats of a tile row */
 };
 
 /* A tile's list of splats in ascending order of depth. */
@@ -23,7 +23,8 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
-/* Stopwatch of a macro tile. `times`: sums per lap; null: not timed. */
+/* Stopwatch for a macro tile (2x2 tiles). `times` holds the sum of each timed step; null: the macro tile is not
+   timed. */
 typedef struct fxs_laps {
     uint64_t start, *times;
 } fxs_laps;
@@ -31,7 +32,7 @@ typedef struct fxs_laps {
 struct fxs_frame;
 typedef void fxs_tile_fn(struct fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps);
 
-/* Numbers of a block's splats that start, and that end, above a tile row. */
+/* The numbers of splats of a block of Gaussians that start, and that end, above a tile row. */
 typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
@@ -46,80 +47,89 @@ typedef struct fxs_frame {
     const fxs_options *options;
     const fxs_object *objects;
     uint32_t object_count;
-    uint32_t chunk_count;                  /* number of drawn chunks */
-    uint32_t cut_room;                     /* capacity of the level-of-detail cut; 0: no cut */
+    uint32_t chunk_count;                  /* number of drawn chunks (256 Gaussians each) */
+    uint32_t cut_room;                     /* largest number of chunks that the level of detail may choose; 0: all
+                                              chunks are drawn */
     unsigned char *memory;
     uint64_t memory_bytes;
-    fxs_tile_fn *draw_tile;                /* draws a tile; null: a back end draws */
-    uint32_t only_tile;                    /* tile to draw for fxs_pick; FXS_NOTHING: all */
+    fxs_tile_fn *draw_tile;                /* function that draws a tile on the processor; null: a back end draws the
+                                              tiles */
+    uint32_t only_tile;                    /* the only tile to draw, for fxs_pick; FXS_NOTHING: all tiles are drawn */
 
     fxs_stage_view view;
     fxs_camera camera;
     const fxs_targets *targets;
 
-    /* Project, shade and bin run once per block of chunks, the lists once per part of the blocks, the other stages once
-       per macro tile. */
+    /* The stages project, shade and bin run once per block, a range of chunks (256 Gaussians each). The lists of splats
+       are made once per part, a range of blocks. The other stages run once per macro tile (2x2 tiles). */
     enum fxs_frame_mode mode;
     uint32_t blocks, block_chunks;
     uint32_t parts;
     uint32_t tiles, macros;                /* numbers of tiles and macro tiles in the picture */
 
-    /* Arrays that live for the whole frame; fixed_bytes bytes in all. */
+    /* The next arrays live for the whole frame and take fixed_bytes bytes in all. */
     uint64_t fixed_bytes, bytes_for_all;
     fxs_object_view *views;
-    uint32_t *block_slots;                 /* first slot of each block; last: end of the last block */
-    uint32_t *block_counts;                /* splats of each block; FXS_BLOCK_FAILED: error */
+    uint32_t *block_slots;                 /* first slot (place for a splat) of each block; the last element is the end
+                                              of the last block */
+    uint32_t *block_counts;                /* number of splats of each block; FXS_BLOCK_FAILED: the block had an
+                                              error */
     uint64_t *block_times;
     void *cut_memory;
-    const fxs_drawn *drawn;                /* chunks to draw; null: all */
+    const fxs_drawn *drawn;                /* chunks (256 Gaussians each) to draw; null: all */
     fxs_row_counts *row_counts;
     fxs_extent *extents;
     uint32_t (*histograms)[FXS_SORT_BUCKETS];
-    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list; end of the list, for back ends */
+    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list of splats; end of the list in `spare`, for back
+                                              ends */
     uint32_t *lengths;
-    uint32_t *next;                        /* per part: a counter per macro tile, then FXS_NEXT_MORE numbers */
+    uint32_t *next;                        /* for each part of the splats: a counter per macro tile (2x2 tiles), then
+                                              FXS_NEXT_MORE numbers about notes */
     uint64_t *macro_times;
 
     int32_t first_row, end_row;
     int32_t first_column, end_column;
     uint32_t count;
-    fxs_splat *splats;                     /* splats by slot; each block has consecutive slots */
+    fxs_splat *splats;                     /* projected Gaussians; the splats of a block of Gaussians are consecutive */
     fxs_bounds *bounds;
     fxs_box *boxes;
     uint32_t *depths;
-    uint32_t *indices;                     /* number of each splat's Gaussian, counted over all objects */
+    uint32_t *indices;                     /* number of the Gaussian of each splat, counted over all objects */
     fxs_key *keys, *spare;
     uint32_t key_capacity;
 
-    /* capacity of a slice in splats; columns of macro tiles in a slice, 0: no slices */
+    /* A slice draws part of a tile row's splats. slice_room: its capacity in splats; slice_macros: its width in macro
+       tiles (2x2 tiles), 0: no slices. */
     uint32_t slice_room, slice_macros;
     fxs_tile *pixels;
     fxs_trace *nothing;
 
     uint32_t first_macro, last_macro;
     uint32_t first_tile, last_tile;
-    int stopped;                           /* 1: options.stop returned true */
+    int stopped;                           /* 1: the caller's function options.stop has returned true */
 
     fxs_stats stats;
 } fxs_frame;
 
-/* Checks the arguments and the memory, and sets the first eye. Returns 0 or an FXS_ERR_*. */
+/* Checks a frame's arguments and memory, and prepares the camera of the first eye. Returns 0 or an FXS_ERR_* code. */
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes);
 
-/* Sets the eye, 0 or 1. Returns 0, FXS_ERR_CAMERA, FXS_ERR_SIZE or FXS_ERR_TARGET. */
+/* Prepares the camera of an eye, 0 or 1. Returns 0, FXS_ERR_CAMERA, FXS_ERR_SIZE or FXS_ERR_TARGET. */
 int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye);
 
-/* Lays out the memory, transforms the objects and chooses their chunks. Returns 0, FXS_ERR_OBJECT, FXS_ERR_SCENE or
-   FXS_ERR_STOPPED. Returns FXS_ERR_MEMORY if a tile row does not fit in the memory. */
+/* Lays out the memory of a frame, transforms the objects to camera space and chooses the chunks to draw. Returns 0,
+   FXS_ERR_OBJECT, FXS_ERR_SCENE or FXS_ERR_STOPPED. Returns FXS_ERR_MEMORY if the splats of a tile row do not fit in
+   the memory. */
 int fxs_frame_begin(fxs_frame *f);
 
 int fxs_frame_check(fxs_frame *f);
 
-/* Lists, sorts and draws the splats of the band. Returns 0, FXS_ERR_STOPPED or a back end's error. */
+/* Lists, sorts and draws the splats of the current band (some rows of tiles). Returns 0, FXS_ERR_STOPPED or a back
+   end's error. */
 int fxs_frame_draw(fxs_frame *f);
 
-/* Renders all bands. Returns the errors of fxs_frame_begin and fxs_frame_draw. */
+/* Renders all bands (ranges of tile rows) of a frame. Returns the errors of fxs_frame_begin and fxs_frame_draw. */
 int fxs_frame_render(fxs_frame *f);
 
 static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_t), uint32_t jobs)
@@ -148,7 +158,7 @@ static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
     return chunk < f->chunk_count ? (uint32_t)chunk : f->chunk_count;
 }
 
-/* Returns the number of a drawn chunk, counted over all objects. */
+/* Returns the number of the chunk at index `place` of the drawn chunks. The number is counted over all objects. */
 static inline uint32_t fxs_frame_chunk(const fxs_frame *f, uint32_t place)
 {
     return f->drawn ? f->drawn[place].chunk : place;

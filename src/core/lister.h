@@ -4,13 +4,13 @@
 
 #include "frame.h"
 
-/* Return the tile rows, and the tile columns, that may list a splat. */
+/* Return the tile rows, and the tile columns, where a list may contain the splat. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
 fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds);
 
-/* State of a job that makes the lists of macro tiles first_macro to last_macro. The first pass counts the keys of each
-   list and notes its results while space lasts. The second pass writes the keys. */
+/* State of a job that makes the lists of splats for macro tiles (2x2 tiles) first_macro to last_macro. The first pass
+   counts the keys (entries) of each list, and notes its results while space lasts. The second pass writes the keys. */
 typedef struct fxs_lister {
     const fxs_stage_view *view;
     const fxs_splat *splats;
@@ -22,22 +22,26 @@ typedef struct fxs_lister {
     uint32_t (*note)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
                      uint32_t *listed);
     uint32_t first_macro, last_macro;
-    uint32_t *next;                /* per macro tile: number of keys; in the second pass, index of the next key */
+    uint32_t *next;                /* for each macro tile: number of keys; in the second pass, index of its next key */
     uint64_t *notes;
-    uint32_t room, taken;          /* capacity for notes; notes taken, UINT32_MAX: overflow */
+    uint32_t room, taken;          /* capacity for notes (results of the first pass for the second); number of notes
+                                      taken, UINT32_MAX: overflow */
     uint32_t noted, from;
 } fxs_lister;
 
-/* First pass for `count` slots from `first` on: increments next[macro] for each listed splat. */
+/* First pass over `count` splats from index `first` on: increments next[m] for each splat that macro tile m (2x2 tiles)
+   lists. */
 void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 
-/* Second pass: writes each key to keys[next[macro]++]. */
+/* Second pass over `count` splats from index `first` on: writes the key of each splat to keys[next[m]++] for each macro
+   tile m that lists it. */
 void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 
-/* Second pass: writes the keys of the slots before `from`, using the notes. */
+/* Second pass over the splats that the first pass noted: writes their keys, using the notes. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
-/* Square cut-off only: sets FXS_ENTRY_CUT_OFF in the entries of splats with an ellipse that misses the tile. */
+/* With the square cut-off, a splat may be in the list of a tile that its ellipse misses. Sets FXS_ENTRY_CUT_OFF in the
+   entries of such splats. */
 void fxs_mark_cut_off(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
 
 #endif

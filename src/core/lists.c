@@ -1,11 +1,12 @@
-/* Makes the lists of splats for macro tiles of 2x2 tiles: counts the keys of each list, then fills as many lists as fit
- * in the memory. Parallel jobs each take a part of the splats. */
+/* Makes the lists of splats for macro tiles of 2x2 tiles. Counts the keys (entries) of each list, then fills as many
+ * lists as fit in the memory. Parallel jobs each take a part of the splats. */
 #include "lister.h"
 #include "lists.h"
 #include "memory.h"
 
-/* Layout of fxs_frame.next for one part, after its counters: number of notes, end slot of the notes, offset and
-   capacity of the notes. */
+/* The first pass over the splats notes its results for the second pass. Four numbers in fxs_frame.next describe the
+   notes of one part of the splats: number of notes, index of the first splat that is not noted, offset and capacity of
+   the notes. */
 enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
@@ -50,7 +51,8 @@ static void fill_part(void *argument, uint32_t part)
         if (from < last)
             fxs_bin_fill(&l, from, last - from, f->keys);
     }
-    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting reuses the memory of the notes */
+    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* the first pass's notes are lost, because sorting
+                                                                  reuses their memory */
 }
 
 static void share_notes(fxs_frame *f)

@@ -38,13 +38,15 @@ int fxs_object_check(const fxs_object *object)
     return error;
 }
 
-/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16), saturated at FXS_FAINT_Q11 + 1 */
+/* Converts an opacity to the offset -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16), saturated at FXS_FAINT_Q11 +
+   1. An opacity of 0 counts as 1. */
 static int32_t offset_of_q11(uint32_t opacity_q16)
 {
     if (opacity_q16 == ONE_Q16 || !opacity_q16)
         return 0;
     const int64_t below_q16 = ((int64_t)16 << 16) - fxs_log2_q16(opacity_q16);
-    return fxs_min((int)((below_q16 * 45426 * 2 + (1 << 20)) >> 21), FXS_FAINT_Q11 + 1);   /* ln 2 = 45426 2^-16 */
+    return fxs_min((int)((below_q16 * 45426 * 2 + (1 << 20)) >> 21), FXS_FAINT_Q11 + 1);   /* the factor ln 2 is 45426
+                                                                                              in Q16 */
 }
 
 int fxs_object_view_init(fxs_object_view *out, const fxs_stage_view *world, const fxs_camera *camera,
@@ -100,7 +102,7 @@ static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fx
     return 1;
 }
 
-/* Returns true if part of the box low..high passes the crop boxes. Exact for a point. */
+/* Returns true if a part of the box low..high may pass the object's crop boxes. For a point, the answer is exact. */
 static int within_crops(const fxs_object_view *object, const int64_t low_q32[3], const int64_t high_q32[3])
 {
     int kept = !object->keep_count;

@@ -6,10 +6,11 @@
 #define POSITION_MOST_Q32 ((int64_t)1 << 60)
 
 typedef struct pick {
-    fxs_frame frame;               /* must be first: pick_tile casts it to pick */
+    fxs_frame frame;               /* the frame must be the first field, because pick_tile casts its address to a
+                                      `pick` */
     fxs_targets targets;
     int32_t x, y;
-    uint32_t key, index;           /* depth key and number of the Gaussian found */
+    uint32_t key, index;           /* depth (as a sort key) and number of the Gaussian that is found at the pixel */
 } pick;
 
 static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
@@ -32,7 +33,7 @@ static int64_t cut(int64_t x, int64_t most)
     return x < -most ? -most : x > most ? most : x;
 }
 
-/* mantissa 2^(exponent - 58), Q32, saturated; mantissa below 2^62 */
+/* Returns mantissa 2^(exponent - 58) in Q32, saturated. The mantissa is below 2^62. */
 static int64_t scaled_q32(int64_t mantissa, int exponent)
 {
     const int shift = exponent - 26;
@@ -42,7 +43,8 @@ static int64_t scaled_q32(int64_t mantissa, int exponent)
                POSITION_MOST_Q32);
 }
 
-/* Offset of the pixel's ray from the camera's axis: x = (X + 1/2 - cx) / f, times z in perspective. */
+/* Returns how far the ray of a pixel is from the camera's axis along x or y. For pixel column X, the distance is (X +
+   1/2 - cx) / f, times the depth z in perspective. */
 static int64_t across_q32(const fxs_camera *camera, int32_t pixel, int32_t c_q12, int32_t f_q12, uint32_t key)
 {
     const int64_t offset_q12 = ((int64_t)pixel << 12) + 2048 - c_q12;

@@ -1,5 +1,5 @@
-/* Projects Gaussians, computes their colours and finds their tiles. Each parallel job has a block of chunks of 256
- * Gaussians, and its own slots for splats. */
+/* Projects Gaussians, computes the colours of the splats and finds their tiles. Each parallel job has a block of chunks
+ * of 256 Gaussians, and its own places for splats. */
 #include "chunk.h"
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
@@ -25,8 +25,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
-/* Returns the colour of a chunk's tree level, for options.show_levels. Node number n covers about chunk_count / (n + 1)
-   leaves, and log2 of that is the level. */
+/* Returns the colour that shows a chunk's level in the level-of-detail tree, for options.show_levels. The level of a
+   node is log2 of its number of leaves. Node number n covers about chunk_count / (n + 1) leaves. */
 static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
 {
     static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
@@ -37,7 +37,7 @@ static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
     return colours_q2[1 + (uint32_t)(31 - fxs_clz32(leaves | 1)) % 6];
 }
 
-/* brightness = (r + 2 g + b) / 4 */
+/* Replaces the colours of splats by the colour of their tree level, times their brightness, (r + 2 g + b) / 4. */
 static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat *splats, uint32_t count)
 {
     const int32_t *colour_q2 = colour_of_level_q2(&object->scene, chunk);
@@ -73,8 +73,8 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
     (void)rows;
 }
 
-/* Projects, shades and bins chunks first to end - 1, at most FXS_BLOCK, so that their splats fit in the cache. Returns
-   the number of splats stored from `slot` on, or FXS_ERR_SCENE. */
+/* Runs the stages project, shade and bin on chunks first to end - 1. At most FXS_BLOCK chunks are allowed, so that
+   their splats fit in the cache. Returns the number of splats stored from index `slot` on, or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {

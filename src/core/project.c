@@ -1,6 +1,6 @@
-/* Projects packed Gaussians to the picture by EWA splatting (Zwicker et al. 2001; Kerbl et al. 2023): Sigma' = J W R S
- * S^T R^T W^T J^T + 0.3 I. The matrix T = J W R S is in fixed point, in units of 2^E pixels, with E from the Gaussian's
- * size. */
+/* Projects packed Gaussians to the picture by EWA splatting (Zwicker et al. 2001; Kerbl et al. 2023). The covariance of
+ * a splat is Sigma' = J W R S S^T R^T W^T J^T + 0.3 I, with the Jacobian J, the view W, the Gaussian's rotation R and
+ * its scale S. The matrix T = J W R S is in fixed point, in units of 2^E pixels. E depends on the Gaussian's size. */
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 
@@ -8,14 +8,16 @@
 
 typedef struct projected {
     int32_t camera[3];
-    int zeros;                     /* leading zeros of the depth; orthographic: plane_zeros */
+    int zeros;                     /* number of leading zero bits of the depth; orthographic: plane_zeros */
     uint32_t inverse_q30;
-    int32_t slope_q23[2];          /* slopes x / depth and y / depth, clamped to +-64 */
-    int32_t position_q14[2];       /* position in pixels; 0: centre of the first pixel; invalid if out_of_range */
+    int32_t slope_q23[2];          /* slopes x / depth and y / depth of the Gaussian's centre, clamped to +-64 */
+    int32_t position_q14[2];       /* position of the centre in pixels; 0: middle of the first pixel; invalid if
+                                      out_of_range is set */
     int out_of_range;
 } projected;
 
-/* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation 0.3 I, Q60. */
+/* Covariance of a splat, Sigma' = [[a, b], [b, c]], in units of 4^exponent pixels^2. Its determinant, with and without
+   the dilation 0.3 I. */
 typedef struct covariance {
     uint32_t a_q30, c_q30;
     int32_t b_q30;
@@ -34,7 +36,7 @@ static int project_centre(projected *out, const fxs_stage_view *view, const fxs_
     out->zeros = view->orthographic ? cv->plane_zeros : fxs_clz32((uint32_t)z);
     out->inverse_q30 = view->orthographic ? 1u << 30 : fxs_reciprocal((uint32_t)z << out->zeros);
     out->out_of_range = 0;
-    /* 64 z, saturated below 2^31; |x| and |y| are below 2^30 */
+    /* limit of |x| and |y|: 64 z, saturated below 2^31, because |x| and |y| are below 2^30 */
     const int32_t side = view->orthographic ? cv->plane_side : 64 * (z >> 25 ? (1 << 25) - 1 : z);
     const int32_t f_q12[2] = {(int32_t)view->fx_q12, (int32_t)view->fy_q12};
     const int64_t c_q12[2] = {view->cx_q12, view->cy_q12};
@@ -52,8 +54,8 @@ static int project_centre(projected *out, const fxs_stage_view *view, const fxs_
     return 1;
 }
 
-/* Rows of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent: row_i - slope_i * forward_i,
-   Q15. */
+/* Computes the rows of J W, the Jacobian times the view rotation, divided by (f / z) 2^jacobian_exponent. Row i is
+   row_i - slope_i * forward_i, Q15. */
 static void jacobian(int32_t j_q15[2][3], const fxs_stage_view *view, const projected *centre)
 {
     for (int i = 0; i < 2; i++) {
@@ -66,14 +68,15 @@ static void jacobian(int32_t j_q15[2][3], const fxs_stage_view *view, const proj
 
 typedef struct axes {
     int32_t axis_q15[3], side_q15[2][3];
-    int32_t cos_q15, sin_q15;      /* second axis = cos side[0] + sin side[1] */
+    int32_t cos_q15, sin_q15;      /* roll about the first axis: second axis = cos side[0] + sin side[1] */
 } axes;
 
-/* Decodes a rotation word: X and Y, `bits` bits each, then the roll U. Each number is read as 16 bits in two's
-   complement, Q15; the next number's bits act as a fraction. (X, Y) is the axis in Lambert's equal-area projection of
-   the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s, 1 - X^2 - Y^2). The sides are (1 -
-   X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The roll is about pi/2 U: cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U
-   (1.56607 - U^2 (0.62924 - 0.06305 U^2)). Returns 0 if (X, Y) is longer than 1. */
+/* Decodes the rotation of a Gaussian from a word: the numbers X and Y, `bits` bits each, then the roll U. Each number
+   is read as 16 bits in two's complement, Q15; the next number's bits act as a fraction. (X, Y) is the first axis in
+   Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), this axis is (X s, Y s, 1
+   - X^2 - Y^2). Two vectors perpendicular to it, the sides, are (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The
+   roll turns the sides by an angle of about pi/2 U, with cos = 1 - U^2 (1.225 - 0.225 U^2) and sin = U (1.56607 - U^2
+   (0.62924 - 0.06305 U^2)). Returns 0 if (X, Y) is longer than 1. */
 static int read_axes(axes *out, uint32_t word, int32_t bits)
 {
     const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
@@ -83,7 +86,7 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
     const uint32_t square_q30 = (uint32_t)(x_q15 * x_q15) + (uint32_t)(y_q15 * y_q15);
     if (square_q30 > 1u << 30)
         return 0;
-    /* (2 - X^2 - Y^2) / 4, in [1/4, 1/2] */
+    /* m is (2 - X^2 - Y^2) / 4 in Q32, from 1/4 to 1/2 */
     const uint32_t m = (1u << 31) - square_q30;
     const int32_t s_q15 = (int32_t)((fxs_mulhi(m, fxs_rsqrt(m)) + 8192) >> 14);
     const int32_t xs_q15 = (x_q15 * s_q15 + 16384) >> 15, ys_q15 = (y_q15 * s_q15 + 16384) >> 15;
@@ -95,7 +98,8 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
     return 1;
 }
 
-/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1); sigma_max = 2^log2 */
+/* Returns an upper bound of a Gaussian's sigma in pixels: f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent.
+   The mantissa is in [0.5, 1), Q32; sigma_max = 2^log2. */
 static uint32_t screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const projected *centre,
                             int32_t log2_q16, int *exponent)
 {
@@ -108,7 +112,8 @@ static uint32_t screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv
     return mantissa << zeros;
 }
 
-/* Returns true if the Gaussian cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
+/* Returns true if the Gaussian cannot reach the picture. Its sigma is below 2^exponent pixels, and its radius is at
+   most 3.34 sqrt(sigma^2 + 0.3). */
 static int off_picture(const fxs_stage_view *view, const projected *centre, int exponent)
 {
     const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
@@ -123,8 +128,9 @@ static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
     return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
 }
 
-/* det(T T^T) = |t0 x t1|^2; det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C. All terms are positive,
-   so nothing cancels. Entries of T are at most 1. */
+/* Computes a splat's covariance Sigma' = T T^T + 0.3 I and its determinant. t0 and t1 are the rows of T, A and C the
+   variances without the dilation 0.3. Then det(T T^T) = |t0 x t1|^2, and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09.
+   All terms are positive, so nothing cancels. Entries of T are at most 1. */
 static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, uint32_t least_dilation_q30)
 {
     const int32_t *p = t_q15[0], *q = t_q15[1];
@@ -141,10 +147,10 @@ static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, ui
     out->exponent = exponent;
 }
 
-/* Reciprocal square root of x = m 2^-32 4^half, with m 2^-32 in [1/4, 1). */
+/* A number x = m 2^-32 4^half, and the reciprocal square root of m 2^-32, which is in [1/4, 1). */
 typedef struct root {
     uint32_t m, inverse_q30;
-    int half;                      /* sqrt(x) = sqrt(m * 2^-32) * 2^half */
+    int half;                      /* exponent of the root: sqrt(x) = sqrt(m * 2^-32) * 2^half */
 } root;
 
 static root root_of_q60(uint64_t x)
@@ -171,8 +177,9 @@ static uint32_t sqrt_q8(root r, int exponent)
     return scale_down(fxs_mulhi(r.m, r.inverse_q30), 22 - r.half - exponent);
 }
 
-/* Rows that map pixels to u and v: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det: vy = 1 /
-   sqrt(C), ux = sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
+/* Computes the linear map from a pixel at (dx, dy) from the centre to the splat's coordinates: v = dy / sqrt(C), u =
+   (dx - (B / C) dy) / sqrt(A - B^2 / C). A, B and C are entries of the covariance, D is its determinant. The
+   coefficients are vy = 1 / sqrt(C), ux = sqrt(C / D) and uy = -B / sqrt(C D). All are at most 1 / sqrt(0.3) = 1.83. */
 static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, root c, const projected *centre,
                    uint32_t r_q12)
 {
@@ -200,11 +207,12 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Sets the rows that the ellipse of radius r can touch. sigma_q8 is its vertical sigma; the margin is 1/8 pixel and
-   1/256 of the size. Returns 0 if the ellipse misses the picture. */
+/* Sets the pixel rows that a splat's ellipse of radius r can touch. sigma_q8 is the splat's vertical sigma; a margin of
+   1/8 pixel and 1/256 of the size is added. Returns 0 if the ellipse misses the picture. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
-    int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);       /* below 2^27, because exponent <= 16 */
+    int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);       /* half the height is below 2^27,
+                                                                                   because the exponent is at most 16 */
     const int32_t half_width_q8 = (int32_t)bounds->half_width_q8;
     half_height_q8 += (half_height_q8 >> 8) + 32;
     const int32_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
@@ -217,8 +225,9 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view
     return 1;
 }
 
-/* The square cut-off of Kerbl et al. 2023: radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)).
-   Returns 0 if the square misses the picture. */
+/* Computes a splat's square cut-off as Kerbl et al. 2023: radius = ceil(3 sqrt(lambda)). lambda = mid + sqrt(max(0.1,
+   mid^2 - det)), where mid is half the trace of the covariance and det its determinant. Returns 0 if the square misses
+   the picture. */
 static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, const covariance *s)
 {
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
@@ -237,8 +246,8 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *vi
 
 /* ---- Veils: Gaussians too large for a bounding box, or too far off the axis ------------------------------------- */
 
-/* Returns the dilation of a veil. Each sigma is then at least 1/120 of the picture's diagonal, so |u| and |v| stay
-   below 128. */
+/* Returns the dilation (added variance) of a veil, a Gaussian too large for a bounding box. Each sigma is then at least
+   1/120 of the picture's diagonal, so |u| and |v| stay below 128. */
 static uint32_t veil_dilation_q30(const fxs_stage_view *view, int exponent)
 {
     const uint64_t x = (uint64_t)view->tiles_x * FXS_TILE, y = (uint64_t)view->tiles_y * FXS_TILE;
@@ -252,7 +261,7 @@ static int64_t cut_to_16_q26(int64_t x)
     return x < -most ? -most : x > most ? most : x;
 }
 
-/* x * 2^-shift, saturated; shift > -32 */
+/* Returns x * 2^-shift, saturated at +-16 in Q26. The shift is above -32. */
 static int64_t shift_and_cut(int64_t x, int shift)
 {
     return shift < 0 ? cut_to_16_q26(cut_to_16_q26(x) * ((int64_t)1 << -shift))
@@ -264,7 +273,8 @@ static int64_t shift_and_cut(int64_t x, int shift)
 static int64_t from_middle_q26(const projected *centre, int i, int64_t f_q12, int64_t c_q12, int32_t tiles,
                                int exponent)
 {
-    const int64_t slope = (int64_t)centre->camera[i] * centre->inverse_q30 >> 34;   /* x/z 2^(28 - zeros) */
+    const int64_t slope = (int64_t)centre->camera[i] * centre->inverse_q30 >> 34;   /* slope x / z (or y / z) of the
+                                                                                       centre, times 2^(28 - zeros) */
     const int64_t middle_q12 = ((int64_t)tiles << 15) + (1 << 11);
     return cut_to_16_q26(shift_and_cut(f_q12 * slope, 14 + exponent - centre->zeros) +
                          shift_and_cut((c_q12 - middle_q12) * (1 << 14), exponent));
@@ -275,7 +285,8 @@ static int64_t magnitude_of(int64_t x)
     return x < 0 ? -x : x;
 }
 
-/* Like `whiten`, for a veil, relative to the picture's middle. Returns 0 if the veil's ellipse misses the picture. */
+/* Computes the map from pixels to u and v, as `whiten` does, for a veil (a Gaussian too large for a bounding box). The
+   map is relative to the picture's middle. Returns 0 if the veil's ellipse misses the picture. */
 static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view, const covariance *s,
                 const projected *centre, uint32_t r_q12)
 {
@@ -284,7 +295,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_view *view
     const root c = root_of_q30(s->c_q30), d = root_of_q60(s->det_q60);
     const int64_t inverse_q29 = (int64_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
     const int64_t ratio_q30 = (int64_t)((uint64_t)fxs_mulhi(c.m, c.inverse_q30) * d.inverse_q30 >> 30);
-    /* change of u per 2^exponent pixels */
+    /* changes of u and v over a distance of 2^exponent pixels */
     const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);
     const int64_t uy_q18 = -fxs_round_shift(s->b_q30 * inverse_q29, 41 + c.half + d.half);
     const int64_t vy_q18 = fxs_round_shift(c.inverse_q30, 12 + c.half);
@@ -340,11 +351,12 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_v
     covariance_of(&s, t_q15, exponent, is_veil ? veil_dilation_q30(view, exponent) : FXS_DILATION_LEAST_Q30);
 
     int32_t offset_q11 = splat->offset_q11;
-    if (view->antialiased) {    /* opacity *= sqrt(det undilated / det): -2 ln(opacity) gains ln(det / det undilated) */
+    if (view->antialiased) {    /* the opacity falls by sqrt(det undilated / det), so the offset, -2 ln(opacity), gains
+                                   ln(det / det undilated) */
         if (!s.det_undilated_q60)
             return 0;
         int32_t log2 = fxs_log2_q16(s.det_q60) - fxs_log2_q16(s.det_undilated_q60);
-        offset_q11 += (int32_t)(((int64_t)log2 * 45426 + (1 << 20)) >> 21);   /* ln 2 = 45426 * 2^-16 */
+        offset_q11 += (int32_t)(((int64_t)log2 * 45426 + (1 << 20)) >> 21);   /* the factor ln 2 is 45426 in Q16 */
     }
     if (offset_q11 > FXS_FAINT_Q11)
         return 0;
@@ -361,8 +373,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_v
                                              : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
-/* Returns the depth as a key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
-   2^(shift - 32), shift 0 to 33. */
+/* Returns a Gaussian's depth as a key that sorts in the same order: 6 bits of exponent, 26 of mantissa. The depth z is
+   1 to 2^30 - 1 units of 2^(shift - 32), with shift 0 to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
     const uint32_t z = (uint32_t)centre->camera[2];

@@ -1,4 +1,4 @@
-/* Converts a tile's sums of colours and transmittance, over the background, to pixels. */
+/* Converts a tile's colour sums and transmittance to pixels, over the background colour. */
 #include "memory.h"
 #include "targets.h"
 
@@ -14,12 +14,12 @@ static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3]
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(transmittance_q15);
 }
 
-/* min(65535, round(65535 c)) per channel */
+/* Stores a pixel of 16 bits per channel: a colour c becomes min(65535, round(65535 c)). */
 static void store_wide(unsigned char *pixel, const int sum_q13[3], int transmittance_q15)
 {
     uint16_t rgba[4];
     for (int c = 0; c < 3; c++)
-        /* below 2^31: the sum is at most 32767 */
+        /* the product is below 2^31, because a colour sum is at most 32767 */
         rgba[c] = (uint16_t)fxs_min((sum_q13[c] * 65535 + 4096) >> 13, 65535);
     rgba[3] = (uint16_t)(((FXS_CLEAR_Q15 - transmittance_q15) * 65535 + 16384) >> 15);
     memcpy(pixel, rgba, sizeof rgba);

@@ -39,7 +39,8 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of a macro tile's tiles. Must not write behind the ends of these lists, where other jobs write. */
+/* Makes the lists of splats of the tiles in a macro tile (2x2 tiles). Must not write beyond the ends of these lists,
+   where other jobs write. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -73,7 +74,8 @@ static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blende
     return error;
 }
 
-/* Draws tiles first to last, as many per run as fit in `spare`. One list always fits. */
+/* Passes tiles first to last to the back end in runs of tiles. The lists of a run must fit in the array `spare`; the
+   list of one tile always fits. */
 static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
 {
     int error = 0;
@@ -135,7 +137,8 @@ int fxs_runs_by_rows(const fxs_frame *f)
     return !f->draw_tile && f->context->config.draw_blended && f->end_row - f->first_row > 1 && !fxs_lists_rows_fit(f);
 }
 
-/* Gives each tile row its own lists, because lists for part of a row of macro tiles would mix two tile rows. */
+/* Draws each tile row with its own lists of splats. Lists for only part of a row of macro tiles (2x2 tiles) would mix
+   two tile rows. */
 int fxs_runs_draw_rows(fxs_frame *f)
 {
     const int32_t first = f->first_row, end = f->end_row;

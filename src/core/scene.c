@@ -102,8 +102,8 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
-/* Opens a scene of `bytes` bytes at `head`; 0: only the headers at `head` and `tree` are in memory. Reads the header
-   only once, because another program may change it. */
+/* Opens a packed scene of `bytes` bytes at `head`. If `bytes` is 0, only the headers at `head` and `tree` are in
+   memory. The header is read only once, because another program may change it meanwhile. */
 static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
 {
     fxs_packed_header h;

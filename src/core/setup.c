@@ -1,4 +1,4 @@
-/* Sets up a frame: checks its arguments, places its objects, measures its memory. */
+/* Sets up a frame: checks its arguments, transforms its objects to camera space, measures its memory. */
 #include <fixsplat/internal/parts.h>
 #include "sized.h"
 #include "bands.h"
@@ -119,7 +119,8 @@ int fxs_frame_check(fxs_frame *f)
     return error || f->mode == FXS_FRAME_WHOLE || fxs_bands_can_slice(f) ? error : fxs_frame_begin(f);
 }
 
-/* Returns the bytes that a frame needs, or 0 if an argument is out of range. Does not read the request's cameras. */
+/* Returns the bytes of memory that a frame needs, or 0 if an argument is out of range. Does not read the request's
+   cameras. */
 static size_t measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
                       fxs_frame_memory *memory)
 {

@@ -1,5 +1,5 @@
 /* Computes a splat's colour from spherical harmonics (SH) and the view direction: max(0, 0.5 + sum basis *
- * coefficient). Basis and signs are those of Kerbl et al. 2023 and KHR_gaussian_splatting. */
+ * coefficient). Basis and signs are as in Kerbl et al. 2023 and KHR_gaussian_splatting. */
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 
@@ -26,7 +26,8 @@ static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
     }
 }
 
-/* SH basis functions of degree 1 to `degree`, Q15, at most 0.75. */
+/* Computes the spherical harmonics (SH) basis functions of degree 1 to `degree` in a direction, Q15. They are at most
+   0.75. */
 static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
 {
     const int32_t x = d_q15[0], y = d_q15[1], z = d_q15[2];
@@ -53,7 +54,8 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
     b[14] = -2 * fxs_mul_q15(fxs_mul_q15(Q15(590044), x), (xx - 3 * yy) / 2);
 }
 
-/* Adds the colour of SH degree d: step * sum basis * code, Q16. `sh` points to the first code of red. */
+/* Adds the colour of spherical harmonics (SH) degree d to a splat's colour sums: step * sum of basis * code, Q16. `sh`
+   points to the first code of red. */
 static inline void add_band(int32_t sum_q16[3], const int8_t *sh, const int32_t b_q15[15], int d, int step_q19)
 {
     int32_t band_q15[3] = {0, 0, 0};

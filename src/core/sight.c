@@ -1,21 +1,23 @@
 /* Decides whether a camera sees a chunk of 256 Gaussians, and orders the nodes of a level-of-detail tree by a key. The
- * node with the largest key is replaced by its children first. The key is the gain of that step in log2:
+ * node with the largest key is replaced by its children first. The key is log2 of the gain of that replacement:
  *
  *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
  *
- * gain and sigma are stored with the node, d is the distance to the node's box, f the focal length in pixels. The last
- * term is blur: errors below the size of a pixel are hardly visible. */
+ * The node stores gain and sigma; d is the camera's distance to the node's box, f the focal length in pixels. The last
+ * term stands for blur: errors of Gaussians below the size of a pixel are hardly visible. */
 #include "sight.h"
 
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
 
-#define BLUR 4                     /* power of the size by which the error of tiny Gaussians falls */
+#define BLUR 4                     /* the error of Gaussians smaller than a pixel falls with the power BLUR of their
+                                      size */
 #define BLURRED_Q8 (-256)
 #define UNLIMITED_Q8 (1 << 24)
-#define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
+#define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2, half the dilation of a splat, Q8 */
 
-/* Returns log2 of the distance from the camera to the chunk's box, softened by 1/8 of the box. */
+/* Returns log2 of the distance d from the camera to a chunk's box, as sqrt(d^2 + (diagonal / 8)^2). The diagonal of the
+   box keeps the distance above 0. */
 static int32_t log2_distance_q8(const fxs_stage_view *view, const fxs_chunk *chunk)
 {
     uint64_t parts[6], most = 1, square = 0;
@@ -40,7 +42,7 @@ static int32_t log2_pixels_q8(const fxs_stage_view *view, const fxs_chunk *chunk
     return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
 }
 
-/* 2^x, Q16; x is clamped to -16..20 */
+/* Returns 2^x in Q16. x is clamped to -16..20. */
 static uint64_t exp2_q16(int32_t x_q8)
 {
     const int32_t x = fxs_clamp(x_q8, -16 * 256, 20 * 256), below_q15 = ((256 - (x & 255)) & 255) << 7;
@@ -49,9 +51,10 @@ static uint64_t exp2_q16(int32_t x_q8)
     return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
 }
 
-/* Returns log2 of the growth of a node's mass, (area + 0.15 swell) / (area + 0.15). The dilation by 0.3 pixels^2 makes
-   many small Gaussians cover more than a node's few coarse ones. Half the dilation is used, because small Gaussians
-   hide each other. Antialiased scenes already compensate. */
+/* Returns log2 of the growth that a distant node of the level-of-detail tree needs, (area + 0.15 swell) / (area +
+   0.15). swell is the opacity sum of the leaves below the node, divided by the node's own. The dilation of splats by
+   0.3 pixels^2 makes many small Gaussians cover more than a node's few coarse ones. Half the dilation is used, because
+   small Gaussians hide each other. Antialiased scenes already compensate for the dilation. */
 static int32_t swell_of(const fxs_stage_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;

@@ -23,7 +23,7 @@ static fxs_key key_of(const fxs_frame *f, uint32_t slot)
     return FXS_KEY(f->depths[slot], f->indices[slot]);
 }
 
-/* Keeps those of the last `count` splats that lie in the slice's range of keys and columns. */
+/* Of the last `count` splats, keeps only the splats in the slice's range of keys and tile columns. */
 static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
@@ -34,7 +34,7 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
     }
 }
 
-/* Keeps the nearest splats, 3/4 of the capacity, and moves `last` to the farthest of these. */
+/* Keeps only the nearest splats of a slice, 3/4 of its capacity. Sets `last` to the key of the farthest splat kept. */
 static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
@@ -94,7 +94,8 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Prepares the next slice. Returns FXS_ERR_SCENE also if the scene changes and yields endless splats. */
+/* Prepares the next slice, the nearest splats of a tile row that are not drawn yet. Returns FXS_ERR_SCENE also if the
+   scene changes meanwhile and yields endless splats. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -104,11 +105,13 @@ static int next_slice(fxs_frame *f, slice *s)
     return error ? error : s->taken > (uint64_t)f->chunk_count * FXS_CHUNK ? FXS_ERR_SCENE : 0;
 }
 
-/* Blends a slice's list into a tile. The kernel `blend` would start with an empty tile. */
+/* Blends a slice's list of splats over a tile that earlier slices have drawn. Uses the kernel `trace`, because the
+   kernel `blend` would start with an empty tile. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     const int32_t column = (int32_t)tile % f->view.tiles_x - f->first_column;
-    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to the arrays of `nothing` */
+    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* no depths or ids are wanted, but kernels may still
+                                                                  write to the arrays of `nothing` */
     int32_t x, y;
     nothing->which = 0;
     fxs_tile_origin(f, tile, &x, &y);

@@ -1,20 +1,21 @@
-/* sort: radix sort by depth, then slot, least significant digit first. One job sorts a macro tile's list. Several jobs
- * sort all splats of a band for a back end without lists: each has a part of the keys. Keys with the same digit are
- * placed in the order of the parts, so the result does not depend on the number of jobs. */
+/* The stage `sort`: radix sort of splats by depth, then by index, least significant digit first. One job sorts the list
+ * of a macro tile (2x2 tiles). Several jobs sort all splats of a band (some rows of tiles) for a back end without
+ * lists: each has a part of the keys. Keys with the same digit are placed in the order of the parts, so the result does
+ * not depend on the number of jobs. */
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
 #include "sort.h"
 
 #define FEW 24u
 #define MANY 1500u
-#ifdef FXS_SMALL_STACK             /* small boards: short digits, no recursion */
+#ifdef FXS_SMALL_STACK             /* for small boards: the radix sort uses short digits and no recursion */
 #define LIST_DIGIT 7
 #define HUGE UINT32_MAX
 #else
 #define LIST_DIGIT DIGIT
-#define HUGE 32768u                /* number of keys above which a list exceeds the cache */
+#define HUGE 32768u                /* number of keys above which a list does not fit in the cache */
 #endif
-#define MOVES 4u                   /* most moves per key by insertion */
+#define MOVES 4u                   /* largest average number of moves per key in the insertion sort */
 #define DIGIT 11
 
 typedef struct digit {
@@ -64,7 +65,7 @@ static void move_part(void *argument, uint32_t part)
     move_keys(s->from + first, end - first, s->digit, s->histograms[part], s->to);
 }
 
-/* Turns bucket sizes into start offsets. Returns 1 if one bucket holds all keys. */
+/* Turns the bucket sizes of a radix sort into start offsets. Returns 1 if one bucket holds all keys. */
 static int find_starts(const sorter *s)
 {
     uint32_t start = 0;
@@ -99,7 +100,7 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-/* Insertion sort for nearly sorted keys. Returns 0 after more than `left` moves. */
+/* Insertion sort for nearly sorted keys. Gives up and returns 0 after more than `left` moves. */
 static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 {
     for (uint32_t i = 1; i < count; i++) {
@@ -115,7 +116,7 @@ static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
     return 1;
 }
 
-/* Radix sort by two digits, from bit `shift` of (depth - least) on. */
+/* Radix sort of keys by two digits of the depth. The digits start at bit `shift` of (depth - least). */
 static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int shift, int bits)
 {
     uint32_t next[2][1 << LIST_DIGIT];
@@ -140,7 +141,7 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digit, then each bucket separately, because a bucket fits in a cache. */
+/* Sorts a long list by the top digit of the depth, then each bucket separately, because a bucket fits in a cache. */
 static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int range)
 {
     uint32_t next[257] = {0};
@@ -158,7 +159,8 @@ static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* Sorts by the top digits of the range of depths, then by insertion. Many close depths need a sort by all digits. */
+/* Sorts keys by the two top digits of the range of depths, then by insertion. If many depths are too close, sorts by
+   all digits. */
 void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;

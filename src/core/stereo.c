@@ -2,7 +2,8 @@
 #include "stereo.h"
 #include "targets.h"
 
-/* Calls `step` for each eye. Continues after FXS_ERR_MEMORY, so that stats.memory.least is the maximum of both eyes. */
+/* Calls `step` for each eye of a request. Continues after FXS_ERR_MEMORY, so that stats.memory.least is the maximum of
+   both eyes. */
 static int each_eye(fxs_frame *f, const fxs_request *request, int (*step)(fxs_frame *f))
 {
     size_t least = 0;

@@ -36,7 +36,8 @@ static int is_valid(const part *p, int32_t width, int32_t height)
     if (top % (unsigned)p->alignment || stride % p->alignment || stride > most || stride < -most ||
         (height > 1 && stride < row && stride > -row))
         return 0;
-    const extent e = extent_of(p, width, height);      /* high < low if the range wraps around the address space */
+    const extent e = extent_of(p, width, height);      /* an image with addresses that wrap around the address space has
+                                                          high < low */
     return e.low <= top && top < e.high;
 }
 

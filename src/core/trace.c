@@ -1,27 +1,29 @@
-/* Blends a tile with depths, ids or an occluder. The kernel `trace` blends a tile's list in parts. The depths of a part
- * lie in one octave, so that 16-bit numbers suffice. After each part, these numbers are added to 64-bit sums or
- * converted to splats. */
+/* Blends a tile with depths, ids or an occluder. The kernel `trace` blends a tile's list of splats in parts. The depths
+ * of a part lie in one octave, so that 16-bit numbers suffice. After each part, the 16-bit depths are added to 64-bit
+ * sums. Entry numbers, which also have 16 bits, are converted to splat indices. */
 #include "draw.h"
 #include "memory.h"
 #include "targets.h"
 #include "trace.h"
 
-#define STRETCH 32767u             /* most entries in a stretch, so that their numbers fit in 16 bits */
+#define STRETCH 32767u             /* a list's entries are numbered in stretches of at most STRETCH, so that the numbers
+                                      fit in 16 bits */
 #define PART 512u
 #define AHEAD 16
 
 typedef struct tracer {
     const fxs_frame *f;
     const fxs_targets *targets;
-    int bits;                      /* fraction bits of depths in the caller's images */
+    int bits;                      /* number of fraction bits of the depths in the caller's images */
     const uint32_t *list;
     uint32_t count;
     uint32_t first, end;
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];
-    int16_t codes_q15[PART];       /* codes of depths, depth / 2^octave - 1, Q15 */
+    int16_t codes_q15[PART];       /* coded depths of the splats in a part: depth / 2^octave - 1, Q15 */
     uint32_t keys[PART];
-    uint32_t limits[FXS_TILE_PIXELS];      /* depth keys of the occluder; farther splats are hidden */
+    uint32_t limits[FXS_TILE_PIXELS];      /* depth of the occluder at each pixel, as a sort key; farther splats are
+                                              hidden */
     uint64_t sums[FXS_TILE_PIXELS];
     uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];
 } tracer;
@@ -50,7 +52,7 @@ static void begin_part(tracer *t)
     t->end = t->first + n;
 }
 
-/* Returns the index of the first entry beyond a depth key. */
+/* Returns the number of the first list entry with a depth key above `limit`, or INT16_MAX for none. */
 static int16_t end_of(const tracer *t, uint32_t limit)
 {
     uint32_t low = 0, high = t->end - t->first;
@@ -84,7 +86,8 @@ static void add_depths(tracer *t, const fxs_tile *tile)
     }
 }
 
-/* Converts entry numbers to slots. -1 leaves the slot unchanged. */
+/* Converts the number of each pixel's list entry to the index of its splat. The number -1 leaves the index
+   unchanged. */
 static void note_slots(const tracer *t, const int16_t numbers[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i++)

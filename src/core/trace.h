@@ -4,8 +4,8 @@
 
 #include "frame.h"
 
-/* Blends the list of the tile at pixel (x, y), and writes the tile's depths and ids. slots[256], unless null, receives
-   for each pixel the slot of the splat with the largest weight, or FXS_NOTHING. */
+/* Blends the list of splats of the tile at pixel (x, y), and writes the tile's depths and ids. If slots[256] is not
+   null, it receives for each pixel the index of the splat with the largest weight, or FXS_NOTHING. */
 void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
 
 /* Returns the id of a Gaussian by its number, counted over all objects. *object caches the last object found. */

@@ -1,4 +1,4 @@
-/* Computes the parts of the projection that do not depend on the Gaussian, once per frame and object. */
+/* Computes the parts of the projection that are equal for all Gaussians, once per frame and object. */
 #include "view.h"
 
 #include <fixsplat/internal/fixed.h>
@@ -7,7 +7,7 @@
 #define POSITION_LIMIT_Q32 ((int64_t)1 << 60)
 #define NEAR_LEAST_Q32 ((int64_t)1 << 12)
 #define NEAR_MOST_Q32 ((int64_t)1 << 60)
-#define NEAR_DEFAULT_Q32 858993459              /* default near plane, 0.2 units */
+#define NEAR_DEFAULT_Q32 858993459              /* default distance of the near plane, 0.2 units */
 #define ONE_Q60 ((int64_t)1 << 60)
 #define ONE_Q30 ((int64_t)1 << 30)
 
@@ -71,15 +71,17 @@ static int32_t cut_slope(int64_t slope_q23, int64_t most)
     return (int32_t)(slope_q23 < -most ? -most : slope_q23 > most ? most : slope_q23);
 }
 
-/* Slopes of the picture's edges, moved outwards by a tile and the reach of the dilation, 3.34 sqrt(0.3) < 2 pixels. */
+/* Computes the slopes x / z of the picture's left and right (or upper and lower) edges. The edges are moved outwards by
+   18 pixels: a tile, and the reach of the dilation, 3.34 sqrt(0.3) < 2. */
 static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     *low_q23 = cut_slope(-((c_q12 + (18 << 12)) * (1 << 23)) / f_q12, (int64_t)64 << 23);
     *high_q23 = cut_slope((((size + 18) << 12) - c_q12) * (1 << 23) / f_q12, (int64_t)64 << 23);
 }
 
-/* Field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
-   -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
+/* Computes the range of slopes x / z to which the Jacobian's centre is clamped: the field of view plus 30 %. The range
+   is -c / f - 0.3 size / (2 f) to (size - c) / f + 0.3 size / (2 f), cut to +-60. The code of Kerbl et al. 2023 does
+   this for a central principal point, gsplat for any. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     const int64_t most = (int64_t)60 << 23;
@@ -90,8 +92,9 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
-/* Returns the smallest size exponent of a Gaussian that may reach the picture with its centre out of range: at slope
-   64, or 65536 pixels away. The radius is 3.5 (2^exponent + 1) pixels. */
+/* A Gaussian's centre is out of range if its slope exceeds 64 or it is more than 65536 pixels away. Returns log2 of the
+   smallest sigma in pixels with which such a Gaussian may reach the picture. The radius is 3.5 (2^exponent + 1)
+   pixels. */
 static int32_t veil_exponent(const fxs_stage_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
@@ -110,7 +113,7 @@ static int32_t veil_exponent(const fxs_stage_view *view, const int64_t size[2], 
     return exponent;
 }
 
-/* Returns ceil(log2(sqrt(1 + max(slope)^2))). */
+/* Returns e so that 2^e bounds the norm of the Jacobian, divided by f / z: ceil(log2(sqrt(1 + max(slope)^2))). */
 static int32_t jacobian_exponent(const fxs_stage_view *view)
 {
     int64_t most = 1 << 23;
@@ -150,7 +153,8 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
     c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
 }
 
-/* A camera that is a window of a picture has its own edges; the other values come from the whole picture. */
+/* Derives a view's values from its camera. If the camera is a window of a larger picture, only the edges are its own;
+   the other values come from the whole picture. */
 static void derive(fxs_stage_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
@@ -160,13 +164,15 @@ static void derive(fxs_stage_view *view, const fxs_camera *camera)
     for (int i = 0; i < 2; i++) {
         slope_limits(whole[i], f_q12[i], whole_c_q12[i], &view->slope_low_q23[i], &view->slope_high_q23[i]);
         edge_slopes(size[i], f_q12[i], c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
-        if (view->orthographic)                  /* the Jacobian does not depend on the centre */
+        if (view->orthographic)                  /* for an orthographic camera, the Jacobian does not depend on the
+                                                    Gaussian's centre */
             view->slope_low_q23[i] = view->slope_high_q23[i] = 0;
     }
     view->veil_exponent = veil_exponent(view, whole, whole_c_q12);
     view->jacobian_exponent = jacobian_exponent(view);
     jacobian_rows(view);
-    for (int i = 0; i < 3; i++)                  /* orthographic: the eye is 2^28 units behind the picture */
+    for (int i = 0; i < 3; i++)                  /* the eye of an orthographic camera is 2^28 units behind the camera's
+                                                    position */
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
@@ -179,16 +185,16 @@ FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera)
         edge_slopes(whole[i], f_q12[i], whole_c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
 }
 
-/* Returns the larger of twice the picture's size, and 1/16 of the largest distance from the principal point to an
-   edge. */
+/* Returns the focal length wanted for the plane of an orthographic camera. It is the larger of twice the picture's size
+   and 1/16 of the largest distance from the principal point to an edge. */
 static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 {
     const int64_t after_q12 = (size << 12) - c_q12, reach_q12 = after_q12 > c_q12 ? after_q12 : c_q12;
     return (uint64_t)(reach_q12 >> 4 > size << 13 ? reach_q12 >> 4 : size << 13);
 }
 
-/* Converts the orthographic fx and fy, in pixels per unit, to focal lengths for a plane at depth 2^plane_exponent. One
-   focal length is 1/2 to 1 times plane_focal_q12, so slopes are at most 32. */
+/* Converts fx and fy of an orthographic camera, in pixels per unit, to focal lengths for a plane at depth
+   2^plane_exponent. One of the focal lengths is 1/2 to 1 times plane_focal_q12, so slopes are at most 32. */
 static void choose_plane(fxs_stage_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
@@ -243,7 +249,7 @@ int fxs_view_init(fxs_stage_view *view, const fxs_camera *camera, const fxs_opti
 
 /* ---- In the space of an object ----------------------------------------------------------------------------------- */
 
-/* x 2^32 / divisor, rounded down, saturated at 2^62; divisor is 2^16 to 2^48 */
+/* Returns x 2^32 / divisor, rounded down and saturated at 2^62. The divisor is 2^16 to 2^48. */
 static int64_t divide_q32(uint64_t x, uint64_t divisor)
 {
     uint64_t quotient = x / divisor, rest = x % divisor;
@@ -260,14 +266,16 @@ static int64_t divide_q32(uint64_t x, uint64_t divisor)
 FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
 {
     int64_t high = 0, low = 0;
-    for (int k = 0; k < 3; k++) {                /* multiplies in two halves, because 2^61 times 2^30 overflows */
+    for (int k = 0; k < 3; k++) {                /* the product is computed in two halves, because 2^61 times 2^30
+                                                    overflows 64 bits */
         high += m_q30[3 * k + i] * (v[k] >> 31);
         low += m_q30[3 * k + i] * (v[k] & INT32_MAX);
     }
     return high * 2 + fxs_round_shift(low, 30);
 }
 
-/* Computes R^T (P - T) / s, the camera's position in the object's space. Returns 0 if too far out. */
+/* Computes the camera's position in an object's space, R^T (P - T) / s, from its position P in the world. R, T and s
+   are the object's rotation, translation and scale. Returns 0 if the position is too far out. */
 static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3], const fxs_object *object)
 {
     int64_t apart_q32[3];
