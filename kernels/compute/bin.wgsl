@@ -22,7 +22,7 @@ fn radius_q12(offset_q11: i32) -> i32
     return i32(sqrt_of(u32(fxs_limit_q11(offset_q11, frame.cut_q11) - offset_q11 + 1) << 13u)) + 1;
 }
 
-// Returns a splat's whitened coordinate v on a row of pixels, below 2^30.
+// Returns a splat's coordinate v, which is linear in the pixel position, on a row of pixels. The result is below 2^30.
 fn v_at_row(s: ptr<function, Splat>, b: ptr<function, Bounds>, row: i32) -> i32
 {
     return low_of(shift_signed(mul_signed((row << 14u) - (*b).c_q14.y, (*s).vy_q24), 26u));

@@ -38,8 +38,8 @@ static int failure(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_failure(&c->gl), why);
 }
 
-/* Fails because a feature is missing. An earlier GL error goes first, because a lost context also looks like a missing
-   feature. */
+/* Returns the error for a missing feature of the device. A pending GL error is returned instead, because a lost context
+   also looks like a missing feature. */
 int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
 {
     const int error = fxs_compute_check(c, why);

@@ -1,4 +1,4 @@
-// Fills each tile's list with the numbers of its splats, unsorted.
+// Fills each tile's list with the indices of its splats, unsorted.
 // Needs pixel numbers records bin
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,6 +1,5 @@
 // Copies a finished picture to the caller's framebuffer. BUFFERED: fragment shaders can read storage buffers.
-// x, y: picture's pixel at fragment (0, 0); z: step per row; w: width of the picture
-layout(location = 0) uniform ivec4 place;
+layout(location = 0) uniform ivec4 place;    // x, y: pixel of fragment (0, 0); z: step per row; w: width of the picture
 // x, y, z: offsets of the picture's colours, depths and ids, in words; w: log2 of the width of texture `words`
 layout(location = 1) uniform ivec4 planes;
 #if defined BUFFERED

@@ -1,4 +1,4 @@
-// Assigns memory to the tiles' lists, one workgroup per row of tiles.
+// Assigns memory to the tiles' lists of splats, one workgroup per row of tiles.
 // Needs numbers records sums
 
 @group(0) @binding(0) var<uniform> frame: Frame;

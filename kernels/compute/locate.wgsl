@@ -209,7 +209,8 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
-    var drawn = 256u;   // low half: drawn share of the chunk's optical depth, Q8; high half: growth of its sigmas, log2
+    // low half: share of the chunk's optical depth that is drawn, Q8; high half: growth of its sigmas, log2
+    var drawn = 256u;
     if (frame.drawn != 0u) {
         chunk = memory[frame.drawn + 2u * place];
         drawn = memory[frame.drawn + 2u * place + 1u];

@@ -1,4 +1,4 @@
-// 64-bit integers as two 32-bit words, low word first, and the functions of fixsplat/fixed.h.
+// 64-bit integers as two 32-bit words, low word first, and the functions of src/include/fixsplat/internal/fixed.h.
 
 alias wide = vec2<u32>;
 
@@ -23,8 +23,8 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Returns -a. The difference 0 - a is avoided, because NVIDIA's GLSL compiler (driver 580) loses its sign in a
-// following shift.
+// Returns -a. The difference 0 - a is avoided, because NVIDIA's GLSL compiler (driver 580) loses the sign of its result
+// in a following shift.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -38,7 +38,7 @@ fn magnitude(a: wide) -> wide
     return a;
 }
 
-// Compares signed 64-bit numbers.
+// Returns true if a < b, for signed 64-bit numbers a and b.
 fn less(a: wide, b: wide) -> bool
 {
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);

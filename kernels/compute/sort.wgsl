@@ -13,11 +13,11 @@ const RANGE: u32 = 16u;
 const BINS: u32 = 256u;
 
 var<workgroup> keys: array<vec2<u32>, 512>;
-// sizes of the bins, later their start offsets; the last is the number of keys
+// sizes of the depth bins, later their start offsets; the last is the number of keys
 var<workgroup> bins: array<atomic<u32>, 257>;
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
-var<workgroup> bounds: array<vec2<u32>, 16>;     // per range of bins: smallest depth, log2 of the width of a bin
+var<workgroup> bounds: array<vec2<u32>, 16>;     // per range of depth bins: smallest depth, log2 of the width of a bin
 
 fn key_of(entry: u32) -> vec2<u32>
 {

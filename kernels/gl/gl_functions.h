@@ -1,5 +1,5 @@
-/* Shared by the back ends for OpenGL ES: a table of pointers to the functions of OpenGL ES 3.0 that they call;
- * programs, errors, and the state of a context. */
+/* Shared by the back ends for OpenGL ES: a table of pointers to the functions of OpenGL ES 3.0 that the back ends call;
+ * GL programs, errors, and the state of a GL context. */
 #ifndef FXS_GL_FUNCTIONS_H
 #define FXS_GL_FUNCTIONS_H
 
@@ -52,7 +52,7 @@ int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 /* Clears pending GL errors. Returns 0 if there were none, otherwise FXS_ERR_MEMORY or FXS_ERR_DEVICE. */
 int fxs_gl_check(const fxs_gl *gl);
 
-/* Returns the FXS_ERR_* for a GL call that has failed, never 0. */
+/* Returns the error code FXS_ERR_* for a GL call that has failed, never 0. */
 int fxs_gl_failure(const fxs_gl *gl);
 
 /* Compile and link shaders. Both functions return 1, or 0 with the device's message in `log`. */

@@ -1,4 +1,4 @@
-/* Saves the state of a context, sets it for a draw, and restores it. */
+/* Saves the state of a GL context, sets it for a draw, and restores it. */
 #include "gl_functions.h"
 #include "src/core/memory.h"
 

@@ -50,7 +50,7 @@ enum {
     FXS_GLES_FRAMEBUFFERS
 };
 
-#define FXS_GLES_MESSAGE 512       /* bytes of fxs_message.text */
+#define FXS_GLES_MESSAGE 512       /* size of fxs_message.text in bytes */
 
 typedef struct fxs_gles_program {
     GLuint name;

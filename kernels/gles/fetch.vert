@@ -1,12 +1,12 @@
 // Places the corners of a splat's triangles: one triangle around the ellipse, two for the rectangle of a large splat,
-// two over the whole window for a veil (a huge splat). The record of a triangle has three texels. With splat
-// coordinates u and v linear in the pixel position, and u0, v0 their values at pixel (0, 0), the texels are: u0, du/dx,
-// du/dy, v0; dv/dy, offset and red, green and blue, columns; centre x, y, shape and rows, depth key.
+// two over the whole window for a veil (a huge splat). A splat has coordinates u and v, linear in the pixel position,
+// with values u0 and v0 at pixel (0, 0). The record of a triangle has three texels: (u0, du/dx, du/dy, v0), (dv/dy,
+// offset and red, green and blue, columns), (centre x, centre y, shape and rows, depth key).
 uniform highp usampler2D records;
 uniform ivec4 size;  // x, y: width and height of the window; z: cut-off, Q11; w: log2 of the width of texture `records`
 uniform ivec4 place;                 // x, y: first pixel of the window; z: size of the viewport relative to the window
-flat out ivec4 line;                 // u, du/dx, du/dy, v at the window's first pixel, for splat coordinates u, v, Q24
-flat out ivec4 look;                 // dv/dy of the splat; offset, Q11, and red; green and blue, Q13; limit, Q11
+flat out ivec4 line;               // u, du/dx, du/dy, v: splat coordinates at the window's first pixel, and slopes, Q24
+flat out ivec4 look;          // (dv/dy; offset, Q11, and red; green and blue, Q13; largest drawn level, Q11) of a splat
 #ifdef LIMITED
 flat out ivec3 limits;               // splat's first and last tile column; first and last tile row; depth key
 #endif

@@ -1,5 +1,5 @@
-/* Objects of the back end: functions, programs, textures and buffers; reading back; rendering to the caller's
- * target. */
+/* GL objects of the OpenGL ES back end: functions, programs, textures and buffers; reading back; rendering to the
+ * caller's target. */
 #include <stdlib.h>
 
 #include <fixsplat/gl.h>

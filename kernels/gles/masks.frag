@@ -1,7 +1,6 @@
 // Finds which splats touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. The masks
 // of a chunk are four texels, one per quarter of the tile, with a word per block and a bit per splat.
-// per chunk, x: first record, and number of splats - 1 from bit 24 on; y: column and row of the tile
-uniform highp usampler2D chunks;
+uniform highp usampler2D chunks;     // x: first record, and number of splats - 1 from bit 24 on; y: tile column and row
 uniform ivec4 source;                // x: log2 of the width of the textures; y: cut-off level of splats
 out uvec4 result;
 

@@ -6,7 +6,7 @@ void fxs_gles_set(const fxs_gles *g)
 {
     fxs_gl_set(&g->gl, g->vertex_array, FXS_GLES_UNITS, g->textures);
     if (g->target && g->target->over)
-        fxs_gl_blend_over(&g->gl);   /* has no effect on integer framebuffers, which GL does not blend */
+        fxs_gl_blend_over(&g->gl);   /* blending has no effect on integer framebuffers */
 }
 
 int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)

@@ -1,5 +1,6 @@
-// Reads splats of the tiles' lists. The splat coordinates u and v are linear in the pixel position, with values u0, v0
-// at pixel (0, 0). A splat has two texels: u0, du/dx, du/dy, v0; dv/dy, offset and red, green and blue, depth key.
+// Reads splats of the tiles' lists. A splat has coordinates u and v, linear in the pixel position, with values u0 and
+// v0 at pixel (0, 0). The record of a splat has two texels: (u0, du/dx, du/dy, v0), (dv/dy, offset and red, green and
+// blue, depth key).
 uniform highp usampler2D records;
 
 struct record {

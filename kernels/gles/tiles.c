@@ -14,7 +14,7 @@
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
-/* the word of a chunk (up to 32 splats) holds its count - 1 from this bit on, its first record below */
+/* A chunk (up to 32 splats) has one word: its count - 1 from this bit on, its first record below this bit. */
 #define CHUNK_SHIFT 24
 #define AHEAD 16
 

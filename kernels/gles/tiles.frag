@@ -1,7 +1,7 @@
 // Blends the splats of one pixel and resolves its colour, with the arithmetic of src/include/fixsplat/internal/pixel.h.
 // With FETCHED, only resolves. With TRACED, also writes depth and id.
 uniform highp usampler2D lists;    // per tile: first record and end of its list, its first chunk; (1, 0): not drawn now
-uniform highp usampler2D masks;      // masks of splats, per chunk of up to 32 splats; see masks.frag
+uniform highp usampler2D masks;      // per chunk of up to 32 splats: which pixels the splats touch; see masks.frag
 // Transmittance, red, green, blue of a tile's pixels after part of its list; with FETCHED, of all pixels.
 uniform highp isampler2D carried;
 uniform ivec4 place;         // x, y: picture's pixel at fragment (0, 0); z: step per row; w: 1: continue from `carried`
@@ -34,8 +34,8 @@ layout(location = 0) out uvec4 result;
 layout(location = 0) out vec4 result;
 #endif
 
-// Blends record i into a pixel. The cut-off level `cut` is a parameter, because Mesa's software renderer fetches
-// uniforms again in each iteration.
+// Blends the splat of record i into a pixel. The cut-off level `cut` is a parameter, because Mesa's software renderer
+// fetches uniforms again in each iteration.
 void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
 {
     ivec2 uv = whitened(r, pixel);

@@ -1,8 +1,8 @@
-/* Blends the splats of a tile with Helium, or traces them with auxiliary outputs. The splats of the tile's list are
- * taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches of the tile.
- * The second step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2 rows of
- * pixels, stored column by column. A splat has coordinates u and v, linear in the pixel position. The level of a pixel
- * is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
+/* Blends the splats of a tile with Helium, or traces them with depths and ids as further outputs. The splats of the
+ * tile's list are taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches
+ * of the tile. The second step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2
+ * rows of pixels, stored column by column. A splat has coordinates u and v, linear in the pixel position. The level of
+ * a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
 #include "lanes_mve.h"
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
@@ -39,7 +39,7 @@ typedef struct outline {
     pair middle_q24, four_q24, two_q24;
     pair v_q24, vy_q24;                        /* splat coordinate v on the tile's first row, and its step per row */
     vh half_q13;                   /* half the range of splat coordinate u within a patch of pixels */
-    vh offset_q11, limit_q11;      /* limit of -1: the splat is not drawn */
+    vh offset_q11, limit_q11;      /* limit_q11: largest level that is drawn; -1: the splat is not drawn */
     vh least_q11[FXS_TILE / ROWS];
 } outline;
 

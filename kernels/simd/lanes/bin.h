@@ -1,6 +1,6 @@
 /* Finds the tiles that splats (projected Gaussians) touch, for LANES splats together. The first pass finds bounding
- * boxes, and the tile masks of splats within one tile row. Taller splats with few enough tiles for an fxs_box are
- * collected until they fill a vector. The second pass finds the tiles of collected splats row by row. */
+ * boxes, and the tile masks of splats within one tile row. Taller splats that fit in an fxs_box, a mask of 6x6 tiles,
+ * are collected until they fill a vector. The second pass finds the tiles of collected splats row by row. */
 #include "lanes.h"
 #include "stages.h"
 

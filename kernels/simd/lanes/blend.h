@@ -1,8 +1,8 @@
-/* Blends the splats of a tile, or traces them with auxiliary outputs. The tile is cut into patches of 8 columns and
- * ROWS rows of pixels. The splats of the tile's list are taken in groups of 2 * LANES. The first step, with one splat
- * per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends the splats of each
- * patch. A splat has coordinates u and v, linear in the pixel position. The level of a pixel is u^2 + v^2 + offset, and
- * alpha is exp(-level / 2). */
+/* Blends the splats of a tile, or traces them with depths and ids as further outputs. The tile is cut into patches of 8
+ * columns and ROWS rows of pixels. The splats of the tile's list are taken in groups of 2 * LANES. The first step, with
+ * one splat per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends the
+ * splats of each patch. A splat has coordinates u and v, linear in the pixel position. The level of a pixel is u^2 +
+ * v^2 + offset, and alpha is exp(-level / 2). */
 #include "src/core/memory.h"
 #include "stages.h"
 

@@ -81,8 +81,8 @@ static inline vu screen_size(const fxs_stage_view *view, const fxs_chunk_view *c
     return shift_left(mantissa, zeros);
 }
 
-/* Returns the lanes of Gaussians that may touch the picture. A Gaussian's radius is at most 3.5 (2^exponent + 1)
-   pixels; it is limited to FXS_CENTRE_LIMIT_Q14. */
+/* Returns the lanes of Gaussians that may touch the picture. A Gaussian's radius is taken as 3.5 (2^exponent + 1)
+   pixels, at most FXS_CENTRE_LIMIT_Q14. */
 static inline mask on_picture(const fxs_stage_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));

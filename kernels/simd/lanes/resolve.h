@@ -46,8 +46,8 @@ static inline vh colour_16bit(const int16_t *sum_q13)
 static inline void resolve_rgba16(unsigned char *to, const fxs_tile *tile, int i)
 {
     const vh taken = all_h(FXS_CLEAR_Q15) - load_h(tile->transmittance_q15 + i);
-    const vh alpha = (taken << 1) + ((16384 - taken) >> 15);   /* equals (65535 taken + 2^14) >> 15, where taken is
-                                                                  1 - transmittance, Q15 */
+    /* equals the 16-bit alpha (65535 taken + 2^14) >> 15, where taken is 1 - transmittance, Q15 */
+    const vh alpha = (taken << 1) + ((16384 - taken) >> 15);
     store_wide_pixels(to, colour_16bit(tile->sum_q13[0] + i), colour_16bit(tile->sum_q13[1] + i),
                       colour_16bit(tile->sum_q13[2] + i), alpha);
 }

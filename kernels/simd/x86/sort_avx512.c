@@ -7,7 +7,7 @@
 
 #define KEYS 8u
 #define FEW (8 * KEYS)
-#define MOST_BITS 11               /* most bits of a digit of the keys */
+#define MOST_BITS 11               /* largest number of bits in a digit of the keys */
 
 static inline void put_in_order(__m512i *low, __m512i *high)
 {

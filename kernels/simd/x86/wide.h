@@ -1,4 +1,4 @@
-/* Operations on 64-bit numbers, and other operations of all x86 vectors. Include the operations of an instruction set
+/* Operations on 64-bit numbers, and other operations of all x86 vectors. Include the header of an instruction set
  * first. */
 #ifndef FXS_X86_WIDE_H
 #define FXS_X86_WIDE_H
