@@ -12,7 +12,7 @@
 /* ln(sigma) that stands for the missing third axis of a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)
 
-/* Opacity logit that rounds to opacity 1 in every file format. */
+/* Opacity logit that becomes opacity 1 however opacities are quantised. */
 #define FXS_OPAQUE 20
 
 /* Returns ln(|scale|), at least FXS_FLAT_SCALE. The sign of a scale has no effect on the covariance. */

@@ -14,12 +14,13 @@ typedef struct fxs_head {
 } fxs_head;
 
 typedef struct fxs_reader {
-    /* Returns 1 if a file has the reader's format, 0 if not, or an error and a message. A null pointer counts as 0. */
+    /* Returns 1 if a file has the reader's format, 0 if not, or an error and a message. If this pointer is null, no
+       file has the format. */
     int (*is)(const fxs_head *head, fxs_message *message);
     size_t size;
     /* Opens the source, which outlives `data`, the reader's zeroed state. Returns 0 and fills in *info, or an error and
-       a message. In *info, the format may be left out, also a number of levels of 1 and a stored SH degree equal to the
-       SH degree. `close` is called in either case. */
+       a message. In *info, these fields may stay unset: the format, a number of levels of 1, and a stored SH degree
+       equal to the SH degree. `close` is called in either case. */
     int (*open)(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *data, fxs_message *message);

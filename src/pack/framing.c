@@ -9,9 +9,10 @@
 #include "order.h"
 #include "src/gaussian/attributes.h"
 
-#define EDGE 0.002                   /* share of the Gaussians' weight outside the box at each end of an axis */
+#define EDGE 0.002                   /* share of the Gaussians' weight outside the scene's box at each end of an axis */
 #define CORE 0.05
-#define SPREAD 1.5                   /* largest ratio of box radius to core radius for a scene with a single object */
+/* a scene is a single object if its box has at most SPREAD times the radius of its core (middle of the weight) */
+#define SPREAD 1.5
 #define FAR_OUT 8            /* outlying Gaussians are farther from the middle than FAR_OUT times the median distance */
 
 fxs_seen fxs_seen_of(const fxs_gaussian *g)

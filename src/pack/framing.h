@@ -10,7 +10,7 @@
 
 typedef struct fxs_seen {
     float position[3];
-    float size;                      /* geometric mean of the two largest sigmas, scene units */
+    float size;                      /* geometric mean of the Gaussian's two largest sigmas, in scene units */
     float weight;                    /* opacity of the Gaussian; 0: never drawn */
 } fxs_seen;
 

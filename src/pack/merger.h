@@ -14,7 +14,7 @@ enum {
     JOINED = 8,
     PLANES = 3,
     SH = 45,
-    COMPARED = 12,                     /* SH coefficients that count in errors: 9 of degree 1, 3 zeros as padding */
+    COMPARED = 12,         /* number of SH coefficients that count in merge errors: 9 of degree 1, 3 zeros as padding */
     CURVES = 2,
     WINDOW = 8,
     PAIRS = MOST * NEAREST + MOST * JOINED

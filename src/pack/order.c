@@ -14,9 +14,10 @@
 enum {
     BINS = 32,                       /* bins of a position histogram; cuts are tried at bin borders */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch outliers */
+    /* top levels of the k-d tree use histograms over all Gaussians, not a sample, to catch outliers */
+    WHOLE_LEVELS = 4,
     SAMPLED = 4096,
-    FREE_LEVELS = 40,                /* runs of Gaussians below this tree level are halved, to bound the depth */
+    FREE_LEVELS = 40,            /* runs of Gaussians below this level of the k-d tree are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
     SAMPLE = 16384,
     JOBS = 128,

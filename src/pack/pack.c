@@ -36,7 +36,7 @@
 #define AHEAD 8
 #define POSITION_LIMIT 134000000.0   /* largest coordinate of a centre, just under 2^27 scene units */
 #define FAINT_LOGIT (-2.708f)        /* logit of opacity 1/16; Gaussians below are faint */
-#define FOG 0.1                      /* a scene is foggy if faint Gaussians have at least this share of the weight */
+#define FOG 0.1    /* a scene is foggy if faint Gaussians have at least this share of the weight (area times opacity) */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address)
@@ -97,7 +97,7 @@ struct packer {
     fxs_tree *tree;
     fxs_chunk_ranges *ranges;
     fxs_encoder encoder;
-    const fxs_coded *coded;          /* quantised attributes to copy, or null */
+    const fxs_coded *coded;          /* codes of already quantised attributes to copy, or null */
     fxs_palette *palette;            /* palette of SH vectors; null: no palette is learned */
     fxs_sh_item *sample;
     fxs_sh_item *items;              /* SH items of Gaussians that wait for palette codes; null: all are in `sample` */

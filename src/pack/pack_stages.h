@@ -174,7 +174,8 @@ static inline int32_t eighth_of(float x, float half_inverse)
     return (int32_t)(above < 7 ? above : 7);
 }
 
-/* Returns the sum of squared errors when each number becomes the nearest odd multiple, -7..7, of the gain. */
+/* Returns the sum of squared errors when each number is rounded to the nearest odd multiple of the gain, from -7 to
+   7. */
 static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
 {
     const float half_inverse = 0.5f / gain;

@@ -25,7 +25,7 @@
 #include "order.h"
 
 enum {
-    FREE_LEVELS = 40,                  /* runs of leaves below this tree level are halved, to bound the depth */
+    FREE_LEVELS = 40,   /* runs of leaves below this level of the level-of-detail tree are halved, to bound the depth */
     PARTS = 32                         /* one parallel job builds a subtree of at most max(4, leaves / PARTS) leaves */
 };
 
@@ -523,8 +523,8 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
     return top;
 }
 
-/* The gain of a node is the error that replacing the node by its children removes. A node absorbs the group of
-   descendants with the largest mean gain, while that gain exceeds the node's own. */
+/* Pools the gains of tree nodes. The gain of a node is the error that replacing the node by its children removes. A
+   node absorbs the group of descendants with the largest mean gain, while that gain exceeds the node's own. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
