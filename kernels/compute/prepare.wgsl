@@ -75,8 +75,8 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
-// Counts a splat in the lengths of its tiles' lists. Returns a mask of the tiles, bit 6 r + c for row r and column c,
-// and the first tile's number from bit 42 on. Returns 0 if the splat is large or touches no tile.
+// Counts a splat in the lengths of its tiles' lists. Returns a mask of the tiles: bit 6 r + c for row r and column c.
+// Bits from 42 on are the first tile's number. Returns 0 if the splat is large or touches no tile.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;

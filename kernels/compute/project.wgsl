@@ -397,7 +397,7 @@ fn dot_q15(a: vec3<i32>, b: vec3<i32>) -> i32
     return (dot_i(a, b) + 16384) >> 15u;
 }
 
-// Returns a row of the splatting matrix T = J W R S, Q15.
+// Returns a row of the splatting matrix T = J W R S, Q15: Jacobian, view rotation, Gaussian's rotation and scales.
 fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
 {
     let p = dot_q15(row, axes.side_x_q15);

@@ -113,8 +113,8 @@ static inline int fxs_gles_is_traced(const fxs_gles *gles)
     return gles->target && gles->target->depths_and_ids;
 }
 
-/* Grows texture MASKS, which says which pixels each splat touches, for `chunks` groups of 32 splats, up to the device's
-   limit. Returns 0 or an error. */
+/* Grows texture MASKS for `chunks` groups of 32 splats, up to the device's limit. The texture says which pixels each
+   splat touches. Returns 0 or an error. */
 int fxs_gles_make_masks(fxs_gles *gles, uint64_t chunks);
 
 typedef struct fxs_gles_window {

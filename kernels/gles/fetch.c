@@ -11,8 +11,8 @@
 #define PARTS 64u
 #define AHEAD 16
 #define GUARD 3           /* size of the GL viewport relative to the drawn window; the large viewport avoids clipping */
-/* Splats from this radius in pixels on are drawn as a rectangle of two triangles, with a quarter fewer pixels than one
-   triangle around the splat. */
+/* Splats from this radius in pixels on are drawn as a rectangle of two triangles. The rectangle has a quarter fewer
+   pixels than one triangle around the splat. */
 #define LARGE 12
 
 enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; shape + 1: second triangle of the shape */

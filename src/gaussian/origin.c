@@ -1,5 +1,5 @@
 /* Chooses the origin of a scene, which is subtracted from all positions. On each axis the origin is the median of a
- * sample of positions, rounded to a multiple of 10 units, or 0 where floats are precise enough. */
+ * sample of positions, rounded to a multiple of 10 units. It is 0 where floats are precise enough. */
 #include "origin_internal.h"
 
 #include <math.h>

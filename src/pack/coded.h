@@ -20,8 +20,8 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
                    fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                    fxs_message *message);
 
-/* Packs a scene like fxs_pack_coded, but holds at most `held` chunks, at least 1, in memory until their SH coefficients
-   are coded with the palette. The file is read again for every `held` chunks. */
+/* Packs a scene like fxs_pack_coded, but holds at most `held` chunks in memory, at least 1. These chunks wait until
+   their SH coefficients are coded with the palette. The file is read again for every `held` chunks. */
 int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
                   fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                   fxs_message *message);

@@ -182,8 +182,8 @@ static inline void note_angle(fxs_loss *loss, double dot)
         *largest = larger_of(*largest, 2 * acos(dot) * DEGREES);
 }
 
-/* Returns the roll of a Gaussian about its first axis, -1 to 1, that makes the second axis parallel to cosine side[0] +
-   sine side[1]. */
+/* Returns the roll of a Gaussian about its first axis, -1 to 1. With this roll, the second axis is parallel to cosine
+   side[0] + sine side[1]. */
 static inline double roll_of(double cosine, double sine)
 {
     const double sign = cosine < 0 ? -1 : 1, length = sqrt(cosine * cosine + sine * sine);

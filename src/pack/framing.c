@@ -1,7 +1,7 @@
-/* Finds the box of the visible part of a scene from a sample of its Gaussians, weighted by opacity and size. On
- * each axis, the box spans the weight quantiles EDGE to 1 - EDGE, and the core spans CORE to 1 - CORE. If the box
- * is not much larger than the core, the scene is a single object, and the box gets a margin. Otherwise the box
- * covers at least the middle 90 % of the centres. */
+/* Finds the box of the visible part of a scene from a sample of Gaussians, weighted by opacity and size. On each axis,
+ * the box spans the weight quantiles EDGE to 1 - EDGE, and the core spans CORE to 1 - CORE. If the box is not much
+ * larger than the core, the scene is a single object. Then the box gets a margin. Otherwise the box covers at least the
+ * middle 90 % of the centres. */
 #include "framing.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 
 #define EDGE 0.002                   /* share of the Gaussians' weight outside the scene's box at each end of an axis */
 #define CORE 0.05
-/* a scene is a single object if its box has at most SPREAD times the radius of its core (middle of the weight) */
+/* A scene is a single object if its box has at most SPREAD times the radius of its core (middle of the weight). */
 #define SPREAD 1.5
 #define FAR_OUT 8            /* outlying Gaussians are farther from the middle than FAR_OUT times the median distance */
 

@@ -1,8 +1,7 @@
-/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x,
-   y, z, or the distance from the scene's middle, where the sum of the costs of the two new boxes is smallest. The
-   cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle.
-
-   The order is the same on every processor, because every float operation is rounded to a float. */
+/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x, y,
+ * z, or the distance from the scene's middle. The cut is where the sum of the costs of the two new boxes is smallest.
+ * The cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle. The order is the
+ * same on every processor, because every float operation is rounded to a float. */
 #include "order.h"
 
 #include <math.h>
@@ -444,7 +443,7 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* Cuts a leaf of the k-d tree (256 Gaussians) into pieces, because a few distant Gaussians would widen the chunk's
+/* Cuts a leaf of the k-d tree (256 Gaussians) into pieces. Otherwise a few distant Gaussians would widen the chunk's
    position steps to many pixels. */
 static void order_leaf(const order *o, stretch r)
 {

@@ -17,8 +17,8 @@ typedef struct fxs_order_entry {
 } fxs_order_entry;
 
 /* Sorts entries, one per Gaussian, given in file order, and sets their indexes. Normal entries come first, then entries
-   with input index 1, then dropped entries. Each FXS_CHUNK entries are a leaf of a k-d tree. If `reach` is not 0, a
-   leaf with a box longer than about `reach` times its distance from the scene's middle is cut into several chunks.
+   with input index 1, then dropped entries. Each FXS_CHUNK entries are a leaf of a k-d tree. With `reach` > 0, long
+   leaves are cut into several chunks: the limit is about `reach` times their distance from the scene's middle.
    FXS_BEGINS_CHUNK marks the first entry of each additional chunk. options->workers.run must not be null. Returns 0 or
    FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);

@@ -365,8 +365,8 @@ static int find_seen_bounds(packer *p)
     return 0;
 }
 
-/* Gives faint Gaussians chunks of their own, with finer steps of opacity, if they have at least a share FOG of the
-   scene's weight. */
+/* Gives faint Gaussians chunks of their own, with finer steps of opacity, if the scene is foggy. In a foggy scene,
+   faint Gaussians have at least a share FOG of the weight. */
 static void part_fog(packer *p)
 {
     double faint = 0;

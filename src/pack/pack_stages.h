@@ -1,6 +1,6 @@
 /* Inner loops of packing for the instruction set ISA. The includer defines find_dots, the dot products of a vector with
  * GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest costs in ascending order of
- * cost and index, and may change the costs. When all costs are taken, find_leasts returns index 0. */
+ * cost and index. find_leasts may change the costs; when all costs are taken, it returns index 0. */
 #include "pack_stage.h"
 
 #include <math.h>

@@ -135,7 +135,7 @@ static int32_t mean_of(int32_t sum, int32_t total)
     return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
-/* Moves each palette vector by the mean of its assigned vectors (keep = 1), or to the mean (keep = 0). */
+/* Moves each palette vector by the mean of its assigned vectors if keep is 1, or to the mean if keep is 0. */
 static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
     for (uint32_t j = 0; j < count; j++)

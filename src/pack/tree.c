@@ -2,9 +2,9 @@
  * where the sum of the costs of the two boxes is smallest; then each half is cut again. A node's chunk is merged from
  * its two children, depth first, so that few chunks are in memory at once. Nodes are numbered by descending number of
  * leaves, then by first leaf. So nodes for distant views lie together, and every node comes before its children. A part
- * of a scene has a run of the chunks, and builds the nodes with all leaves in this run: their shape needs the boxes of
- * all chunks, their contents only the run. Building the nodes above needs, from each part, the sums of its nodes and
- * the merged Gaussians, as floats, of its topmost nodes. */
+ * of a scene is a run of its chunks, packed separately. The part builds the nodes with all leaves in this run: their
+ * shape needs the boxes of all chunks, their contents only the run. Building the nodes above needs the sums of each
+ * part's nodes, and the merged Gaussians of its topmost nodes as floats. */
 #include <fixsplat/pack.h>
 #include <fixsplat/internal/allocator.h>
 
