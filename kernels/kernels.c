@@ -1,8 +1,8 @@
-/* Declares the versions of the stages per processor, and chooses among them at run time. */
+/* Declares the versions of the rendering stages for each processor, and chooses among them at run time. */
 #include <fixsplat/internal/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Instruction sets of each processor, slowest first: SET(flag, name, stage functions). */
+/* Lists of each processor's instruction sets, slowest first: SET(flag, name, functions of the rendering stages). */
 #define X86(SET, X) \
     SET(SSE41, sse41, FXS_VECTOR_STAGES(X, sse41) FXS_RESOLVE_STAGE(X, sse41)) \
     SET(AVX2, avx2, FXS_VECTOR_STAGES(X, avx2) FXS_RESOLVE_STAGE(X, avx2)) \
@@ -56,7 +56,7 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_SIMD128;        /* a host without SIMD rejects the module */
+    return FXS_CPU_SIMD128;      /* a check is not needed, because a WebAssembly host without SIMD rejects the module */
 }
 #else
 #define PROCESSOR OTHER
@@ -92,7 +92,7 @@ PROCESSOR(DECLARE_SET, DECLARE)
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
 {
     cpu &= fxs_cpu_detect();
-    (void)cpu;                     /* unused on processors without versions */
+    (void)cpu;                     /* avoids a warning on processors without their own versions of the stages */
     *kernels = fxs_kernels_c;
     PROCESSOR(USE_SET, USE)
 }

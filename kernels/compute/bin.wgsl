@@ -22,7 +22,7 @@ fn radius_q12(offset_q11: i32) -> i32
     return i32(sqrt_of(u32(fxs_limit_q11(offset_q11, frame.cut_q11) - offset_q11 + 1) << 13u)) + 1;
 }
 
-// Returns the splat's coordinate v at a row of pixels, below 2^30.
+// Returns a splat's coordinate v, which is linear in the pixel position, on a row of pixels. The result is below 2^30.
 fn v_at_row(s: ptr<function, Splat>, b: ptr<function, Bounds>, row: i32) -> i32
 {
     return low_of(shift_signed(mul_signed((row << 14u) - (*b).c_q14.y, (*s).vy_q24), 26u));
@@ -68,7 +68,8 @@ fn ellipse_span(s: ptr<function, Splat>, b: ptr<function, Bounds>, r: i32, row: 
     return columns_between(c_q8 + max(left - margin, -reach), c_q8 - max(-right - margin, -reach));
 }
 
-// The square cut-off always uses tiles of 16 pixels.
+// Returns the range of tiles that a splat's square covers along one axis. With square splats, tiles always have 16
+// pixels.
 fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
 {
     let pixel = centre_q14 >> 14u;

@@ -1,7 +1,7 @@
 // Blends the splats of each tile from front to back, and writes the pixels.
 // Needs pixel records order pixels
 
-// Blends a round of splats into the thread's two pixels, two splats per step to hide latency.
+// Blends a round of up to 32 splats into the thread's two pixels, two splats per step to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)
 {
     var bits = atomicLoad(&touching[round % 2u]);

@@ -38,7 +38,8 @@ static int failure(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_failure(&c->gl), why);
 }
 
-/* Checks the GL error first, because a lost context also looks like a missing feature. */
+/* Returns the error for a missing feature of the device. A pending GL error is returned instead, because a lost context
+   also looks like a missing feature. */
 int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
 {
     const int error = fxs_compute_check(c, why);
@@ -165,7 +166,7 @@ static int begin(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, vo
     error = error ? error : load_functions(c, load, argument, why);
     if (error)
         return error;
-    fxs_compute_check(c, why);     /* clears earlier GL errors */
+    fxs_compute_check(c, why);     /* clears errors of earlier GL calls */
     error = check_version(c, why);
     error = error ? error : check_limits(c, why);
     if (error)
@@ -276,7 +277,7 @@ int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
     int error = use(c, why);
     if (error)
         return error;
-    fxs_compute_check(c, why);     /* clears earlier GL errors */
+    fxs_compute_check(c, why);     /* clears errors of earlier GL calls */
     fxs_compute_drop(c, copy);
     copy->here = *scene;
     c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
@@ -431,7 +432,8 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
     return fxs_compute_check(c, why);
 }
 
-/* Copies a plane of the picture to an image with `bytes` bytes per pixel. The plane has one or two words per pixel. */
+/* Copies one plane of a finished picture, such as colours or depths, to an image with `bytes` bytes per pixel. The
+   plane has one or two 32-bit words per pixel. */
 static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
@@ -531,7 +533,7 @@ int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_comp
         return error;
     for (uint32_t i = 0; i < request->count; i++)
         c->plan.part_chunks[i] = copies[i]->part_chunks;
-    fxs_compute_check(c, why);     /* clears earlier GL errors */
+    fxs_compute_check(c, why);     /* clears errors of earlier GL calls */
     return 0;
 }
 

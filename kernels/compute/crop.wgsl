@@ -18,7 +18,7 @@ fn lies_in(low: ptr<function, array<wide, 3>>, high: ptr<function, array<wide, 3
     return inside;
 }
 
-// Returns true if part of the box low..high passes the crop boxes. Exact for a point.
+// Returns true if the crop boxes may leave a part of the box low..high visible. The result is exact for a single point.
 fn is_within_crops(low: ptr<function, array<wide, 3>>, high: ptr<function, array<wide, 3>>) -> bool
 {
     var kept = object.keep_count == 0u;

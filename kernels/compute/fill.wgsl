@@ -1,4 +1,4 @@
-// Fills each tile's list with the numbers of its splats, unsorted.
+// Fills each tile's list with the indices of its splats, unsorted.
 // Needs pixel numbers records bin
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -81,7 +81,7 @@ fn large_splat(slot: u32) -> Splat
                  vec2<i32>(i32(b.w & 0xffffu), i32(b.w >> 16u)));
 }
 
-// Runs one workgroup per LARGE_ROWS tile rows of a large splat.
+// Adds a large splat to its tiles' lists, one workgroup per LARGE_ROWS rows of tiles.
 @compute @workgroup_size(128)
 fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -5,7 +5,7 @@
 
 enum { TAKE_MESH, COLOURS, TRACED };
 
-/* Buffer bindings that the compute stages change. */
+/* GL buffer bindings that rendering changes, and that are therefore saved and restored. */
 static const GLenum bound[][2] = {{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
                                   {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
                                   {GL_COPY_READ_BUFFER, GL_COPY_READ_BUFFER_BINDING},
@@ -30,7 +30,7 @@ typedef struct kept {
 
 static void save(const fxs_compute *c, kept *k)
 {
-    memset(k, 0, sizeof *k);       /* a lost context returns no values */
+    memset(k, 0, sizeof *k);       /* zeros, because a lost GL context returns no values */
     fxs_gl_save(&c->gl, &k->state);
     for (int i = 0; i < BOUND; i++)
         c->gl.GetIntegerv(bound[i][1], &k->bound[i]);
@@ -41,7 +41,7 @@ static void save(const fxs_compute *c, kept *k)
     }
 }
 
-/* A binding of size 0 covers the whole buffer, or has no buffer. */
+/* Restores the caller's buffer bindings. A saved size of 0 means that the whole buffer, or no buffer, was bound. */
 static void restore(const fxs_compute *c, const kept *k)
 {
     for (int i = 0; i < PLACES; i++)
@@ -89,7 +89,8 @@ void fxs_compute_end_drawing(fxs_compute *c)
     c->word_rows = 0;
 }
 
-/* Makes the GL objects for drawing on first use. c->shift: nonzero if fragment shaders have no storage buffers. */
+/* Makes the GL objects for drawing on first use. If fragment shaders have no storage buffers, c->shift is nonzero and a
+   texture is used. */
 static int begin_drawing(fxs_compute *c, fxs_message *why)
 {
     GLint blocks = 0, side = 0;
@@ -173,7 +174,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
     gl->Viewport(t->x, t->y, width, height);
     gl->Scissor(t->x, t->y, width, height);
     gl->UseProgram(c->drawing[t->depths_and_ids ? TRACED : COLOURS]);
-    /* gl_FragCoord counts from the corner of the framebuffer */
+    /* gl_FragCoord counts from the corner of the framebuffer, not of the drawn part */
     gl->Uniform4i(0, -t->x, t->top_down ? -t->y : height - 1 + t->y, t->top_down ? 1 : -1, width);
     gl->Uniform4i(1, (GLint)f->colour - first, (GLint)f->median_depth - first, (GLint)f->id - first, c->shift);
     c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
@@ -181,7 +182,8 @@ int fxs_compute_show(fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
     return fxs_compute_check(c, why);
 }
 
-/* Requests the planes that the target needs. The images given here are never read. */
+/* Requests the planes (colours, depths, ids) that the caller's target needs. The images given here only mark a plane as
+   wanted. */
 static void ask_planes(fxs_targets *to, const fxs_gl_target *t)
 {
     const fxs_image wanted = to->colour, none = {0, 0};

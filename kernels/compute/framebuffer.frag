@@ -1,6 +1,6 @@
 // Copies a finished picture to the caller's framebuffer. BUFFERED: fragment shaders can read storage buffers.
 layout(location = 0) uniform ivec4 place;    // x, y: pixel of fragment (0, 0); z: step per row; w: width of the picture
-// x, y, z: word offsets of colours, depths and ids; w: log2 of the width of texture `words`
+// x, y, z: offsets of the picture's colours, depths and ids, in words; w: log2 of the width of texture `words`
 layout(location = 1) uniform ivec4 planes;
 #if defined BUFFERED
 layout(std430, binding = 3) readonly buffer Memory {
@@ -29,7 +29,7 @@ void main()
     ivec2 fragment = ivec2(gl_FragCoord.xy);
     int at = (place.y + place.z * fragment.y) * place.w + place.x + fragment.x;
     uvec4 bytes = uvec4(word_at(planes.x + at)) >> uvec4(0, 8, 16, 24) & 255u;
-    // With + 0.25 the same byte results whether GL rounds down or to nearest.
+    // Adding 0.25 gives the same byte, whether GL rounds down or to nearest.
     result = (vec4(bytes) + 0.25) / 255.0;
 #if defined TRACED
     depth_result = word_at(planes.y + at);

@@ -1,4 +1,4 @@
-// Compacts the visible chunks into a list, and counts them per object.
+// Compacts the visible chunks (of 256 Gaussians) into a list, and counts them per object.
 // Needs numbers records sums
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -13,7 +13,7 @@ fn put_arguments(at: u32, groups: u32)
     arguments[4u * at + 2u] = 1u;
 }
 
-// Returns the number of visible chunks before chunk `place`.
+// Returns the number of visible chunks before the drawn chunk with index `place`.
 fn rank_of(place: u32) -> u32
 {
     let below = atomicLoad(&counts[frame.seen + place / 32u]) & ((1u << (place % 32u)) - 1u);

@@ -8,7 +8,8 @@
 #include "kernels/gl/gl_functions.h"
 #include "plan.h"
 
-/* Calls F(type's name, function's name) for each GL function of OpenGL ES 3.1. */
+/* List of the functions of OpenGL ES 3.1 that the back end calls: F(function's name in its pointer type, function's
+   name). */
 #define FXS_COMPUTE_FUNCTIONS(F) \
     F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERSUBDATA, BufferSubData) \
     F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DISPATCHCOMPUTE, DispatchCompute) \
@@ -28,14 +29,14 @@ struct fxs_compute {
     char renderer[128];
     GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;
     uint64_t bytes[FXS_COMPUTE_BUFFERS], scene_bytes;
-    uint64_t limit;                /* largest number of bytes on the device; 0: no limit */
+    uint64_t limit;                /* most bytes of device memory that may be allocated; 0: no limit */
     int timer;
     fxs_plan_rooms rooms;
     fxs_plan plan;
     uint64_t nanoseconds;
     GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* GL objects made on first use by framebuffer.c */
     int32_t word_rows, most_rows;
-    int shift;              /* log2 of the width of texture `words`; 0: no such texture */
+    int shift;              /* log2 of the width of texture `words`; 0: the texture is not needed */
 };
 
 /* Returns 0 if the memory limit allows `bytes` more bytes, otherwise FXS_ERR_MEMORY. */
@@ -46,8 +47,8 @@ int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
 
 int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *what, fxs_message *why);
 
-/* fxs_compute_begin checks the request. fxs_compute_finish renders to the request's images, or to the caller's
-   framebuffer if `target` is not null. */
+/* fxs_compute_begin checks a request to render a frame. fxs_compute_finish renders the frame to the request's images,
+   or to the caller's framebuffer if `target` is not null. */
 int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                       void *memory, fxs_message *why);
 int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
@@ -59,7 +60,7 @@ int fxs_compute_show(fxs_compute *compute, const fxs_gl_target *target, fxs_mess
 
 void fxs_compute_end_drawing(fxs_compute *compute);
 
-/* Bytes of device memory of all frame buffers. */
+/* Returns the bytes of device memory that rendering takes besides the scenes. */
 uint64_t fxs_compute_taken(const fxs_compute *c);
 
 #endif

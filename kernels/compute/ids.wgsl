@@ -1,10 +1,10 @@
-// Converts the splat numbers of each pixel to object and Gaussian ids.
+// Replaces the splat number in each pixel by object and Gaussian ids.
 // Needs records
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 
-// Finds the span of chunks that contains chunk `place`. A span belongs to one object.
+// Finds the span (range of one object's drawn chunks) that contains the drawn chunk with index `place`.
 fn span_of(place: u32) -> u32
 {
     var low = 0u;

@@ -1,4 +1,4 @@
-// Assigns memory to the tiles' lists, one workgroup per row of tiles.
+// Assigns memory to the tiles' lists of splats, one workgroup per row of tiles.
 // Needs numbers records sums
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -7,7 +7,7 @@
 
 var<workgroup> first_page: u32;
 
-// Returns the class of a list by its length. Class 0: empty; last class: 4096 entries and more.
+// Returns the length class of a tile's list. Class 0: empty list; last class: 4096 entries and more.
 fn class_of(length: u32) -> u32
 {
     return select(min(34u - countLeadingZeros(length), CLASSES - 1u), 0u, length == 0u);

@@ -26,7 +26,7 @@ fn step_shift_of(at: u32) -> u32
     return scene[at + 18u] >> 16u;
 }
 
-// Returns the largest distance of a Gaussian from its chunk's origin along axis i, below 2^60.
+// Returns the largest distance along axis i between a Gaussian's centre and its chunk's origin, below 2^60.
 fn reach_of(at: u32, i: u32) -> wide
 {
     return shift_left(mul_wide(scene[at + 6u + i], 65535u), step_shift_of(at));
@@ -90,7 +90,7 @@ fn locate(at: u32) -> Located
     return l;
 }
 
-// Returns an upper bound of the sideways reach of a chunk's Gaussians, in camera units.
+// Returns an upper bound of how far a chunk's Gaussians extend sideways from their centres, in camera units.
 fn reach_across(l: ptr<function, Located>) -> wide
 {
     let log2_q16 = (*l).scale_q16 + (32 - (*l).shift + object.jacobian_exponent) * 65536;
@@ -106,7 +106,7 @@ fn reach_across(l: ptr<function, Located>) -> wide
     return add_wide(shift_right(mul_word(size, 7u), 1u), wide(4u, 0u));
 }
 
-// Returns the maximum of sign * (axis i) - slope * depth in the chunk's box.
+// Returns the maximum of sign * c - slope * depth over a chunk's bounding box, where c is camera coordinate i.
 fn farthest(l: ptr<function, Located>, i: u32, sign: i32, slope_q23: i32) -> wide
 {
     let shift = 32 - 23 - (*l).plane_zeros;
@@ -209,7 +209,8 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
-    var drawn = 256u;             // low half: share of the optical depth, Q8; high half: growth of the sigmas, log2
+    // low half: share of the chunk's optical depth that is drawn, Q8; high half: growth of its sigmas, log2
+    var drawn = 256u;
     if (frame.drawn != 0u) {
         chunk = memory[frame.drawn + 2u * place];
         drawn = memory[frame.drawn + 2u * place + 1u];
@@ -228,7 +229,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Uses an atomic OR, because two objects may share a word.
+// Marks the visible chunks, one bit per chunk. An atomic OR is needed, because chunks of two objects may share a word.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -1,4 +1,4 @@
-// 64-bit integers as two 32-bit words, low word first, and the functions of fixsplat/fixed.h.
+// 64-bit integers as two 32-bit words, low word first, and the functions of src/include/fixsplat/internal/fixed.h.
 
 alias wide = vec2<u32>;
 
@@ -23,7 +23,8 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Avoids 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of the result in a following shift.
+// Returns -a. The difference 0 - a is avoided, because NVIDIA's GLSL compiler (driver 580) loses the sign of its result
+// in a following shift.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -37,7 +38,7 @@ fn magnitude(a: wide) -> wide
     return a;
 }
 
-// Compares signed 64-bit numbers.
+// Returns true if a < b, for signed 64-bit numbers a and b.
 fn less(a: wide, b: wide) -> bool
 {
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
@@ -78,7 +79,7 @@ fn mul_word(a: wide, b: u32) -> wide
     return wide(product.x, product.y + a.y * b);
 }
 
-// Shifts by n bits, 0 to 63.
+// Shifts a 64-bit number left by n bits, 0 to 63.
 fn shift_left(a: wide, n: u32) -> wide
 {
     if (n == 0u) {
@@ -101,7 +102,7 @@ fn shift_right(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), a.y >> n);
 }
 
-// Shifts right and rounds towards minus infinity.
+// Shifts a signed 64-bit number right by n bits, and rounds towards minus infinity.
 fn shift_signed(a: wide, n: u32) -> wide
 {
     let high = bitcast<i32>(a.y);
@@ -114,14 +115,14 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
-// Shifts right and rounds towards plus infinity; n > 0.
+// Shifts a signed 64-bit number right by n bits, n > 0, and rounds towards plus infinity.
 fn shift_up(a: wide, n: u32) -> wide
 {
     let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);
     return shift_signed(add_wide(a, most), n);
 }
 
-// x 2^-n, rounded to nearest, halves up; n is 1 to 62
+// Returns x 2^-n, rounded to nearest, halves up; n is 1 to 62.
 fn round_shift(x: wide, n: i32) -> wide
 {
     return shift_signed(add_wide(shift_signed(x, u32(n - 1)), wide(1u, 0u)), 1u);
@@ -142,13 +143,13 @@ fn zeros_of_wide(x: wide) -> i32
     return select(32 + zeros_of(x.x), zeros_of(x.y), x.y != 0u);
 }
 
-// x / 2^n, rounded towards 0
+// Returns x / 2^n, rounded towards 0.
 fn divide_by(x: i32, n: u32) -> i32
 {
     return select(x >> n, -(-x >> n), x < 0);
 }
 
-// 2^62 / m; m in [2^31, 2^32)
+// Returns 2^62 / m, for m in [2^31, 2^32).
 fn reciprocal(m: u32) -> u32
 {
     var y_q30 = 3031741620u - mul_high(m, 2021161081u);
@@ -162,7 +163,7 @@ fn rsqrt_step(m: u32, y_q30: u32) -> u32
     return mul_high(2u * y_q30, 2u * (0x60000000u - mul_high(m, mul_high(2u * y_q30, y_q30))));
 }
 
-// 1 / sqrt(m 2^-32), Q30; m in [2^30, 2^32)
+// Returns 1 / sqrt(m 2^-32) in Q30, for m in [2^30, 2^32).
 fn rsqrt(m: u32) -> u32
 {
     return rsqrt_step(m, rsqrt_step(m, rsqrt_step(m, 2369829601u - mul_high(m, 1431655765u))));
@@ -178,7 +179,7 @@ fn sqrt_of(x: u32) -> u32
     return mul_high(m, rsqrt(m)) >> (14u + shift / 2u);
 }
 
-// 2^-f, Q15; f_q15 is 0 to 32767
+// Returns 2^-f in Q15. The argument f_q15 is 0 to 32767.
 fn exp2_q15(f_q15: i32) -> i32
 {
     var p = (256 * f_q15 + 16384) >> 15u;
@@ -188,7 +189,7 @@ fn exp2_q15(f_q15: i32) -> i32
     return 32768 + p;
 }
 
-// log2(x), Q16; x > 0
+// Returns log2(x) in Q16, for x > 0.
 fn log2_q16(x: wide) -> i32
 {
     let n = zeros_of_wide(x);

@@ -1,4 +1,4 @@
-// Finds the tile to draw at a given position: tiles with longer lists come first, in 16 classes by length.
+// Returns the tile that a workgroup draws: tiles with longer lists of splats come first, in 16 classes by length.
 
 fn classes_before(number: u32, sizes: vec4<u32>, start: ptr<function, u32>, all: ptr<function, u32>) -> u32
 {
@@ -20,7 +20,8 @@ fn class_sizes(first: u32) -> vec4<u32>
     return vec4<u32>(counts[at], counts[at + 1u], counts[at + 2u], counts[at + 3u]);
 }
 
-// Loads the sizes of all classes at once, because a loop would wait for each load.
+// Returns the tile at place `number` of the drawing order. The sizes of all 16 length classes are loaded at once,
+// because a loop would wait for each load.
 fn tile_at(number: u32) -> u32
 {
     let a = class_sizes(12u);

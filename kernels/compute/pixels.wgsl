@@ -1,6 +1,6 @@
-// Pixel functions of blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each round takes 32
-// splats: each thread tests one splat, then all threads blend the splats that touch a pixel. For the longest lists a
-// workgroup draws only 8 pixels, for load balance.
+// Pixel functions of the shaders blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each
+// round takes 32 splats: each thread tests one splat, then all threads blend the splats that touch a pixel. For the
+// longest lists a workgroup draws only 8 pixels, for load balance.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -11,14 +11,15 @@
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
 
-// The 32 splats of a round, relative to the workgroup's pixels. shapes: u and v at the first pixel, ux, uy. shades: vy;
-// offset and red; green and blue; limit.
+// The 32 splats of a round. A splat's alpha is exp(-(u^2 + v^2 + offset) / 2), with u and v linear in the pixel
+// position. shapes: u and v at the workgroup's first pixel, du/dx, du/dy. shades: dv/dy; offset and red; green and
+// blue; largest drawn exponent.
 var<workgroup> shapes: array<vec4<u32>, 32>;
 var<workgroup> shades: array<vec4<u32>, 32>;
-// bit i: splat i touches a pixel; one word per round, alternating
+// Bit i: splat i of the round touches a pixel. Successive rounds use the two words in turn.
 var<workgroup> touching: array<atomic<u32>, 2>;
 var<workgroup> open_round: u32;
-var<workgroup> open_pixels: array<atomic<u32>, 2>; // one bit per open pixel, 8 bits per row
+var<workgroup> open_pixels: array<atomic<u32>, 2>; // bits of the pixels that are not yet opaque, 8 per row
 
 struct Pixel {
     transmittance: i32,
@@ -26,7 +27,7 @@ struct Pixel {
 }
 
 struct Fetched {
-    entry: u32,                    // index of the splat; CUT_OFF set: no splat
+    entry: u32,                    // index of the splat; with bit CUT_OFF: no splat
     a: vec4<u32>,
     b: vec4<u32>,
 }
@@ -50,8 +51,8 @@ fn fetch_splat(entry: u32) -> Fetched
     return f;
 }
 
-// Returns true if a splat can touch an open pixel. |u| is smallest at the first or last open pixel of a row, or zero
-// between them.
+// Returns true if a splat can touch an open pixel, one that is not yet opaque. In a row of pixels, the splat coordinate
+// |u| is smallest at the first or last open pixel, or zero between them.
 fn touch(f: Fetched, here: Patch) -> bool
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
@@ -68,7 +69,7 @@ fn touch(f: Fetched, here: Patch) -> bool
         let right = bitcast<i32>(u + firstLeadingBit(open) * ux);
         let u_q13 = min(max(max(left, -right), 0) >> 11u, 32767);
         let v_q13 = fxs_coordinate_q13(bitcast<i32>(v));
-        // tests round(u^2) + level <= limit
+        // tests whether u^2, rounded, plus v^2 plus the splat's offset is within the limit
         let most_q26 = (limit_q11 - fxs_mul_q15(v_q13, v_q13) - offset_q11 + 1) * 32768 - 16384;
         touches |= open != 0u && u_q13 * u_q13 < most_q26;
         u += f.a.w;
@@ -85,7 +86,7 @@ fn open_of(row: u32) -> u32
 struct Taken {
     u: u32,
     ux: u32,
-    level_q26: u32,                // v^2 + offset, plus 1/2 for rounding
+    level_q26: u32,                // v^2 + offset of the splat in the row of pixels, plus 1/2 for rounding
     limit_q11: i32,
     colour: vec3<i32>,
 }
@@ -109,7 +110,7 @@ fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
     let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
-    // The sums of colours only grow, so put_colour alone saturates them.
+    // A pixel's sums of colours only grow, so it suffices that put_colour saturates them at the end.
     (*p).sum += vec3<i32>(fxs_mul_q15(weight, t.colour.x), fxs_mul_q15(weight, t.colour.y),
                           fxs_mul_q15(weight, t.colour.z));
     return weight;
@@ -150,10 +151,10 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
 }
 
 struct Patch {
-    tile: u32,                     // NOTHING: no pixels to draw
+    tile: u32,                     // number of the tile; NOTHING: no pixels to draw
     x: u32,
     y: u32,
-    rows: vec2<u32>,               // first and last row of pixels, relative to y
+    rows: vec2<u32>,               // first and last row of pixels to draw, relative to y
     list: u32,
     count: u32,
 }

@@ -7,7 +7,7 @@
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };
 
-/* A range of one object's drawn chunks with all Gaussians in one buffer. */
+/* A range of one object's drawn chunks, with all their Gaussians in one GPU buffer. */
 typedef struct span {
     uint32_t object, first_place, end_place, part;
 } span;
@@ -187,7 +187,8 @@ static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
     return p->drawn ? p->drawn[place].chunk : place;
 }
 
-/* Advances *s, initially zeros, to the next span. Returns 0 after the last span. */
+/* Advances *s to the next span, a range of one object's drawn chunks. *s is zeros at first. Returns 0 after the last
+   span. */
 static int next_span(const fxs_plan *p, span *s)
 {
     uint32_t place = s->end_place;
@@ -308,7 +309,8 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
-/* Uses tiles of 8x8 pixels if Gaussians outnumber pixels and are hence small. */
+/* Returns log2 of a tile's side. Tiles have 8x8 pixels if Gaussians outnumber pixels and are hence small, else
+   16x16. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;

@@ -15,7 +15,7 @@
 #include "src/core/cut.h"
 
 typedef struct fxs_plan_rooms {
-    uint64_t most;                 /* largest storage buffer in bytes */
+    uint64_t most;                 /* size of the largest storage buffer in bytes */
     uint32_t chunks, larges, pages, merges;
     uint32_t whole_tiles;
 } fxs_plan_rooms;
@@ -24,8 +24,8 @@ typedef struct fxs_plan {
     const fxs_request *request;
     fxs_stage_view view;
     fxs_object_view *objects;
-    uint32_t *part_chunks;         /* per object: most chunks in one buffer; set by the back end */
-    const fxs_drawn *drawn;        /* null: draw every chunk of all objects */
+    uint32_t *part_chunks;         /* number of chunks that fit in one buffer, per object; set by the back end */
+    const fxs_drawn *drawn;        /* chunks to draw; null: every chunk of all objects */
     uint64_t gaussians;
     uint32_t places, cut_room, merges, tries;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];
@@ -38,12 +38,12 @@ enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
 
 typedef struct fxs_step {
     uint32_t program;
-    uint32_t waits;                /* 1: needs a barrier, to read what earlier steps wrote */
+    uint32_t waits;                /* 1: a barrier must precede the step, which reads what earlier steps wrote */
     uint32_t groups[2];
-    int32_t arguments;             /* buffer with the workgroup counts; FXS_PLAN_NONE: use `groups` */
+    int32_t arguments;             /* buffer that holds the numbers of workgroups; FXS_PLAN_NONE: `groups` holds them */
     uint32_t arguments_at;
     int32_t buffers[4];
-    uint32_t uniform;              /* offset of the object in the uniform buffer, in bytes; 0: none */
+    uint32_t uniform;     /* offset of the object's record in the uniform buffer, in bytes; 0: the step has no object */
     uint32_t object, part;
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);
@@ -51,22 +51,24 @@ typedef void fxs_step_fn(void *argument, const fxs_step *step);
 /* Returns the host memory for a frame in bytes, or 0 if the request is out of range. */
 size_t fxs_plan_memory(const fxs_request *request);
 
-/* Checks a request and chooses the chunks to draw. The request, its crop boxes and `memory` must stay valid. */
+/* Checks a request to render a frame, and chooses the chunks to draw. The request, its crop boxes and `memory` must
+   stay valid. */
 int fxs_plan_begin(fxs_plan *plan, const fxs_request *request, void *memory, fxs_message *why);
 
 int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
-/* Return the size in bytes of the table of drawn chunks, and write the table. The table belongs at word
-   plan->frame.spans_at of FXS_COMPUTE_MEMORY, which starts with fxs_offset_of_code_q11. */
+/* fxs_plan_places_bytes returns the size in bytes of the table of drawn chunks, and fxs_plan_places writes the table.
+   The caller copies the table to buffer FXS_COMPUTE_MEMORY at word plan->frame.spans_at, and the array
+   fxs_offset_of_code_q11 to the buffer's start. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
 void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
 
-/* Checks the first FXS_COMPUTE_STATUS words of the counts. Returns 0 if the frame is complete, 1 to lay out and run the
-   frame again with longer lists, or an error. */
+/* Checks the status of a frame: the first FXS_COMPUTE_STATUS words of buffer FXS_COMPUTE_COUNTS. Returns 0 if the frame
+   is complete, 1 to lay out and run the frame again with longer lists, or an error. */
 int fxs_plan_look(fxs_plan *plan, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
 
 typedef struct fxs_piece {
@@ -74,7 +76,7 @@ typedef struct fxs_piece {
     uint64_t bytes, at;
 } fxs_piece;
 
-/* Returns the number of chunks with Gaussians that fit in a buffer of `most` bytes, or 0 with a message. */
+/* Returns the number of chunks whose Gaussians fit in a buffer of `most` bytes, or 0 with a message. */
 uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why);
 
 uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3]);

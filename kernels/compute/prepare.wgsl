@@ -45,7 +45,8 @@ fn offset_of(opacity: u32, share_q8: u32) -> i32
     return i32(offset_q11) + object.offset_q11;
 }
 
-// Adds a span of tiles to the lengths of their lists, as differences for a prefix sum.
+// Adds 1 to the list lengths of a range of tiles in one row. `counts` holds differences of neighbouring lengths, so
+// that a later prefix sum gives the lengths.
 fn count_tiles(row: i32, s: Span)
 {
     if (s.first > s.last) {
@@ -74,8 +75,8 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
-// Counts the tiles of a splat. Returns a mask of the tiles, bit 6 r + c for row r and column c, and the first tile's
-// number from bit 42 on. Returns 0 if the splat is large or touches no tile.
+// Counts a splat in the lengths of its tiles' lists. Returns a mask of the tiles: bit 6 r + c for row r and column c.
+// Bits from 42 on are the first tile's number. Returns 0 if the splat is large or touches no tile.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;
@@ -146,7 +147,7 @@ fn project_gaussian(chunk: u32, slot: u32) -> wide
         key = scale_depth(key);
     }
     let colour = min((shade(rows, g, codes) * object.tint_q13.xyz + 4096) >> vec3<u32>(13u), vec3<i32>(32767));
-    var splat = out.splat;         // some SPIR-V versions reject a pointer to a member
+    var splat = out.splat;         // copied, because some SPIR-V versions reject a pointer to a struct member
     put_splat(slot, &splat, colour);
     memory[frame.depths + slot] = key;
     atomicAdd(&visible_here, 1u);

@@ -9,7 +9,7 @@ struct Projected {
     out_of_range: bool,
 }
 
-// Covariance of a splat on the screen, in units of 4^exponent pixels^2.
+// Covariance matrix (a, b; b, c) of a splat on the screen, in units of 4^exponent pixels^2.
 struct Covariance {
     a_q30: u32,
     c_q30: u32,
@@ -48,7 +48,8 @@ fn wide_at(at: u32) -> wide
     return wide(record[at], record[at + 1u]);
 }
 
-// Returns (base + m code) >> 16 for one axis, below 2^30. Splits m at bit 16 to avoid 64-bit products.
+// Returns camera coordinate i of a Gaussian's centre from its position code: (base + m code) >> 16, below 2^30. Splits
+// matrix m at bit 16 to avoid 64-bit products.
 fn camera_of(i: u32, code: vec3<u32>) -> i32
 {
     let base_q16 = wide_at(2u * i);
@@ -104,7 +105,7 @@ fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
     return true;
 }
 
-// Returns a row of J W, the Jacobian times the view rotation, divided by f/z 2^jacobian_exponent, Q15.
+// Returns a row of J W, the projection's Jacobian times the view rotation, divided by f/z 2^jacobian_exponent, Q15.
 fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
 {
     let slope = clamp(slope_q23, object.slope_low_q23[i], object.slope_high_q23[i]);
@@ -153,7 +154,8 @@ fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
     return true;
 }
 
-// f sigma_max / z 2^jacobian_exponent = mantissa 2^exponent, mantissa in [0.5, 1)
+// Computes the size of a Gaussian on the screen, f sigma_max / z 2^jacobian_exponent, as mantissa 2^exponent with the
+// mantissa in [0.5, 1).
 fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<function, i32>) -> u32
 {
     let whole = -(-size_q16 >> 16u);
@@ -221,7 +223,7 @@ fn root_of_q30(x: u32) -> Root
     return Root(m, rsqrt(m), 1 - zeros / 2);
 }
 
-// x 2^-shift, rounded to nearest; shift > 0, x < 2^32 - 1
+// Returns x 2^-shift, rounded to nearest, for shift > 0 and x < 2^32 - 1.
 fn scale_down(x: u32, shift: i32) -> u32
 {
     if (shift > 32) {
@@ -268,7 +270,7 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
     (*out).splat.vy_q24 = vy;
 }
 
-// False if the ellipse misses the picture.
+// Returns false if a splat's ellipse lies outside the picture.
 fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
 {
     var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
@@ -286,13 +288,14 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     return true;
 }
 
-// The square cut-off of Kerbl et al. 2023.
+// Computes the radius of a square splat, 3 sigma as in Kerbl et al. 2023. Returns false if the square lies outside the
+// picture.
 fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
 {
     let e = (*s).exponent;
     let mid_q30 = shift_right(add_wide(wide((*s).a_q30, 0u), wide((*s).c_q30, 0u)), 1u).x;
     var least_q60 = wide(1u, 0u);
-    if (e < 15) {                  // 2^60 / 10 = 0x0199999999999999
+    if (e < 15) {                  // 0x0199999999999999 is 0.1 in Q60
         least_q60 = shift_right(wide(0x99999999u, 0x01999999u), u32(4 * e));
     }
     let spread_q60 = sub_wide(mul_wide(mid_q30, mid_q30), (*s).det_q60);
@@ -382,7 +385,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
 
 // ----------------------------------------------------------------------------------------------------------------
 
-// Returns the length of an axis, 2^-below times the longest axis, Q15.
+// Returns the length of an axis of a Gaussian in Q15. The axis is 2^-below times as long as the longest axis.
 fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
 {
     let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));
@@ -394,7 +397,7 @@ fn dot_q15(a: vec3<i32>, b: vec3<i32>) -> i32
     return (dot_i(a, b) + 16384) >> 15u;
 }
 
-// Returns a row of the splatting matrix T = J W R S, Q15.
+// Returns a row of the splatting matrix T = J W R S, Q15: Jacobian, view rotation, Gaussian's rotation and scales.
 fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
 {
     let p = dot_q15(row, axes.side_x_q15);

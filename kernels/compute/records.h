@@ -5,7 +5,7 @@
 
 #include <fixsplat/internal/stage.h>
 
-/* Calls F(entry point) for each program in the order of a frame. */
+/* List of the shader programs in the order of a frame: F(name of the entry point). */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
     F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
@@ -14,7 +14,8 @@
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 
 enum {
-    FXS_COMPUTE_UNIFORMS,          /* frame, then objects, FXS_COMPUTE_STRIDE bytes each */
+    /* buffer of the uniforms of the frame and then of each object, FXS_COMPUTE_STRIDE bytes each */
+    FXS_COMPUTE_UNIFORMS,
     FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES,
     FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,
     FXS_COMPUTE_DOWNLOAD,

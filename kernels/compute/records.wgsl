@@ -1,14 +1,14 @@
 // Data passed between the stages of a frame, as in records.h. Offsets count words of the array `memory` unless `counts`
-// is named. A slot is the index of a splat, a place the index of a drawn chunk of 256 Gaussians.
+// is named. A slot is the index of a splat (a projected Gaussian), a place the index of a drawn chunk of 256 Gaussians.
 
 const CHUNK: u32 = 256u;
 const THREADS: u32 = 128u;
-const ROW_OF_GROUPS: u32 = 32768u; // largest number of workgroups along x
+const ROW_OF_GROUPS: u32 = 32768u; // largest number of workgroups along x in a dispatch
 const RECORD: u32 = 64u;
 const LARGE: u32 = 8u;
 const LARGE_ROWS: i32 = 8;
-const SPAN: u32 = 8u;              // words in the record of a range of drawn chunks
-const PAGE: u32 = 4096u;           // entries of a page; a tile row's lists start at a page
+const SPAN: u32 = 8u;              // words in the record of a span, a range of drawn chunks
+const PAGE: u32 = 4096u;           // list entries in a page; the lists of each row of tiles start with a new page
 const MERGES: u32 = 19u;
 const BLOCK: u32 = 512u;           // list entries that one workgroup sorts
 const CLASSES: u32 = 16u;          // number of classes of tiles by list length
@@ -35,21 +35,23 @@ struct Frame {
     tiles: vec2<i32>,
     places: u32,                   // number of drawn chunks
     spans: u32,
-    chunk_room: u32,               // capacity for splats, in chunks
+    chunk_room: u32,               // number of chunks with memory for their splats
     large_room: u32,
     page_room: u32,
-    drawn: u32,                    // offset of the chunk and share of each place; 0: every chunk is drawn
-    seen: u32,                     // offset in `counts` of one bit per place; 1: visible
+    drawn: u32,          // offset of the table of drawn chunks: number and drawn share of each; 0: every chunk is drawn
+    seen: u32,                     // offset in `counts` of one bit per drawn chunk; 1: visible
     ranks: u32,
     visible: u32,
-    records: u32,                  // offset of the record of each visible place
-    depths: u32,                   // offset of the depth key of each slot
+    records: u32,                  // offset of the records of visible chunks
+    depths: u32,                   // offset of the depth keys, one per splat
     boxes: u32,
     larges: u32,
-    spans_at: u32,      // offset of the spans: first and end place, first and end visible place, object id, first chunk
+    // Offset of the spans, ranges of drawn chunks. Each has first and end place, first and end visible place, object
+    // id, first chunk.
+    spans_at: u32,
     next: u32,
     classes: u32,
-    blocks: u32,                   // offset in `counts` of the tile and number of each block to sort
+    blocks: u32,           // offset in `counts` of the blocks to sort: tile, and number of the block in the tile's list
     block_room: u32,
     spare: u32,
     tile_bits: u32,                // log2 of a tile's side in pixels, 3 or 4
@@ -59,7 +61,7 @@ struct Frame {
     format: u32,
     background_q13: vec4<i32>,
     depth_bits: i32,
-    colour: u32,                   // offsets of the picture's planes; NOTHING: plane not wanted
+    colour: u32,                // offset of the colours; NOTHING: colours are not wanted; likewise for the planes below
     coverage: u32,
     mean_depth: u32,
     median_depth: u32,
@@ -76,7 +78,8 @@ struct Object {
     forward_q15: array<vec4<i32>, 2>,
     tint_q13: vec4<i32>,
     near_q32: vec2<u32>,
-    dilation_q30: vec2<u32>,       // (x^2 + y^2) 2^30 / 14400 for a picture of x by y pixels
+    // variance that widens huge splats: (x^2 + y^2) 2^30 / 14400 for a picture of x by y pixels
+    dilation_q30: vec2<u32>,
     f_q12: vec2<i32>,
     c_q12: vec2<i32>,
     slope_low_q23: vec2<i32>,
@@ -108,7 +111,8 @@ struct Object {
     span: u32,
     part_chunk: u32,
     rows_at: u32,
-    crops: array<vec4<u32>, 32>,   // four vectors per crop box: low corner, high corner, `outside`
+    // crop boxes, four vectors each: low corner, high corner, `outside` (1: keeps the outside)
+    crops: array<vec4<u32>, 32>,
 }
 
 struct Splat {

@@ -77,7 +77,7 @@ fn direction_q15(position: vec3<u32>) -> vec3<i32>
                      unit_q15(d.z, zeros, inverse_q30));
 }
 
-// SH basis functions 1 to 15 and a zero. Functions above the evaluated degree are zero.
+// Values of the SH basis functions 1 to 15, and a zero as padding. Functions above the evaluated degree are zero.
 struct Basis {
     a: vec4<i32>,
     b: vec4<i32>,
@@ -117,7 +117,7 @@ fn basis_of(d: vec3<i32>, degree: i32) -> Basis
     return b;
 }
 
-// Returns SH coefficient k of the three channels.
+// Returns SH coefficient k of red, green and blue.
 fn sh_of(at: u32, k: u32) -> vec3<i32>
 {
     let word = (at + 3u * k * CHUNK) / 4u;
@@ -188,7 +188,7 @@ fn bits_at(byte: u32, bit: u32) -> u32
     return low | (scene[at / 4u + 1u] << (32u - shift));
 }
 
-// Returns the dot product of the basis with 2 c + 1 for four signed 3-bit codes c.
+// Returns the dot product of four SH basis values with the numbers 2 c + 1, for four signed 3-bit codes c.
 fn odd_dot(b: vec4<i32>, bits: u32) -> i32
 {
     let code = vec4<i32>(((vec4<u32>(bits) >> vec4<u32>(0u, 3u, 6u, 9u)) & vec4<u32>(7u)) ^ vec4<u32>(4u));

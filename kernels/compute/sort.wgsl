@@ -13,10 +13,11 @@ const RANGE: u32 = 16u;
 const BINS: u32 = 256u;
 
 var<workgroup> keys: array<vec2<u32>, 512>;
-var<workgroup> bins: array<atomic<u32>, 257>;    // sizes of the bins, then their start offsets; last: number of keys
+// sizes of the depth bins, later their start offsets; the last is the number of keys
+var<workgroup> bins: array<atomic<u32>, 257>;
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
-var<workgroup> bounds: array<vec2<u32>, 16>;     // per range: smallest depth, log2 of the width of a bin
+var<workgroup> bounds: array<vec2<u32>, 16>;     // per range of depth bins: smallest depth, log2 of the width of a bin
 
 fn key_of(entry: u32) -> vec2<u32>
 {
@@ -56,7 +57,8 @@ struct Block {
 
 var<workgroup> own_block: Block;
 
-// Each merge moves the list between `entries` and scratch space; the last one ends in `entries`.
+// Returns the number of merge passes for a list. Each pass moves the list between `entries` and scratch space; the last
+// one ends in `entries`.
 fn merges_of(count: u32) -> u32
 {
     return max(32u - countLeadingZeros(count - 1u), 9u) - 9u;
@@ -120,7 +122,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
     workgroupBarrier();
 }
 
-// Returns the bin of a depth, in the last range that starts at or below the depth.
+// Returns the bin of a depth. Its range of bins is the last one that starts at or below the depth.
 fn bin_of(depth: u32) -> u32
 {
     var range = 0u;
@@ -183,8 +185,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// Returns how many of the d smallest keys of two sorted runs come from the first run: a keys at `first`, b keys at
-// `second`. Each half of the workgroup has its own d.
+// Splits the result of merging two sorted runs: returns how many of the d smallest keys come from the first run. The
+// runs have a keys at `first` and b keys at `second`. Each half of the workgroup has its own d.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;

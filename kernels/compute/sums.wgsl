@@ -11,7 +11,7 @@ fn plus(a: u32, b: u32, cut: bool) -> u32
     return select(a + b, 0xffffffffu, cut && a + b < a);
 }
 
-// Returns the sum of `own` over the preceding threads. A barrier must separate two calls.
+// Returns the sum of `own` over the preceding threads of the workgroup. A barrier must separate two calls.
 fn sum_before(thread: u32, own: u32, cut: bool) -> u32
 {
     sums[thread] = own;

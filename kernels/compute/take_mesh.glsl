@@ -1,9 +1,11 @@
 // Copies the caller's depth and colour textures to device memory.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(location = 0) uniform ivec4 size;     // size of the picture; texel row of row 0; step per row
-// word offsets of occluder and backdrop, -1: none; depth_bits; 1: read depth_buffer
+// x, y: size of the picture; z: texture row of picture row 0; w: texture rows per picture row
+layout(location = 0) uniform ivec4 size;
+// x, y: offsets in `memory` for the occluder's depths and the backdrop's colours, -1: none; z: fraction bits of the
+// depths; w: 1: the depths come from depth_buffer
 layout(location = 1) uniform ivec4 planes;
-layout(location = 2) uniform vec2 inverse;   // 1 / distance at depth 0 and at depth 1 of depth_buffer
+layout(location = 2) uniform vec2 inverse;   // 1 / distance at the values 0 and 1 of depth_buffer
 layout(binding = 0) uniform highp usampler2D occluder;
 layout(binding = 1) uniform highp sampler2D depth_buffer;
 layout(binding = 2) uniform highp sampler2D backdrop;

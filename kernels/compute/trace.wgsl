@@ -6,11 +6,11 @@ var<workgroup> own: array<vec2<u32>, 32>;
 const HALF_Q15: i32 = 16384;
 
 struct Traced {
-    limit: u32,                    // depth key of the occluder; farther splats are hidden
+    limit: u32,                    // depth key (depth as a sortable code) of the occluder; farther splats are hidden
     weight: i32,                   // largest weight of any splat so far
     largest: u32,
     median: u32,                   // depth key of the splat that takes the transmittance below 1/2
-    sum: wide,                     // sum of weight * depth
+    sum: wide,                     // sum of weight * depth of the pixel's splats
 }
 
 fn key_of(depth: u32) -> u32
@@ -48,8 +48,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// Returns sum / weight, rounded. `sum` has 8 extra fraction bits. Long division in 16-bit digits, because the weight
-// has 15 bits.
+// Returns the mean depth of a pixel: the sum of weight * depth over the sum of the weights, rounded. `sum` has 8 extra
+// fraction bits. Long division in 16-bit digits, because the weight has 15 bits.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);

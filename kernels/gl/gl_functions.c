@@ -24,7 +24,7 @@ int fxs_gl_check(const fxs_gl *gl)
 {
     int error = 0;
     GLenum one;
-    /* a lost context may report errors endlessly */
+    /* a limited number of rounds, because a lost context may report errors endlessly */
     for (int i = 0; i < 16 && (one = gl->GetError()) != GL_NO_ERROR; i++)
         error = error ? error : one == GL_OUT_OF_MEMORY ? FXS_ERR_MEMORY : FXS_ERR_DEVICE;
     return error;

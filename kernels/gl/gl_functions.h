@@ -1,5 +1,5 @@
-/* Shared by the back ends for OpenGL ES: a table of pointers to the functions of OpenGL ES 3.0 that they call;
- * programs, errors, and the state of a context. */
+/* Shared by the back ends for OpenGL ES: a table of pointers to the functions of OpenGL ES 3.0 that the back ends call;
+ * GL programs, errors, and the state of a GL context. */
 #ifndef FXS_GL_FUNCTIONS_H
 #define FXS_GL_FUNCTIONS_H
 
@@ -7,7 +7,7 @@
 
 #include <fixsplat/gl.h>
 
-/* Calls F(type's name, function's name) for each GL function. */
+/* List of the GL functions: F(function's name in its pointer type, function's name). */
 #define FXS_GL_FUNCTIONS(F) \
     F(ACTIVETEXTURE, ActiveTexture) F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) \
     F(BINDBUFFER, BindBuffer) F(BINDFRAMEBUFFER, BindFramebuffer) \
@@ -38,13 +38,13 @@ typedef struct fxs_gl {
     FXS_GL_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_gl;
 
-/* Loads a GL function into `table`. Returns the function's name from the calling function if missing. */
+/* Loads a GL function into `table`. If the function is missing, makes the calling function return the missing name. */
 #define FXS_GL_LOAD(type, name) \
     table->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
     if (!table->name) \
         return "gl" #name;
 
-/* Returns null, or the name of a missing function. */
+/* Loads all GL functions into *table. Returns null, or the name of a missing function. */
 const char *fxs_gl_load(fxs_gl *table, fxs_gl_load_fn *load, void *argument);
 
 int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
@@ -52,15 +52,15 @@ int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 /* Clears pending GL errors. Returns 0 if there were none, otherwise FXS_ERR_MEMORY or FXS_ERR_DEVICE. */
 int fxs_gl_check(const fxs_gl *gl);
 
-/* Returns the error of a call that has failed. Never returns 0. */
+/* Returns the error code FXS_ERR_* for a GL call that has failed, never 0. */
 int fxs_gl_failure(const fxs_gl *gl);
 
-/* Compile and link shaders. Return 1, or 0 with the device's message in `log`. */
+/* Compile and link shaders. Both functions return 1, or 0 with the device's message in `log`. */
 int fxs_gl_compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *const *parts, GLsizei count, char *log,
                    GLsizei size);
 int fxs_gl_link(const fxs_gl *gl, GLuint program, char *log, GLsizei size);
 
-/* Unbinds the current program before deletion, because GL keeps a program in use alive. */
+/* Deletes GL programs. Unbinds the current program first, because GL keeps a program in use alive. */
 void fxs_gl_delete_programs(const fxs_gl *gl, int count, const GLuint *programs);
 
 int fxs_gl_check_target(const fxs_gl_target *target);
@@ -77,7 +77,7 @@ typedef struct fxs_gl_state {
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *state);
 void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *state);
 
-/* Sets the GL state for draws, with textures bound to units 0 to count - 1. */
+/* Sets the GL state for draws, and binds `textures` to the texture units 0 to count - 1. */
 void fxs_gl_set(const fxs_gl *gl, GLuint vertex_array, int count, const GLuint *textures);
 
 void fxs_gl_blend_over(const fxs_gl *gl);

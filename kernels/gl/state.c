@@ -1,13 +1,13 @@
-/* Saves the state of a context, sets it for a draw, and restores it. */
+/* Saves the state of a GL context, sets it for a draw, and restores it. */
 #include "gl_functions.h"
 #include "src/core/memory.h"
 
-/* Draws disable these GL switches, except the scissor test. */
+/* GL switches that draws disable, except the scissor test, which draws enable. */
 static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
                                   GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
 enum { SWITCHES = sizeof switches / sizeof *switches };
 
-/* Uploads set these pixel parameters to 0. */
+/* GL pixel-store parameters that are set to 0 for uploads. */
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 
@@ -17,7 +17,7 @@ enum { BLEND = sizeof blend / sizeof *blend };
 
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *s)
 {
-    memset(s, 0, sizeof *s);       /* a lost context returns no values */
+    memset(s, 0, sizeof *s);       /* zeros, because a lost GL context returns no values */
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);

@@ -1,20 +1,21 @@
-/* Draws the picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
- * shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and writes the next state. A
- * second draw over the whole picture resolves the states. */
+/* Draws the picture without per-tile lists of splats. One draw has all splats near to far, each as one or two
+ * triangles. The fragment shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and
+ * writes the next state. A second draw over the whole picture resolves the states. */
 #include <fixsplat/internal/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/lister.h"
 #include "device.h"
 
-#define TEXELS 3u                  /* texels of a record; one record per triangle */
+#define TEXELS 3u                  /* number of texels in the record of a triangle */
 #define RECORD (TEXELS * 16)
 #define PARTS 64u
 #define AHEAD 16
-#define GUARD 3                    /* side of the viewport in windows; avoids clipping */
-/* Radius in pixels from which a splat is drawn as two triangles, a rectangle with a quarter fewer pixels. */
+#define GUARD 3           /* size of the GL viewport relative to the drawn window; the large viewport avoids clipping */
+/* Splats from this radius in pixels on are drawn as a rectangle of two triangles. The rectangle has a quarter fewer
+   pixels than one triangle around the splat. */
 #define LARGE 12
 
-enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; + 1: second triangle of the shape */
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes of splats; shape + 1: second triangle of the shape */
 
 typedef struct batch {
     const fxs_tile_run *run;
@@ -44,7 +45,7 @@ static int is_veil(const fxs_bounds *b)
     return b->half_width_q8 == FXS_EVERYWHERE_Q8;
 }
 
-/* Returns the tile columns of a splat: the rows of the transposed picture. */
+/* Returns the range of tile columns that a splat touches, computed as the tile rows in the transposed picture. */
 static fxs_span columns_of(const fxs_stage_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
     fxs_stage_view turned = *view;
@@ -122,7 +123,8 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-/* Chooses b->end so that at most `capacity` records result. Returns the number of records. */
+/* Chooses b->end, the end of the batch of splats, so that the batch has at most `capacity` records (one per triangle).
+   Returns the number of records. */
 static uint32_t take_splats(batch *b, uint32_t capacity)
 {
     uint32_t parts = 0, count = 0;

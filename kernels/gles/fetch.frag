@@ -11,7 +11,7 @@ bool outside(int at, int span)
     return at < (span & 0xffff) || at > span >> 16;
 }
 #endif
-layout(location = 0) inout ivec4 state;      // transmittance, red, green, blue
+layout(location = 0) inout ivec4 state;      // pixel's transmittance, red, green and blue
 
 void main()
 {

@@ -1,15 +1,16 @@
 // Places the corners of a splat's triangles: one triangle around the ellipse, two for the rectangle of a large splat,
-// two over the whole window for a veil. A record has three texels: u0, ux, uy, v0; vy, offset and red, green and blue,
-// columns; cx, cy, shape and rows, depth key.
+// two over the whole window for a veil (a huge splat). A splat has coordinates u and v, linear in the pixel position,
+// with values u0 and v0 at pixel (0, 0). The record of a triangle has three texels: (u0, du/dx, du/dy, v0), (dv/dy,
+// offset and red, green and blue, columns), (centre x, centre y, shape and rows, depth key).
 uniform highp usampler2D records;
-uniform ivec4 size;                  // width and height of the window; cut-off, Q11; log2 of the width of `records`
-uniform ivec4 place;                 // first pixel of the window; side of the viewport in windows
-flat out ivec4 line;                 // splat coordinates u, ux, uy, v at the window's first pixel, Q24
-flat out ivec4 look;                 // vy; offset, Q11, and red; green and blue, Q13; limit, Q11
+uniform ivec4 size;  // x, y: width and height of the window; z: cut-off, Q11; w: log2 of the width of texture `records`
+uniform ivec4 place;                 // x, y: first pixel of the window; z: size of the viewport relative to the window
+flat out ivec4 line;               // u, du/dx, du/dy, v: splat coordinates at the window's first pixel, and slopes, Q24
+flat out ivec4 look;          // (dv/dy; offset, Q11, and red; green and blue, Q13; largest drawn level, Q11) of a splat
 #ifdef LIMITED
-flat out ivec3 limits;               // first and last tile column; first and last tile row; depth key
+flat out ivec3 limits;               // splat's first and last tile column; first and last tile row; depth key
 #endif
-const int TRIANGLE = 0, VEIL = 4;    // shapes of splats; 2: rectangle; odd: second triangle
+const int TRIANGLE = 0, VEIL = 4;    // shapes of splats; shape 2: rectangle; odd: second triangle
 
 ivec4 texel(int i)
 {
@@ -31,7 +32,8 @@ void main()
     if (shape >= VEIL) {
         pixel = (corner * 0.5 + 0.5) * vec2(size.xy);
     } else {
-        // x = cx + sx u + k v, y = cy + sy v; e: longer axis of the ellipse
+        // Pixel position from splat coordinates u, v: x = cx + sx u + k v, y = cy + sy v. e: direction of the ellipse's
+        // longer axis.
         float sx = 16777216.0 / float(a.y), sy = 16777216.0 / float(b.x), k = float(-a.z) / float(a.y) * sy;
         float h = 0.5 * (sx * sx + k * k - sy * sy), m = k * sy, l = length(vec2(h, m));
         vec2 e = l > 0.0 ? normalize(h >= 0.0 ? vec2(h + l, m) : vec2(m, l - h)) : vec2(1.0, 0.0);

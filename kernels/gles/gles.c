@@ -1,5 +1,5 @@
-/* Objects of the back end: functions, programs, textures and buffers; reading back; rendering to the caller's
- * target. */
+/* GL objects of the OpenGL ES back end: functions, programs, textures and buffers; reading back; rendering to the
+ * caller's target. */
 #include <stdlib.h>
 
 #include <fixsplat/gl.h>
@@ -48,7 +48,7 @@ static int check_version(fxs_gles *g, char *message)
         return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
     if (!is_es && !fxs_gl_has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
-    g->points = is_es;             /* on desktop GL, extra state sets the size of points */
+    g->points = is_es;             /* on desktop GL, extra state sets the size of points, so points are not used */
     g->timer = is_es && fxs_gl_has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
     return 0;
 }
@@ -73,7 +73,8 @@ static int check_limits(fxs_gles *g, char *message)
 static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
 static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
 
-/* Mesa's software renderer multiplies faster if factors are masked to 15 bits. */
+/* Returns the definition of the shaders' macro FACTOR. Mesa's software renderer multiplies faster if factors are masked
+   to 15 bits. */
 static const char *factor_of(const fxs_gles *g)
 {
     return strncmp(g->renderer, "llvmpipe", 8) ? "#define FACTOR(x) (x)\n" : "#define FACTOR(x) ((x) & 32767)\n";
@@ -373,7 +374,8 @@ static void copy_row(unsigned char *to, const unsigned char *from, int32_t count
     }
 }
 
-/* Copies the pixels of the run's tiles. The next run overwrites pixels after the last tile. */
+/* Copies the pixels of a run (range of tiles) to the image. Also copies pixels after the run's last tile, which the
+   next run overwrites. */
 static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
                        int32_t height, int wide)
 {
@@ -409,7 +411,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int32_t x, int32_t y, in
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_TARGET]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
-    /* most devices can read integer pixels as bytes, all as words */
+    /* All devices can read integer pixels as 32-bit words, most can read them as bytes. */
     const int wide = has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE;
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
     bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);

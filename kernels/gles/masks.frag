@@ -1,16 +1,17 @@
-// Finds which splats touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. Its masks
-// are four texels, one per quarter of the tile, with a word per block and a bit per splat.
-uniform highp usampler2D chunks;     // first record, and count - 1 from bit 24 on; column and row of the tile
-uniform ivec4 source;                // x: log2 of the width of the textures; y: cut-off
+// Finds which splats touch each block of 4x4 pixels in a tile. A chunk is up to 32 splats of a tile's list. The masks
+// of a chunk are four texels, one per quarter of the tile, with a word per block and a bit per splat.
+uniform highp usampler2D chunks;     // x: first record, and number of splats - 1 from bit 24 on; y: tile column and row
+uniform ivec4 source;                // x: log2 of the width of the textures; y: cut-off level of splats
 out uvec4 result;
 
-// Returns the smallest magnitude of u or v in a block, Q13, saturated at 4.
+// Returns the smallest magnitude of a splat coordinate in each of four blocks of pixels, Q13, saturated at 4.
 ivec4 nearest(ivec4 least, ivec4 most)
 {
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// The splat coordinates u and v are linear in x and y; ux and vy are not negative. Arithmetic modulo 2^32 suffices.
+// Returns 1 for each block of 4x4 pixels that a splat touches, else 0, for four blocks. The splat coordinates u and v
+// are linear in x and y; their slopes du/dx and dv/dy are not negative. Arithmetic modulo 2^32 suffices.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {
     ivec2 uv = whitened(r, pixel);

@@ -1,10 +1,11 @@
 // Reads the depth of the caller's occluder at a pixel.
 uniform highp usampler2D occluder;
-uniform highp sampler2D depth_buffer;        // GL depth buffer, alternative to `occluder`
-// texel of pixel (0, 0) in the caller's textures; step per row; depth_bits and flags of textures in use
+uniform highp sampler2D depth_buffer;        // GL depth buffer, used instead of texture `occluder`
+// x, y: texel of pixel (0, 0) in the caller's textures; z: step per row; w: fraction bits of depths, flags of the
+// textures in use
 uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
-uniform vec2 planes;                 // 1 / distance at depth 0 and at depth 1 of depth_buffer
+uniform vec2 planes;                 // 1 / distance at the values 0 and 1 of depth_buffer
 
 ivec2 mesh_texel(ivec2 pixel)
 {
@@ -24,7 +25,7 @@ uint depth_key(uint depth, int bits)
     return uint(63 - zeros - bits) << 26 | (depth >> 5 & 0x3ffffffu);
 }
 
-// Returns the largest depth key that is visible at a pixel.
+// Returns the depth key (depth as a sortable code) of the occluder at a pixel. Splats with larger keys are hidden.
 uint limit_at(ivec2 texel)
 {
     int bits = mesh.w & 255;

@@ -6,7 +6,7 @@ void fxs_gles_set(const fxs_gles *g)
 {
     fxs_gl_set(&g->gl, g->vertex_array, FXS_GLES_UNITS, g->textures);
     if (g->target && g->target->over)
-        fxs_gl_blend_over(&g->gl);   /* GL does not blend integer targets */
+        fxs_gl_blend_over(&g->gl);   /* blending has no effect on integer framebuffers */
 }
 
 int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)
@@ -43,7 +43,7 @@ void fxs_gles_aim(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_win
     gl->Viewport(s->x, s->y, s->width, s->height);
     gl->Scissor(s->x, s->y + s->first_line, s->width, s->lines);
     gl->UseProgram(p->name);
-    /* gl_FragCoord counts from the corner of the framebuffer */
+    /* gl_FragCoord counts from the corner of the framebuffer, not of the drawn part */
     gl->Uniform4i(p->place, s->pixel_x - s->x, s->pixel_y - s->row_step * s->y, s->row_step, carried);
     gl->Uniform4i(p->source, source[0], source[1], source[2], source[3]);
     gl->Uniform4i(p->background, clear ? 0 : fxs_background_q13(background[0]),

@@ -1,5 +1,6 @@
-// Reads splats of the tiles' lists. A splat has two texels: u0, ux, uy, v0; vy, offset and red, green and blue, depth
-// key.
+// Reads splats of the tiles' lists. A splat has coordinates u and v, linear in the pixel position, with values u0 and
+// v0 at pixel (0, 0). The record of a splat has two texels: (u0, du/dx, du/dy, v0), (dv/dy, offset and red, green and
+// blue, depth key).
 uniform highp usampler2D records;
 
 struct record {
@@ -11,7 +12,7 @@ ivec2 texel(int i, int shift)
     return ivec2(i & ((1 << shift) - 1), i >> shift);
 }
 
-// shift: log2 of the texture's width
+// Reads the record of splat i. `shift` is log2 of the width of texture `records`.
 record record_at(int i, int shift)
 {
     return record(texelFetch(records, texel(2 * i, shift), 0), texelFetch(records, texel(2 * i + 1, shift), 0));

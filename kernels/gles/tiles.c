@@ -1,8 +1,8 @@
-/* Draws the picture with lists. As many tiles' lists as fit in the textures are uploaded and drawn, then the next ones.
- * A list that is too long for one draw is drawn in parts, and a texture keeps the tile's state in between. A splat has
- * one record per list, which saves an indirection per fetch and a pass over the lists. A first draw finds the blocks of
- * 4x4 pixels that each splat may touch, so that a pixel skips the other splats. Tiles are drawn in order of their
- * lists' length, longest first: in picture order an H200 takes up to 3.5 times as long. */
+/* Draws the picture with a list of splats per tile. As many tiles' lists as fit in the textures are uploaded and drawn,
+ * then the next ones. A list that is too long for one draw is drawn in parts, and a texture keeps the tile's state in
+ * between. A splat has one record per list, which saves an indirection per fetch and a pass over the lists. A first
+ * draw finds the blocks of 4x4 pixels that each splat may touch, so that a pixel skips the other splats. Tiles are
+ * drawn in order of their lists' length, longest first: in picture order an H200 takes up to 3.5 times as long. */
 #include <fixsplat/internal/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/trace.h"
@@ -14,7 +14,8 @@
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
-#define CHUNK_SHIFT 24             /* first bit of count - 1 in a chunk's word; the lower bits hold the first record */
+/* A chunk (up to 32 splats) has one word: its count - 1 from this bit on, its first record below this bit. */
+#define CHUNK_SHIFT 24
 #define AHEAD 16
 
 typedef struct amount {
@@ -157,7 +158,8 @@ static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
     memcpy(record, words, sizeof words);
 }
 
-/* Writes an entry that is cut off as an invisible splat. */
+/* Writes the splats of a tile's list to the upload buffer. A list entry marked as cut off becomes an invisible
+   splat. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
@@ -201,7 +203,7 @@ static void put_list(const batch *b, int32_t tile, amount at, list l)
         put_ids(b, at.records, l);
 }
 
-/* Marks a tile as not drawn: its list ends before the start. */
+/* Marks a tile as not drawn now, by a list that ends before its start. */
 static void put_none(const batch *b, int32_t tile)
 {
     static const uint32_t words[ORDER] = {1};
@@ -244,7 +246,7 @@ static void put_row(void *argument, uint32_t job)
     }
 }
 
-/* Classes of lists by length. Grade 0 has the longest lists. */
+/* Grades are classes of tiles by the length of their lists. Grade 0 has the longest lists. */
 enum { GRADES = FXS_GLES_LOOP / CHUNK_RECORDS + 1 };
 
 static uint32_t grade_of(const batch *b, uint32_t tile)

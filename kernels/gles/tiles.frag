@@ -1,19 +1,23 @@
-// blend and resolve for one pixel, with the arithmetic of src/include/fixsplat/internal/pixel.h. FETCHED: only resolve. TRACED:
-// also depth and id.
-uniform highp usampler2D lists;      // per tile: first record, end, first chunk; (1, 0): not drawn now
-uniform highp usampler2D masks;      // per chunk; see masks.frag
-uniform highp isampler2D carried;    // T, r, g, b of a tile's pixels after part of its list; FETCHED: of all pixels
-uniform ivec4 place;                 // pixel of fragment (0, 0); step per row; 1: continue from `carried`
-// first tile of `lists`, or with FETCHED first pixel of `carried`; log2 of the width of `records`; cut-off
+// Blends the splats of one pixel and resolves its colour, with the arithmetic of src/include/fixsplat/internal/pixel.h.
+// With FETCHED, only resolves. With TRACED, also writes depth and id.
+uniform highp usampler2D lists;    // per tile: first record and end of its list, its first chunk; (1, 0): not drawn now
+uniform highp usampler2D masks;      // per chunk of up to 32 splats: which pixels the splats touch; see masks.frag
+// Transmittance, red, green, blue of a tile's pixels after part of its list; with FETCHED, of all pixels.
+uniform highp isampler2D carried;
+uniform ivec4 place;         // x, y: picture's pixel at fragment (0, 0); z: step per row; w: 1: continue from `carried`
+// x, y: first tile of texture `lists`, or with FETCHED first pixel of `carried`; z: log2 of the width of texture
+// `records`; w: cut-off level of splats
 uniform ivec4 source;
-uniform ivec4 background;            // background: red, green, blue; 1: alpha is coverage
+uniform ivec4 background;            // red, green, blue of the background; w: 1: alpha is coverage
 uniform highp sampler2D backdrop;
 
 #if defined TRACED
 uniform highp usampler2D ids;
-uniform highp usampler2D traces;     // to continue from: depth key of the median, largest weight, id
+// pixels' traces after part of the list: depth key of the median splat, largest weight, splat's id
+uniform highp usampler2D traces;
 const int HALF_Q15 = 16384;
-// last record blended while the transmittance >= 1/2; largest weight; first record with that weight; -1: none
+// median: last record blended while the transmittance >= 1/2. weight_q15: largest weight of a splat. largest: first
+// record with that weight. -1: none.
 int median, weight_q15, largest;
 #if defined STATE
 layout(location = 1) out uvec4 trace_result;
@@ -30,7 +34,8 @@ layout(location = 0) out uvec4 result;
 layout(location = 0) out vec4 result;
 #endif
 
-// `cut` is a parameter, because Mesa's software renderer fetches uniforms again in each iteration.
+// Blends the splat of record i into a pixel. The cut-off level `cut` is a parameter, because Mesa's software renderer
+// fetches uniforms again in each iteration.
 void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
 {
     ivec2 uv = whitened(r, pixel);
@@ -62,7 +67,7 @@ int lowest(uint word)
     return (floatBitsToInt(float(word & (~word + 1u))) >> 23) - 127;
 }
 
-// Returns the first record behind the occluder, or the end of the list.
+// Returns the first record of a tile's list that is behind the occluder, or the end of the list.
 uint first_hidden(uvec2 list, uint limit)
 {
     while (list.x < list.y) {
@@ -124,7 +129,7 @@ ivec4 state_of(ivec2 pixel)
     for (; list.x < list.y && state.x >= FXS_CLOSED_Q15; list += uvec3(32, 0, 1)) {
         uint mask = mask_of(list.z, pixel, shift);
         if (list.y - list.x < 32u)
-            mask &= (1u << (list.y - list.x)) - 1u;      // the occluder may end the list within a chunk
+            mask &= (1u << (list.y - list.x)) - 1u;      // the occluder may end the list within a chunk of 32 splats
         for (; mask != 0u && state.x >= FXS_CLOSED_Q15; mask &= mask - 1u) {
             int i = int(list.x) + lowest(mask);
             blend(record_at(i, shift), i, pixel, cut, state);
@@ -158,7 +163,7 @@ void main()
 #elif defined INTEGER
     result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    // + 0.25 gives the same byte whether GL rounds down or to nearest
+    // Adding 0.25 gives the same byte, whether GL rounds down or to nearest.
     result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }

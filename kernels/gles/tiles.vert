@@ -1,7 +1,7 @@
 // Draws tiles as GL points of 16x16 pixels in a given order, or one triangle over the whole viewport.
-uniform highp usampler2D lists;      // fourth word of entry i: number of the i-th tile to draw
+uniform highp usampler2D lists;      // The fourth word of entry i is the number of the i-th tile to draw.
 uniform ivec4 place;
-uniform ivec4 size;                  // size of the viewport; columns of tiles, or 0 for one triangle
+uniform ivec4 size;                  // x, y: size of the viewport; z: columns of tiles, or 0 to draw one triangle
 
 ivec2 cell(int tile)
 {

@@ -28,7 +28,8 @@ static inline void find_dots(int32_t dots[FXS_PALETTE_GROUP], const fxs_sh_vecto
     _mm256_storeu_si256((void *)dots, _mm256_add_epi32(low, _mm256_permute2x128_si256(first, second, 0x31)));
 }
 
-/* Costs stay in registers, because a vector load right after a scalar store would stall. */
+/* Finds the smallest costs. The costs stay in registers, because a vector load right after a scalar store would
+   stall. */
 static inline void find_leasts(const int32_t *costs, uint32_t count, fxs_pack_place *found, uint32_t wanted)
 {
     __m256i all[6], numbers = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);

@@ -6,13 +6,13 @@
 
 #include "src/base/exponential.h"
 
-/* SH basis function of degree 0: 1 / (2 sqrt(pi)). */
+/* Value of the SH basis function of degree 0: 1 / (2 sqrt(pi)). */
 #define FXS_SH_0 0.28209479177387814
 
-/* ln(sigma) for the missing third axis of a 2D Gaussian. */
+/* ln(sigma) that stands for the missing third axis of a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)
 
-/* Logit that rounds to opacity 1 in every code. */
+/* Opacity logit that becomes opacity 1 however opacities are quantised. */
 #define FXS_OPAQUE 20
 
 /* Returns ln(|scale|), at least FXS_FLAT_SCALE. The sign of a scale has no effect on the covariance. */
@@ -27,7 +27,7 @@ static inline double fxs_opacity_of_logit(double logit)
     return 1 / (1 + fxs_exp(-logit));
 }
 
-/* Returns ln(opacity / (1 - opacity)), or +-FXS_OPAQUE outside 0..1. NaN gives NaN. */
+/* Returns the logit ln(opacity / (1 - opacity)), or +-FXS_OPAQUE for an opacity outside 0..1. NaN gives NaN. */
 static inline float fxs_logit_of_opacity(double opacity)
 {
     return opacity <= 0 ? -FXS_OPAQUE : opacity >= 1 ? FXS_OPAQUE : (float)fxs_log(opacity / (1 - opacity));

@@ -1,4 +1,4 @@
-/* Reader for Gaussians from a callback, with the checks of a file reader. */
+/* Reads Gaussians that a callback of the caller supplies, with the checks of a file reader. */
 #include <math.h>
 #include <string.h>
 

@@ -1,13 +1,13 @@
-/* Chooses the origin of a scene: on each axis the median of a sample of positions, rounded to GRID, or 0 where
-   floats are precise enough. */
+/* Chooses the origin of a scene, which is subtracted from all positions. On each axis the origin is the median of a
+ * sample of positions, rounded to a multiple of 10 units. It is 0 where floats are precise enough. */
 #include "origin_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define FAR 4096.0                  /* floats from 4096 on are at least 2^-11 apart */
-#define GRID 10.0                   /* origins are multiples of 10 units, for short text */
+#define FAR 4096.0   /* from this coordinate on, a scene gets an origin: floats from 4096 on are at least 2^-11 apart */
+#define GRID 10.0                   /* origins are multiples of 10 units, so that they are short as text */
 
 int fxs_is_far(const double place[3])
 {

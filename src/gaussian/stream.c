@@ -1,4 +1,5 @@
-/* Streams of Gaussians: calls the functions of a reader, and makes infinite opacity logits finite. */
+/* Streams of Gaussians: calls the functions of a reader (for one file format), and makes infinite opacity logits
+ * finite. */
 #include "stream_internal.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* A stream of Gaussians: a reader and its source of bytes. */
+/* A stream of Gaussians: a reader for one file format, and its source of bytes. */
 #ifndef FXS_STREAM_INTERNAL_H
 #define FXS_STREAM_INTERNAL_H
 
@@ -8,19 +8,19 @@
 
 typedef struct fxs_head {
     const fxs_scene_source *source;
-    const char *bytes;    /* up to 4095 bytes after an optional UTF-8 mark, then a 0 */
+    const char *bytes;    /* start of the file: up to 4095 bytes after an optional UTF-8 mark, then a 0 */
     size_t size;
-    const char *name;     /* first name in a JSON object, after the opening quote, or NULL */
+    const char *name;     /* first name in a JSON object, after the opening quote; NULL: no JSON object */
 } fxs_head;
 
 typedef struct fxs_reader {
-    /* Returns 1 if the file has the reader's format, 0 if not, or an error and a message. Null: no file has the
-       format. */
+    /* Returns 1 if a file has the reader's format, 0 if not, or an error and a message. If this pointer is null, no
+       file has the format. */
     int (*is)(const fxs_head *head, fxs_message *message);
     size_t size;
-    /* Opens the source, which outlives `data`, the reader's zeroed state. Returns 0 and fills in *info, or an error
-       and a message. The format, a single level and an equal stored SH degree need not be set. `close` is called in
-       either case. */
+    /* Opens the source, which outlives `data`, the reader's zeroed state. Returns 0 and fills in *info, or an error and
+       a message. In *info, these fields may stay unset: the format, a number of levels of 1, and a stored SH degree
+       equal to the SH degree. `close` is called in either case. */
     int (*open)(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *data, fxs_message *message);
@@ -34,7 +34,7 @@ struct fxs_scene_file {
     fxs_import import;
 };
 
-/* Allocates a stream without a reader. Returns NULL and a message for FXS_ERR_MEMORY if out of memory. */
+/* Allocates a stream *made without a reader. Returns 0, or an error and a message with *made = NULL. */
 int fxs_stream_create(fxs_scene_file **made, const char *path, const fxs_scene_file_options *options,
                       fxs_message *message);
 
@@ -42,12 +42,12 @@ int fxs_stream_create(fxs_scene_file **made, const char *path, const fxs_scene_f
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,
                      fxs_message *message);
 
-/* Reads the next Gaussians. An opacity logit of +infinity becomes FXS_OPAQUE; -infinity stays. */
+/* Reads the next Gaussians of a reader. An opacity logit of +infinity becomes FXS_OPAQUE; -infinity stays. */
 long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussians, size_t capacity,
                      fxs_message *message);
 
-/* Exchanges the reader and the state of an open stream, and fixes the stream's origin. The new reader may read from
-   the old state. */
+/* Exchanges the reader and the state of an open stream. From then on the stream's origin is fixed. The new reader may
+   read from the old state. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);
 
 const fxs_allocator *fxs_stream_allocator(const fxs_scene_file *file);

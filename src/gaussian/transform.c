@@ -1,5 +1,6 @@
-/* Affine maps of Gaussians. A covariance is mapped through its factor, axes times scales, which one-sided Jacobi
- * makes orthogonal. SH coefficients are rotated by the rotation of the polar decomposition. */
+/* Maps Gaussians by affine maps. A covariance is mapped through its factor, the matrix of axes times scales. One-sided
+ * Jacobi rotations make the columns of the mapped factor orthogonal again. SH coefficients are rotated by the rotation
+ * in the map's polar decomposition. */
 #include "transform_internal.h"
 
 #include <string.h>
@@ -9,7 +10,8 @@
 
 typedef double matrix[3][3];
 
-/* Computes the SH basis of degrees 1 to 3 in direction d. Signs as in Kerbl et al. 2023 and KHR_gaussian_splatting. */
+/* Computes the SH basis of degrees 1 to 3 in direction d, with the signs of Kerbl et al. 2023 and
+   KHR_gaussian_splatting. */
 static void sh_basis(double b[15], const double d[3])
 {
     const double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -30,13 +32,13 @@ static void sh_basis(double b[15], const double d[3])
     b[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* Computes sh[j][k], the integral over the sphere of Y_j(d) Y_k(R^T d). 4 Gauss-Legendre nodes in z times 8
-   azimuths are exact up to degree 7. */
+/* Computes the matrix that rotates SH coefficients: sh[j][k] is the integral over the sphere of Y_j(d) Y_k(R^T d). 4
+   Gauss-Legendre nodes in z times 8 azimuths are exact up to degree 7. */
 static void rotate_sh(double sh[15][15], matrix r)
 {
     static const double node[2] = {0.3399810435848563, 0.8611363115940526};
     static const double weight[2] = {0.6521451548625461, 0.3478548451374538};
-    /* cosines of 0, pi/4, ... 7 pi/4 */
+    /* cosines of the azimuths 0, pi/4, ... 7 pi/4 */
     static const double cosine[8] = {1, 0x1.6a09e667f3bcdp-1, 0x1.1a62633145c07p-54, -0x1.6a09e667f3bccp-1,
                                      -1, -0x1.6a09e667f3bcep-1, -0x1.a79394c9e8a0ap-53, 0x1.6a09e667f3bcbp-1};
     static const double sine[8] = {0, 0x1.6a09e667f3bccp-1, 1, 0x1.6a09e667f3bcdp-1,
@@ -169,7 +171,7 @@ void fxs_set_axes(fxs_gaussian *g, matrix m)
     quaternion_of(g->rotation, m);
 }
 
-/* Computes L with L L^T = c (Cholesky). */
+/* Sets a Gaussian's axes from its covariance c, by the Cholesky factor L with L L^T = c. */
 void fxs_set_covariance(fxs_gaussian *g, const double c[6], double more)
 {
     const double least = 1e-12 * (c[0] + c[1] + c[2]) + more;

@@ -9,18 +9,18 @@
 
 enum { FXS_MERGE_MOST = 512 };
 
-/* Smallest alpha that is drawn. */
+/* Smallest alpha that the renderer draws. */
 #define FXS_FAINTEST (1 / 255.5f)
 
 typedef struct fxs_coarse {
     fxs_gaussian gaussian;
     float covariance[6];               /* covariance matrix: xx, yy, zz, xy, xz, yz */
-    float area;                        /* sqrt(a^2 b^2 + a^2 c^2 + b^2 c^2) of the axes' sigmas a, b, c */
+    float area;                 /* area of the Gaussian: sqrt(a^2 b^2 + a^2 c^2 + b^2 c^2), a, b, c: the axes' sigmas */
     float opacity;
 } fxs_coarse;
 
-/* Returns the opacity that counts in merging. Alpha below FXS_FAINTEST is not drawn, which lowers the integral of a
-   Gaussian like a lower opacity. */
+/* Returns the opacity of a Gaussian that counts in merging. Alpha below FXS_FAINTEST is not drawn, which lowers the
+   integral of a Gaussian like a lower opacity. */
 static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 {
     return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;
@@ -30,8 +30,8 @@ static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 void fxs_coarse_set(fxs_coarse *coarse, const fxs_gaussian *gaussian);
 
 typedef struct fxs_merge_error {
-    double error;                      /* sum of the squared picture errors, colours^2 units^2 */
-    double size;                       /* sum of each squared picture error times the area of the merged Gaussian */
+    double error;                      /* sum of the squared picture errors of all merges, colours^2 units^2 */
+    double size;                  /* sum over all merges: squared picture error times the area of the merged Gaussian */
 } fxs_merge_error;
 
 typedef struct fxs_merger fxs_merger;
@@ -39,19 +39,20 @@ typedef struct fxs_merger fxs_merger;
 #define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
 #define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 
-/* Returns the size of a merger in bytes. Each thread needs its own merger, with malloc's alignment. */
+/* Returns the size in bytes of a merger, the working memory for merging. Each thread needs its own merger, with
+   malloc's alignment. */
 size_t fxs_merger_bytes(void);
 
 void fxs_merge_begin(fxs_merger *merger, int sh_degree);
 
-/* Adds Gaussians to the set. The Gaussians must stay valid until fxs_merge_end. */
+/* Adds Gaussians to the set to be merged. The Gaussians must stay valid until fxs_merge_end. */
 void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t count);
 
-/* Merges the set down to at most `most` Gaussians, writes them to `out` and returns their number. `out` must not
-   overlap the added Gaussians. */
+/* Merges the set of added Gaussians down to at most `most`, writes the merged Gaussians to `out` and returns their
+   number. `out` must not overlap the added Gaussians. */
 uint32_t fxs_merge_end(fxs_merger *merger, uint32_t most, fxs_coarse *out, fxs_merge_error *error);
 
-/* Writes, for each added Gaussian in order, the index in `out` of the Gaussian that absorbed it. Call after
+/* Writes, for each added Gaussian in order, the index in `out` of the merged Gaussian that absorbed it. Call after
    fxs_merge_end. */
 void fxs_merge_into(const fxs_merger *merger, uint16_t *into);
 

@@ -1,8 +1,8 @@
-/* Reduces a set of Gaussians by greedy merging: the pair with the smallest error is merged first. A merged Gaussian
-   has the mean and covariance of its pair, weighted by opacity times area. The error of a pair is the squared
-   difference of the pictures before and after the merge, averaged over the three coordinate planes. For Gaussians
-   of peak 1 with covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d /
-   2). The includer defines ISA and gather_rows, which transposes LANES rows. */
+/* Reduces a set of Gaussians by greedy merging: the pair with the smallest error is merged first. A merged Gaussian has
+ * the mean and covariance of its pair, weighted by opacity times area. The error of a pair is the squared difference of
+ * the pictures before and after the merge, averaged over the three coordinate planes. It needs inner products: for
+ * Gaussians of peak 1 with covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A +
+ * B)^-1 d / 2). The includer defines ISA and gather_rows, which transposes LANES rows. */
 #include "merger.h"
 
 #include <math.h>
@@ -59,8 +59,8 @@ static inline void find_products(lanes product, const group *a, const group *b, 
     }
 }
 
-/* The mass of a pair, opacity times area, is the sum of both masses, reduced by OVERLAP times their mutual
-   occlusion. */
+/* Computes the masses of merged pairs, opacity times area. A mass is the sum of the two Gaussians' masses, reduced by
+   OVERLAP times their mutual occlusion. */
 static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -72,7 +72,8 @@ static inline void find_masses(lanes mass, const group *a, const group *b, lanes
     }
 }
 
-/* Merges each pair a, b. A merged opacity above its cap by a factor r is capped, and the variances grow by sqrt(r). */
+/* Merges each pair of Gaussians a, b. An opacity above the cap by a factor r is lowered to the cap, and the variances
+   grow by sqrt(r). */
 static inline void join(group *out, lanes share, const group *a, const group *b, lanes products[PLANES], int count)
 {
     lanes mass;
@@ -108,8 +109,8 @@ static inline void join(group *out, lanes share, const group *a, const group *b,
     find_roots(out, count);
 }
 
-/* Returns the weight of a pair's error, which grows with each merge. Otherwise some Gaussians would absorb all
-   their neighbours. */
+/* Returns the weight of a pair's merge error. The weight grows with each earlier merge of the two Gaussians. Otherwise
+   some Gaussians would absorb all their neighbours. */
 static float grown(const pair *p)
 {
     return (float)(1 + p->a_age + p->b_age);
@@ -273,7 +274,8 @@ static void look_along(fxs_merger *m, int again)
     }
 }
 
-/* Searches along two Morton curves, because near Gaussians can be far apart on a single curve. */
+/* Finds the nearest neighbours of each Gaussian. Searches along two Morton curves, because near Gaussians can be far
+   apart on a single curve. */
 static void find_nearest(fxs_merger *m)
 {
     memset(m->nearest_count, 0, sizeof m->nearest_count);

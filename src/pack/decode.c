@@ -19,8 +19,8 @@ static double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* Computes a quaternion w, x, y, z as a product of three rotations: +z to the first axis, the roll about z, and the
-   permutation of x, y, z to z, x, y. */
+/* Computes a Gaussian's rotation as a quaternion w, x, y, z. It is a product of three rotations: +z to the first axis,
+   the roll about z, and the permutation of x, y, z to z, x, y. */
 static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_codes *codes, float rotation[4])
 {
     int32_t fall_q16[3];
@@ -38,7 +38,7 @@ static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_
     rotation[3] = (float)((q[3] - q[0] - q[1] + q[2]) / 2);
 }
 
-/* Profile default: a spherical-harmonics coefficient of degree d is code * sh_step[d - 1]. */
+/* Decodes SH coefficients of file profile default: a coefficient of degree d is code * sh_step[d - 1]. */
 static void take_bands(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, float sh[45])
 {
     for (int k = 0; k < 3 * FXS_SH_COUNT(s->sh_degree); k++)
@@ -46,8 +46,8 @@ static void take_bands(const fxs_scene *s, const fxs_chunk *chunk, const unsigne
                         (chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2] * 0x1p-19));
 }
 
-/* Profiles compact and small: an SH coefficient is the chunk's mean plus an entry of each palette. Compact adds (2
-   code + 1) gain, where gain = (8 + (g mod 8)) 2^(floor(g / 8) - 32) for gain code g. */
+/* Decodes SH coefficients of the file profiles compact and small: a coefficient is the chunk's mean plus an entry of
+   each palette. Compact adds (2 code + 1) gain, where gain = (8 + (g mod 8)) 2^(floor(g / 8) - 32) for gain code g. */
 static void take_palette(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g,
                          float sh[45])
 {

@@ -1,5 +1,5 @@
-/* Writes chunk headers and rows. A chunk is 256 Gaussians of a packed scene. Its header gets the smallest
- * fixed-point steps that cover the ranges of the Gaussians. */
+/* Writes the headers and rows of chunks. A chunk is 256 Gaussians of a packed scene, a row has one attribute of them.
+ * The header gets the smallest fixed-point steps that cover the ranges of the Gaussians. */
 #include "encode.h"
 
 #include <math.h>
@@ -22,7 +22,8 @@ float fxs_held_scale(float scale)
     return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
 }
 
-/* Limits the scales, because one needle would coarsen the scale steps of its whole chunk. */
+/* Limits the scales of a Gaussian, because one needle would coarsen the scale steps of its whole chunk (256
+   Gaussians). */
 void fxs_hold_scales(fxs_gaussian *g)
 {
     const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
@@ -61,7 +62,8 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *g, double opa
     fxs_pack_stages_choose(~0u)->take_ranges(ranges, g, opacity, sh_degree);
 }
 
-/* Returns the smallest step, in units of 2^-q, with which codes 0..codes cover a range of width `reach`. */
+/* Returns the smallest quantisation step, in units of 2^-q, with which codes 0 to `codes` cover a range of width
+   `reach`. */
 static uint32_t step_for(double reach, int codes, int q)
 {
     return (uint32_t)cut_to(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);

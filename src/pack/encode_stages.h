@@ -15,8 +15,8 @@ static inline double larger_of(double x, double y)
     return x > y ? x : y;
 }
 
-/* Four laws quantise opacity. Law 0 has even steps. For the other laws, reach = 4^(1 - law) - 1/255 and scale = 254
-   / sqrt(reach). */
+/* Four laws quantise opacity. Law 0 has even steps. For the other laws, the tables hold reach = 4^(1 - law) - 1/255 and
+   scale = 254 / sqrt(reach). */
 static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 255.0, 0.25 - 1 / 255.0,
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
@@ -52,8 +52,8 @@ static inline int32_t encode_opacity(double opacity, uint32_t law, double *error
     return codes[law];
 }
 
-/* Adds the harm of coding an opacity by each quantisation law. Harm is squared error / opacity, because fainter
-   Gaussians overlap in greater numbers. */
+/* Adds the harm of coding an opacity by each of the four quantisation laws. Harm is squared error / opacity, because
+   fainter Gaussians overlap in greater numbers. */
 static inline void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 {
     int32_t codes[FXS_OPACITY_LAWS];
@@ -101,8 +101,8 @@ static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* Codes position (16 bits per axis) and base colour (9 bits per channel). Profile small uses 11 bits per axis and
-   7, 7, 6 bits for red, green, blue. */
+/* Codes a Gaussian's position (16 bits per axis) and base colour (9 bits per channel). File profile small uses 11 bits
+   per axis and 7, 7, 6 bits for red, green, blue. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                fxs_row_codes *codes, fxs_loss *loss)
 {
@@ -142,8 +142,8 @@ static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
     return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
 }
 
-/* Finds the nearest codes for log2(sigma) = high - code^2 * step. The three axes have 10, 10, 9 bits, in profile
-   small 7, 7, 6 bits. */
+/* Finds the nearest scale codes of a Gaussian for log2(sigma) = high - code^2 * step. The three axes have 10, 10, 9
+   bits, in file profile small 7, 7, 6 bits. */
 static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, const float scale[3], uint32_t codes[3],
                                  fxs_loss *loss)
 {
@@ -169,7 +169,8 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
     note_three(loss, FXS_LOSS_SCALE, errors);
 }
 
-/* acos(x)^2 is at most 2.5 (1 - x), so acos is called only for a possible new maximum. */
+/* Adds a rotation error, given as a cosine, to the losses. acos(x)^2 is at most 2.5 (1 - x), so acos is called only for
+   a possible new maximum. */
 static inline void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
@@ -181,7 +182,8 @@ static inline void note_angle(fxs_loss *loss, double dot)
         *largest = larger_of(*largest, 2 * acos(dot) * DEGREES);
 }
 
-/* Returns the roll, -1 to 1, that makes the second axis parallel to cosine side[0] + sine side[1]. */
+/* Returns the roll of a Gaussian about its first axis, -1 to 1. With this roll, the second axis is parallel to cosine
+   side[0] + sine side[1]. */
 static inline double roll_of(double cosine, double sine)
 {
     const double sign = cosine < 0 ? -1 : 1, length = sqrt(cosine * cosine + sine * sine);
@@ -190,12 +192,12 @@ static inline double roll_of(double cosine, double sine)
     for (int i = 0; i < 3; i++) {
         double said_c, said_s;
         fxs_tilt_roll(roll, &said_c, &said_s);
-        roll += (s * said_c - c * said_s) * 0.6366197723675814;   /* = 2 / pi */
+        roll += (s * said_c - c * said_s) * 0.6366197723675814;   /* 2 / pi converts an angle to roll */
     }
     return roll;
 }
 
-/* Returns the code of `bits` bits nearest to x, -1 <= x <= 1. `below` is the fraction of a code step that lower
+/* Returns the code of `bits` bits nearest to x, for -1 <= x <= 1. `below` is the fraction of a code step that the lower
    bits of the rotation word add. */
 static inline int32_t code_around(double x, int32_t bits, double below)
 {
@@ -216,8 +218,8 @@ static inline int is_too_long(uint32_t word, int32_t bits)
     return x_q15 * x_q15 + y_q15 * y_q15 > 1 << 30;
 }
 
-/* The roll is relative to the coded first axis, so a second round starts from the decoded result of the first
-   round. */
+/* Codes the axes of a Gaussian to a rotation word. The roll is relative to the coded first axis, so a second round
+   starts from the decoded result of the first round. */
 static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
 {
     const double sign = axis[0][2] < 0 ? -1 : 1, length = sqrt(1 + fabs(axis[0][2]));
@@ -266,7 +268,8 @@ static inline void order_axes(float scale[3], double axis[3][3])
     }
 }
 
-/* Opposite directions of an axis count as equal. */
+/* Returns the cosine of half the angle between a Gaussian's axes and the axes decoded from `word`. Opposite directions
+   of an axis count as equal. */
 static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
 {
     const fxs_tilt a = fxs_tilt_of_word(word, bits);
@@ -279,7 +282,7 @@ static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t
     return sqrt(1 + trace) / 2;
 }
 
-/* The scale codes determine the number of bits per field of the rotation word. */
+/* Codes the rotation of a Gaussian to a word. The scale codes determine the number of bits per field of the word. */
 static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *chunk, double axis[3][3],
                                        const uint32_t scale[3], fxs_loss *loss)
 {

@@ -1,7 +1,7 @@
-/* Finds the box of the visible part of a scene from a sample of its Gaussians, weighted by opacity and size. On
- * each axis, the box spans the weight quantiles EDGE to 1 - EDGE, and the core spans CORE to 1 - CORE. If the box
- * is not much larger than the core, the scene is a single object, and the box gets a margin. Otherwise the box
- * covers at least the middle 90 % of the centres. */
+/* Finds the box of the visible part of a scene from a sample of Gaussians, weighted by opacity and size. On each axis,
+ * the box spans the weight quantiles EDGE to 1 - EDGE, and the core spans CORE to 1 - CORE. If the box is not much
+ * larger than the core, the scene is a single object. Then the box gets a margin. Otherwise the box covers at least the
+ * middle 90 % of the centres. */
 #include "framing.h"
 
 #include <math.h>
@@ -9,10 +9,11 @@
 #include "order.h"
 #include "src/gaussian/attributes.h"
 
-#define EDGE 0.002                   /* share of the weight outside the box at each end of an axis */
+#define EDGE 0.002                   /* share of the Gaussians' weight outside the scene's box at each end of an axis */
 #define CORE 0.05
-#define SPREAD 1.5                   /* largest ratio of box radius to core radius for a single object */
-#define FAR_OUT 8                    /* outliers are farther from the middle than FAR_OUT times the median distance */
+/* A scene is a single object if its box has at most SPREAD times the radius of its core (middle of the weight). */
+#define SPREAD 1.5
+#define FAR_OUT 8            /* outlying Gaussians are farther from the middle than FAR_OUT times the median distance */
 
 fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
@@ -39,7 +40,7 @@ static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t 
 
 static fxs_seen_place place(float x, uint32_t index)
 {
-    return (fxs_seen_place){x + 0.0f, index};     /* turns -0 into 0 */
+    return (fxs_seen_place){x + 0.0f, index};     /* adding 0 turns -0 into 0 */
 }
 
 static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count, int axis)
@@ -49,7 +50,7 @@ static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_s
     sort_places(places, spare, count);
 }
 
-/* Returns the x at which the running sum of the weights reaches `share` of their total. */
+/* Returns the coordinate x at which the running sum of the Gaussians' weights reaches `share` of their total. */
 static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
 {
     double total = 0, sum = 0;
@@ -62,7 +63,8 @@ static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint3
     return (double)places[i].x;
 }
 
-/* Finds the box that excludes a share `edge` of the weight at each end of each axis. Returns half its diagonal. */
+/* Finds the box that excludes a share `edge` of the Gaussians' weight at each end of each axis. Returns half the box's
+   diagonal. */
 static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double edge, double low[3],
                      double high[3])
 {
@@ -90,8 +92,8 @@ static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, con
     return quantile(places, seen, count, 0.5);
 }
 
-/* Multiplies the weights by size, because flat parts of an object have few, large Gaussians. The cap keeps a large
-   floater from outweighing a thousand small Gaussians. */
+/* Multiplies the weights of Gaussians by their size, because flat parts of an object have few, large Gaussians. The cap
+   keeps a large floater from outweighing a thousand small Gaussians. */
 static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -100,7 +102,8 @@ static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t coun
     }
 }
 
-/* Divides the weights by (1 + r^2)^2, where r = distance / median distance. */
+/* Lowers the weights of distant Gaussians: divides by (1 + r^2)^2, where r = distance from the middle / median
+   distance. */
 static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {

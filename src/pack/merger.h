@@ -14,23 +14,23 @@ enum {
     JOINED = 8,
     PLANES = 3,
     SH = 45,
-    COMPARED = 12,                     /* SH coefficients that count in errors: 9 of degree 1, 3 zeros as padding */
+    COMPARED = 12,         /* number of SH coefficients that count in merge errors: 9 of degree 1, 3 zeros as padding */
     CURVES = 2,
     WINDOW = 8,
     PAIRS = MOST * NEAREST + MOST * JOINED
 };
 
-/* ROOT: square root of the determinant of the covariance, per coordinate plane. LOCAL: mean colour of the
-   neighbourhood. SQUARE: squared length of the compared SH coefficients. */
+/* Fields of a Gaussian in a merger. ROOT: square root of the determinant of the covariance, per coordinate plane.
+   LOCAL: mean colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
-#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* largest merged opacity, unless an input is more opaque */
-#define OVERLAP 0.3f                   /* share of the mutual occlusion of a pair that is subtracted from the merged
-                                          mass, opacity times area */
-#define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; each colour channel has weight 1 */
-#define THINNEST 1e-3f                 /* share of a covariance's trace that is added to its variances in error
-                                          computations */
+#define OPACITY_MOST (0.99f - FXS_FAINTEST)   /* largest opacity of a merged Gaussian, unless an input is more opaque */
+/* share of a pair's mutual occlusion that is subtracted from the merged mass (opacity times area) */
+#define OVERLAP 0.3f
+#define ALPHA_WEIGHT 0.06f /* weight of the squared error of alpha in a merge error; each colour channel has weight 1 */
+/* share of a covariance's trace that is added to its variances when merge errors are computed */
+#define THINNEST 1e-3f
 #define LEAST 1e-30f
 #define PI 3.14159265f
 
@@ -44,7 +44,8 @@ typedef struct group {
     lanes f[ROW];
 } group;
 
-/* Candidate pair for a merge, stale once either Gaussian was merged again. The ages count merges. */
+/* Pair of Gaussians that may be merged. The pair is stale once either Gaussian was merged again. An age counts the
+   merges of a Gaussian. */
 typedef struct pair {
     float error;
     uint16_t a, b;
@@ -61,12 +62,12 @@ struct fxs_merger {
     uint16_t order[MOST];
     float places[3][WINDOW + MOST + WINDOW];
     float distances[MOST][NEAREST];
-    uint16_t into[MOST];               /* index of the absorbing Gaussian, or the Gaussian's own index */
+    uint16_t into[MOST];               /* index of the Gaussian that absorbed this one, or its own index */
     uint16_t age[MOST];
     uint16_t nearest[MOST][NEAREST];
     uint8_t nearest_count[MOST];
     pair pairs[PAIRS];
-    uint64_t heap[PAIRS];              /* min-heap of keys; key: bits of the error, then index of the pair */
+    uint64_t heap[PAIRS];        /* min-heap of candidate pairs; key: bits of the merge error, then index of the pair */
     uint32_t pair_count, heap_count;
 };
 

@@ -6,7 +6,7 @@
    is not moved. Positions must stay within 2^28 units. The caller must recompute the checksums. */
 void fxs_packed_move(void *data, const double by[3]);
 
-/* Reads the origin of a chunk from its little-endian header. */
+/* Reads the origin of a chunk (256 Gaussians) from its little-endian header. */
 void fxs_packed_place(const void *header, double place[3]);
 
 #endif

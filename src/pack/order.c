@@ -1,8 +1,7 @@
-/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x,
-   y, z, or the distance from the scene's middle, where the sum of the costs of the two new boxes is smallest. The
-   cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle.
-
-   The order is the same on every processor, because every float operation is rounded to a float. */
+/* Sorts Gaussians into chunks of 256 with a k-d tree, built from the top down. A run of Gaussians is cut across x, y,
+ * z, or the distance from the scene's middle. The cut is where the sum of the costs of the two new boxes is smallest.
+ * The cost of a box is the sum of squared position errors, in pixels, for a viewer near the middle. The order is the
+ * same on every processor, because every float operation is rounded to a float. */
 #include "order.h"
 
 #include <math.h>
@@ -12,11 +11,12 @@
 #include <fixsplat/internal/packed.h>
 
 enum {
-    BINS = 32,                       /* bins of a histogram; cuts are tried at bin borders */
+    BINS = 32,                       /* bins of a position histogram; cuts are tried at bin borders */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* top levels of the tree with histograms over all Gaussians, to catch outliers */
+    /* top levels of the k-d tree use histograms over all Gaussians, not a sample, to catch outliers */
+    WHOLE_LEVELS = 4,
     SAMPLED = 4096,
-    FREE_LEVELS = 40,                /* runs of Gaussians below this tree level are halved, to bound the depth */
+    FREE_LEVELS = 40,            /* runs of Gaussians below this level of the k-d tree are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
     SAMPLE = 16384,
     JOBS = 128,
@@ -24,9 +24,9 @@ enum {
     MANY = 1024 * FXS_CHUNK
 };
 
-#define AMONG_ITS_LIKE (1u << 31)     /* flag of an index: the Gaussian is ordered separately */
+#define AMONG_ITS_LIKE (1u << 31)     /* flag of an entry's index: the Gaussian is ordered separately */
 #define LEAST_WIDTH 1e-30f
-#define NARROW 0.25f                 /* axes narrower than this share of a run's widest axis are not cut */
+#define NARROW 0.25f         /* a run of Gaussians is not cut across axes narrower than this share of its widest axis */
 #define WEIGHT_ONE 1073741824.0f
 
 typedef struct stretch {
@@ -81,7 +81,8 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* Maps a squared distance to a scale by the bits of the float. The scale is logarithmic except near the middle. */
+/* Maps a squared distance from the scene's middle to a scale, by the bits of the float. The scale is logarithmic except
+   near the middle. */
 static float octaves(const order *o, float square)
 {
     return (float)(int32_t)(fxs_ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
@@ -108,7 +109,7 @@ static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
     }
 }
 
-/* Shell sort of up to FXS_CHUNK keys with the gaps of Ciura (2001). */
+/* Sorts up to FXS_CHUNK keys by Shell sort with the gaps of Ciura (2001). */
 static void sort_keys(uint64_t *keys, uint32_t count)
 {
     static const uint8_t gaps[] = {57, 23, 10, 4, 1};
@@ -116,8 +117,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* The pivot for quickselect lies slightly beyond the k-th key, on the side with more keys, so that one pass removes
-   most of that side. */
+/* Returns the pivot for quickselect. The pivot lies slightly beyond the k-th key, on the side with more keys, so that
+   one pass removes most of that side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -207,8 +208,8 @@ static float cost_of(const box *b)
     return product(length_square(side_of(b, 0), side_of(b, 1), side_of(b, 2)), (float)b->weight);
 }
 
-/* Returns the weight of a Gaussian: 2^30 up to the median distance from the middle, farther out proportional to 1 /
-   distance^2. */
+/* Returns the weight of a Gaussian: 2^30 up to the median distance from the scene's middle, farther out proportional to
+   1 / distance^2. */
 static uint64_t weight_of(const order *o, float distance)
 {
     const float share = distance > o->near_square ? o->near_square / distance : 1;
@@ -217,7 +218,7 @@ static uint64_t weight_of(const order *o, float distance)
 
 typedef struct histogram {
     uint32_t step;
-    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across the coordinate */
+    float low[COORDINATES], width[COORDINATES];  /* width of the bins per coordinate; 0: no cut across the coordinate */
     box bins[COORDINATES][BINS];
 } histogram;
 
@@ -442,7 +443,8 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* Cuts a leaf into pieces, because a few distant Gaussians would widen the chunk's position steps to many pixels. */
+/* Cuts a leaf of the k-d tree (256 Gaussians) into pieces. Otherwise a few distant Gaussians would widen the chunk's
+   position steps to many pixels. */
 static void order_leaf(const order *o, stretch r)
 {
     stretch pieces[PIECES] = {r};
@@ -571,8 +573,8 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
     return fxs_chunks_of(others);
 }
 
-/* Returns the largest cost of an uncut leaf: 256 Gaussians in a box with a diagonal of `reach` times their distance
-   from the middle. */
+/* Returns the largest cost of a leaf that is not cut further: 256 Gaussians in a box with a diagonal of `reach` times
+   their distance from the scene's middle. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

@@ -8,22 +8,22 @@
 #include <fixsplat/pack.h>
 
 #define FXS_NO_SLOT UINT32_MAX
-#define FXS_BEGINS_CHUNK (1u << 31)   /* flag of an index; a scene has at most 2^30 Gaussians */
+#define FXS_BEGINS_CHUNK (1u << 31)   /* flag of an entry's index; free, because a scene has at most 2^30 Gaussians */
 
 typedef struct fxs_order_entry {
-    float position[3];                          /* x is NaN for a dropped Gaussian */
+    float position[3];                          /* position of the Gaussian; x is NaN for a dropped Gaussian */
     uint32_t index;                             /* input: 1 to order the Gaussian separately, else 0; output: index
                                                    in the file */
 } fxs_order_entry;
 
-/* Sorts entries, given in file order, and sets their indexes. Normal entries come first, then entries with input
-   index 1, then dropped entries. Each FXS_CHUNK entries are a leaf of a k-d tree. If `reach` is not 0, a leaf with
-   a box longer than about `reach` times its distance from the scene's middle is cut into several chunks.
+/* Sorts entries, one per Gaussian, given in file order, and sets their indexes. Normal entries come first, then entries
+   with input index 1, then dropped entries. Each FXS_CHUNK entries are a leaf of a k-d tree. With `reach` > 0, long
+   leaves are cut into several chunks: the limit is about `reach` times their distance from the scene's middle.
    FXS_BEGINS_CHUNK marks the first entry of each additional chunk. options->workers.run must not be null. Returns 0 or
    FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
-/* Sorts the indexes of at most FXS_CHUNK entries along a Morton curve, but not the positions. */
+/* Sorts the indexes of at most FXS_CHUNK entries along a Morton curve. Leaves the positions unsorted. */
 void fxs_order_chunk(fxs_order_entry *entries, uint32_t count);
 
 /* Maps a float to an integer of the same order, and back. -0 sorts before 0; NaN is not allowed. */
@@ -42,7 +42,7 @@ static inline float fxs_ordered_float(uint32_t bits)
     return x;
 }
 
-/* Returns the value at place `rank` of the sorted values; rank < count. */
+/* Returns the value that sorting would put at index `rank`; rank < count. */
 float fxs_value_of_rank(const float *values, size_t count, size_t rank);
 
 #endif

@@ -30,13 +30,13 @@
 #include "tree.h"
 
 #define BATCH 4096
-#define HELD (1u << 16)              /* most chunks in memory that wait for SH codes */
+#define HELD (1u << 16)   /* most chunks (of 256 Gaussians) in memory that wait until their SH coefficients are coded */
 #define FINISHED 512
-#define PARTS 16                     /* jobs per batch; fixed, so that sums do not depend on the number of threads */
+#define PARTS 16     /* number of parallel jobs per batch; fixed, so that sums do not depend on the number of threads */
 #define AHEAD 8
-#define POSITION_LIMIT 134000000.0   /* just under 2^27 scene units */
-#define FAINT_LOGIT (-2.708f)        /* logit of opacity 1/16 */
-#define FOG 0.1                      /* least share of faint Gaussians' weight in a foggy scene */
+#define POSITION_LIMIT 134000000.0   /* largest coordinate of a centre, just under 2^27 scene units */
+#define FAINT_LOGIT (-2.708f)        /* logit of opacity 1/16; Gaussians below are faint */
+#define FOG 0.1    /* a scene is foggy if faint Gaussians have at least this share of the weight (area times opacity) */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address)
@@ -49,7 +49,7 @@
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
     uint64_t first;
-    long count;                      /* number of Gaussians; 0: end of file; negative: error */
+    long count;                      /* number of Gaussians in the batch; 0: end of file; negative: error */
 } batch;
 
 typedef struct findings {
@@ -59,12 +59,12 @@ typedef struct findings {
     fxs_loss loss;
     float low[3], high[3];
     uint64_t source;
-    int changed;                     /* 1: a centre differs from an earlier pass */
+    int changed;                     /* 1: a Gaussian's centre differs from an earlier pass over the file */
 } findings;
 
 typedef struct packer packer;
 
-/* Steps for packing a part of a scene. Pointers keep the steps out of programs that pack no parts. */
+/* Functions for packing a part of a scene. Pointers keep these functions out of programs that pack no parts. */
 typedef struct part_steps {
     int (*plan)(packer *p);
     int (*allocate)(packer *p, fxs_packed_scene *part);
@@ -88,19 +88,19 @@ struct packer {
     fxs_order_entry *entries;
     fxs_seen *seen;
     uint64_t seen_step;
-    uint32_t *slots;                 /* place of each Gaussian in the packed scene, or FXS_NO_SLOT */
+    uint32_t *slots;                 /* index of each Gaussian in the packed scene, or FXS_NO_SLOT */
     uint64_t slot_count;
-    const part_steps *by_part;       /* null: packs the whole scene */
+    const part_steps *by_part;       /* functions for packing a part; null: the whole scene is packed */
     uint32_t part, parts;
     uint32_t first, end;
-    float (*boxes)[6];               /* boxes of all chunks; only for parts */
+    float (*boxes)[6];               /* bounding boxes of all chunks; only while packing a part of a scene */
     fxs_tree *tree;
     fxs_chunk_ranges *ranges;
     fxs_encoder encoder;
-    const fxs_coded *coded;          /* existing codes to copy, or null */
-    fxs_palette *palette;            /* null: no palette is learned */
+    const fxs_coded *coded;          /* codes of already quantised attributes to copy, or null */
+    fxs_palette *palette;            /* palette of SH vectors; null: no palette is learned */
     fxs_sh_item *sample;
-    fxs_sh_item *items;              /* Gaussians that wait for palette codes; null: all are in `sample` */
+    fxs_sh_item *items;              /* SH items of Gaussians that wait for palette codes; null: all are in `sample` */
     uint32_t held;
     uint32_t first_chunk, end_chunk;
     uint32_t finished;
@@ -156,7 +156,8 @@ static int fail_stopped(const packer *p)
     return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
 }
 
-/* With a palette, SH coding takes half of the import's time before the tree. */
+/* Returns the share of a pass in the progress of packing. With a palette, SH coding takes half of the time before the
+   level-of-detail tree. */
 static double pass_share(const packer *p)
 {
     return (1 - tree_share(p)) * (fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree) ? 0.25 : 1.0 / 3);
@@ -186,7 +187,7 @@ static long first_of(const batch *b, uint32_t part)
     return b->count * (long)part / PARTS;
 }
 
-/* Has no early out, because almost all values are finite. */
+/* Returns 1 if all values are finite. The loop has no early exit, because almost all values are finite. */
 static int all_finite(const float *values, int count)
 {
     int finite = 1;
@@ -195,7 +196,8 @@ static int all_finite(const float *values, int count)
     return finite;
 }
 
-/* Maps NaN and infinity to the smallest scale, so that an invalid sigma does not outweigh all others. */
+/* Returns a Gaussian's scale, clamped. NaN and infinity become the smallest scale, so that an invalid sigma does not
+   outweigh all others. */
 static float known_scale(float scale)
 {
     return fxs_held_scale(scale < INFINITY ? scale : -INFINITY);
@@ -208,7 +210,7 @@ static double log_area(const fxs_gaussian *g)
     return (double)(a + b + c - least);
 }
 
-/* An opacity of NaN counts as opaque. */
+/* Returns the weight of a Gaussian, area times opacity. An opacity of NaN counts as opaque. */
 double fxs_weight(const fxs_gaussian *g)
 {
     return fxs_exp(log_area(g)) / (isnan(g->opacity) ? 1 : 1 + fxs_exp(-(double)g->opacity));
@@ -242,7 +244,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Clamps position and scales, which every pass must do alike. */
+/* Clamps the position and scales of a Gaussian, which every pass over the file must do alike. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -363,7 +365,8 @@ static int find_seen_bounds(packer *p)
     return 0;
 }
 
-/* Gives faint Gaussians chunks with finer steps of opacity if they have at least FOG of the weight. */
+/* Gives faint Gaussians chunks of their own, with finer steps of opacity, if the scene is foggy. In a foggy scene,
+   faint Gaussians have at least a share FOG of the weight. */
 static void part_fog(packer *p)
 {
     double faint = 0;
@@ -373,8 +376,8 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
-/* Limits a chunk's box relative to its distance from the scene's middle. A position step is then at most 1/2048 of
-   the distance, in profile small 1/512. */
+/* Returns the longest box of a chunk relative to its distance from the scene's middle. A position step is then at most
+   1/2048 of the distance, in file profile small 1/512. */
 static float longest_box(enum fxs_profile profile)
 {
     return profile == FXS_PROFILE_SMALL ? 4 : 32;
@@ -487,7 +490,7 @@ static void find_opacities(const packer *p, double *x, uint32_t count)
         x[i] = 1 / (1 + x[i]);
 }
 
-/* Takes the chunks with chunk % PARTS == part, so that jobs share no ranges. */
+/* Collects the attribute ranges of the chunks with chunk % PARTS == part, so that parallel jobs share no ranges. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     const uint32_t *slots = p->slots + b->first;
@@ -594,13 +597,13 @@ static void fetch(const packer *p, uint32_t slot)
         PREFETCH(&p->ranges[chunk - p->first]);
 }
 
-/* Stores the codes of each Gaussian together. Storing codes by attribute here would touch a cache line per byte,
-   because neighbours in the file lie in different chunks. */
+/* Codes a part of a batch of Gaussians. Stores the codes of each Gaussian together. Storing codes by attribute here
+   would touch a cache line per byte, because neighbours in the file lie in different chunks. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
-    fxs_loss loss = p->findings[part].loss;               /* local copy, because jobs share cache lines of
-                                                             `findings` */
+    /* local copy, because the `findings` of several jobs share cache lines */
+    fxs_loss loss = p->findings[part].loss;
     double opacities[BATCH / PARTS + 1];
     int changed = 0;
     const long first = first_of(b, part), end = first_of(b, part + 1);
@@ -768,7 +771,7 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
     return h;
 }
 
-/* Always fails if `bytes` is SIZE_MAX. */
+/* Allocates `bytes` bytes for a packed scene. Always fails if `bytes` is SIZE_MAX. */
 static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
 {
     scene->bytes = bytes;
@@ -918,7 +921,8 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if (p->by_part)
         return p->by_part->finish(p, scene->data);
     turn_headers(p);
-    fxs_scene whole;                 /* validated, because the file may have changed before the last pass */
+    /* opening validates the packed scene, because the source file may have changed before the last pass */
+    fxs_scene whole;
     if (fxs_scene_open(&whole, scene->data, scene->bytes))
         return fail_changed(p);
     return FXS_BUILDS_TREES && whole.nodes ? build_tree(p, &whole, scene->data) : 0;

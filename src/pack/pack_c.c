@@ -8,7 +8,7 @@ static inline void find_dots(int32_t dots[FXS_PALETTE_GROUP], const fxs_sh_vecto
         dots[j] = dot(vector, others[j]);
 }
 
-/* Has no branches on costs, which would be unpredictable. */
+/* Finds the smallest costs. Has no branches on costs, which would be unpredictable. */
 static inline void find_leasts(int32_t *costs, uint32_t count, fxs_pack_place *found, uint32_t wanted)
 {
     for (uint32_t n = 0; n < wanted; n++) {

@@ -1,6 +1,6 @@
-/* Inner loops of packing for the instruction set ISA. The includer defines find_dots, the dot products of a vector
-   with GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest costs in ascending
-   order of cost and index, and may change the costs. Index 0 follows when all costs are taken. */
+/* Inner loops of packing for the instruction set ISA. The includer defines find_dots, the dot products of a vector with
+ * GROUP vectors. The includer also defines find_leasts, which finds the `wanted` smallest costs in ascending order of
+ * cost and index. find_leasts may change the costs; when all costs are taken, it returns index 0. */
 #include "pack_stage.h"
 
 #include <math.h>
@@ -22,12 +22,12 @@ FXS_COARSEN(ISA);
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP,
-    BEAM = 2,                      /* partial sums kept after each stage of the beam search */
+    BEAM = 2,                  /* number of partial sums kept after each stage of the beam search for palette entries */
     TRIED = 3,
-    WINDOW = 48                    /* most earlier Gaussians that diffuse their errors to a Gaussian */
+    WINDOW = 48                 /* largest number of earlier Gaussians that diffuse their coding errors to a Gaussian */
 };
 
-/* |x| <= 700, so that powers of two are not subnormal. */
+/* Replaces eight numbers x by e^x. |x| is at most 700, so that powers of two are not subnormal. */
 static inline void find_exponentials(double x[8])
 {
     for (int i = 0; i < 8; i++) {
@@ -54,12 +54,13 @@ static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
 }
 
 typedef struct candidate {
-    fxs_sh_vector left;            /* vector minus the sum of the chosen palette entries */
-    int32_t cost;                  /* |residual|^2 - |vector|^2 */
+    fxs_sh_vector left;            /* SH vector minus the sum of the palette entries chosen so far */
+    int32_t cost;                  /* change of the squared error, relative to no palette entries */
     uint8_t indices[STAGES];
 } candidate;
 
-/* Adding a vector with the better sign changes the cost by |vector|^2 - 2 |dot(left, vector)|. */
+/* Computes the costs after adding each palette entry to a sum. An entry with the better sign changes the cost by
+   |entry|^2 - 2 |dot(left, entry)|. */
 static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t cost, const fxs_sh_vector left,
                               const fxs_sh_vector *vectors, const int32_t *squares)
 {
@@ -110,8 +111,8 @@ static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], ui
     return BEAM;
 }
 
-/* Each stage in turn takes the entry nearest to the vector minus the entries of all other stages (iterated
-   conditional modes, Besag 1986). */
+/* Improves the chosen palette entries. Each stage in turn takes the entry nearest to the SH vector minus the entries of
+   all other stages (iterated conditional modes, Besag 1986). */
 static inline void settle(candidate *sum, const fxs_palette *p)
 {
     enum { KEYS = BEAM * TRIED * GROUP };
@@ -164,15 +165,17 @@ static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, cons
 
 enum { NUMBERS = 48 };
 
-/* Returns floor(x / (2 gain) + 4) clamped to 0..7, for |x| at most 16 gain. A quotient is an integer or at least
-   2^-13.2 below the next integer. Floats err by at most 2^-20, so adding 2^-14 rounds every quotient correctly. */
+/* Quantises x to 8 levels: returns floor(x / (2 gain) + 4) clamped to 0..7, for |x| at most 16 gain. A quotient is an
+   integer or at least 2^-13.2 below the next integer. Floats err by at most 2^-20, so adding 2^-14 rounds every
+   quotient correctly. */
 static inline int32_t eighth_of(float x, float half_inverse)
 {
     const float eighths = x * half_inverse + (4 + 0x1p-14f), above = eighths > 0 ? eighths : 0;
     return (int32_t)(above < 7 ? above : 7);
 }
 
-/* Returns the sum of squared errors when each number becomes the nearest odd multiple, -7..7, of the gain. */
+/* Returns the sum of squared errors when each number is rounded to the nearest odd multiple of the gain, from -7 to
+   7. */
 static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
 {
     const float half_inverse = 0.5f / gain;
@@ -188,8 +191,8 @@ static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
     return squares[0] + squares[1] + squares[2] + (squares[3] + squares[4] + squares[5]);
 }
 
-/* Searches the gain with the smallest squared error, up to 1.5 octaves below the smallest gain that clips no
-   number. */
+/* Searches the gain (unit of the 3-bit codes) with the smallest squared error. The gain is at most 1.5 octaves below
+   the smallest gain that clips no number. */
 static inline float find_gain(const float numbers[NUMBERS], int count, int unit_exponent, int *code)
 {
     const float unit = (float)fxs_scaled(1, unit_exponent);
@@ -212,7 +215,7 @@ static inline float find_gain(const float numbers[NUMBERS], int count, int unit_
     return best;
 }
 
-/* `rest` becomes the error of the 3-bit codes. */
+/* Writes 3-bit codes of `rest`, an SH vector minus its palette entries. Then `rest` becomes the error of the codes. */
 static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
     float numbers[NUMBERS] = {0};
@@ -245,8 +248,8 @@ static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, cons
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* a margin, so that 4/3 times 3 gives 4 in any
-                                                                        precision */
+    /* the margin 2^-20 makes 4/3 times 3 give 4 in any float precision */
+    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);
 }
 
 static inline double area_of(const fxs_sh_item *item)
@@ -261,10 +264,11 @@ typedef struct coder {
     const fxs_sh_item *items;
     fxs_sh_vector vectors[FXS_CHUNK];
     double places[3][FXS_CHUNK], areas[FXS_CHUNK];
-    fxs_sh_vector errors[FXS_CHUNK];   /* original minus coded SH coefficients, palette units */
+    fxs_sh_vector errors[FXS_CHUNK];   /* original minus coded SH coefficients of each Gaussian, in palette units */
 } coder;
 
-/* Adds half the errors of earlier overlapping Gaussians to the vector, at most the vector's length. */
+/* Adds half the coding errors of earlier overlapping Gaussians to an SH vector. The added vector is at most as long as
+   the SH vector. */
 static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
 {
     const uint32_t first = i > WINDOW ? i - WINDOW : 0;
@@ -291,7 +295,8 @@ static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-/* Each channel has its own sum of errors, so that additions overlap in the pipeline. */
+/* Adds the coding error of a Gaussian's SH coefficients to `loss`. Each colour channel has its own sum of errors, so
+   that additions overlap in the pipeline. */
 static inline void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
 {
     const double unit = ldexp(1, -p->unit_exponent), step = (double)item->step;

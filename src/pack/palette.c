@@ -1,7 +1,7 @@
-/* Learns palettes. Each stage is k-means with signed entries, in two levels: first the middles of groups of GROUP
- * entries, then the entries of each group, so that a search compares with few vectors. After all stages, joint rounds
- * move the entries of all stages towards the sums that Gaussians actually choose. Last, entries are quantised to 8 bits
- * with one step. Vectors are int16 in units of 2^-unit_exponent. */
+/* Learns palettes of SH vectors. Each stage is k-means with signed entries, in two levels: first the middles of groups
+ * of GROUP entries, then the entries of each group, so that a search compares with few vectors. After all stages, joint
+ * rounds move the entries of all stages towards the sums that Gaussians actually choose. Last, entries are quantised to
+ * 8 bits with one step. Vectors are int16 in units of 2^-unit_exponent. */
 #include <fixsplat/pack.h>
 #include <fixsplat/internal/allocator.h>
 
@@ -25,8 +25,8 @@ enum {
     JOBS = 16
 };
 
-/* Keeps the packed scene within 40 bytes per Gaussian, 20 in profile small. The palette gets at least 0.1 bytes per
-   Gaussian, or 0.4 bytes in scenes below 10,000 Gaussians. */
+/* Returns the number of palette entries that keeps the packed scene within 40 bytes per Gaussian, 20 in file profile
+   small. The palette gets at least 0.1 bytes per Gaussian, or 0.4 bytes in scenes below 10,000 Gaussians. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
@@ -63,7 +63,8 @@ static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
         to[d] = hold(sign * from[d]);
 }
 
-/* Unused entries and groups get the cost NEVER, so that no search takes them. */
+/* Computes the squared lengths of a stage's palette entries. Unused entries and groups get the cost NEVER, so that no
+   search takes them. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
@@ -75,10 +76,10 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* sample vectors, minus the chosen palette entries of the finished stages */
+    fxs_sh_vector *vectors;      /* SH vectors of the sample, minus the chosen palette entries of the finished stages */
     uint32_t count;
     uint8_t (*indices)[STAGES];
-    int32_t (*sums)[WIDTH];        /* per palette entry: sum of its assigned vectors, at most 2^14 */
+    int32_t (*sums)[WIDTH];        /* per palette entry: sum of its assigned SH vectors, at most 2^14 vectors */
     int32_t *total;
     const fxs_pack_options *options;
     uint32_t rounds, stage;
@@ -134,7 +135,7 @@ static int32_t mean_of(int32_t sum, int32_t total)
     return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
-/* Sets each vector to keep * vector + mean of its assigned vectors; keep is 0 or 1. */
+/* Moves each palette vector by the mean of its assigned vectors if keep is 1, or to the mean if keep is 0. */
 static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
     for (uint32_t j = 0; j < count; j++)
@@ -177,7 +178,7 @@ static void begin_entries(learner *l)
     }
 }
 
-/* Groups of entries start as vectors spread evenly over the sample. */
+/* Learns one stage of a palette. The groups of entries start as vectors spread evenly over the sample. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -252,7 +253,8 @@ uint32_t fxs_palette_sample(uint32_t count)
     return (step > FXS_CHUNK ? (count - 1) / step + 1 : fxs_chunks_of(count)) * FXS_CHUNK;
 }
 
-/* If the step between sampled Gaussians exceeds a chunk, the sample has one chunk per sampled Gaussian. */
+/* Returns the index of a chunk's first item in the palette sample. If sampled Gaussians are more than a chunk apart,
+   the sample has one chunk per sampled Gaussian. */
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
 {
     const uint32_t step = step_for(count), first = chunk * FXS_CHUNK, number = (first + step - 1) / step;
@@ -261,8 +263,8 @@ uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
     return number * step - first < FXS_CHUNK && number * step < count ? number * FXS_CHUNK : FXS_NOT_SAMPLED;
 }
 
-/* Sets the finest palette unit, 2^-19 to 2^-8, in which MOST units reach the smaller of 12 times the root mean
-   square and the maximum of the coefficients. */
+/* Sets the unit of a palette, 2^-19 to 2^-8. It is the finest unit of which MOST units reach the smaller of two values:
+   12 times the root mean square, and the maximum, of the SH coefficients. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     double squares = 0, numbers = 0, most = 0;
@@ -317,7 +319,7 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
     return sum;
 }
 
-/* The means of the chunks are subtracted only if subtraction lowers the error. */
+/* Learns a palette. The chunks' mean SH vectors are subtracted only if subtraction lowers the error. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     const double plain = try_sample(l, items, count, 4 * step, 0);
@@ -406,7 +408,7 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
-/* Computes the middles of groups of entries, which a packed scene does not store. */
+/* Computes the middles of the groups of palette entries, which a packed scene does not store. */
 static void find_middles(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t g = 0; g < groups_of(p); g++) {
@@ -474,7 +476,7 @@ void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint
     fxs_pack_stages_choose(~0u)->code_chunk(p, items, count, mean, records, stride, loss);
 }
 
-/* Returns a residual of profile compact: (2 code + 1) gain, with a 3-bit code -4..3. */
+/* Returns an SH coefficient's residual in file profile compact: (2 code + 1) gain, with a 3-bit code -4..3. */
 static double residual_of(const unsigned char *record, uint32_t coefficient)
 {
     uint32_t code = 0;

@@ -15,8 +15,8 @@
 typedef struct fxs_sh_item {
     float position[3];
     float step;
-    int16_t area;                      /* 8 log2 of the product of the two largest sigmas */
-    uint8_t opacity;                   /* opacity times 255; 0: invisible, or no Gaussian */
+    int16_t area;                      /* area of the Gaussian: 8 log2 of the product of its two largest sigmas */
+    uint8_t opacity;                   /* opacity of the Gaussian times 255; 0: invisible, or no Gaussian */
     int8_t codes[45];                  /* red, green and blue code of each SH coefficient */
 } fxs_sh_item;
 
@@ -40,13 +40,13 @@ typedef struct fxs_palette {
     int32_t group_squares[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
 } fxs_palette;
 
-/* Returns the number of entries per stage for a scene of `count` Gaussians in `chunks` chunks. 0: the scene has no
-   palette. */
+/* Returns the number of palette entries per stage for a scene of `count` Gaussians in `chunks` chunks. 0: the scene has
+   no palette. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
-/* A palette is learned from a sample of about 2^14 Gaussians. The caller passes the items of the sampled chunks
-   only, FXS_CHUNK items per chunk. fxs_palette_sample returns the number of items for a scene of `count` Gaussians.
-   fxs_palette_sample_at returns the index of a chunk's first item in the sample, or FXS_NOT_SAMPLED. */
+/* A palette is learned from a sample of about 2^14 Gaussians. The caller passes the SH items (one per Gaussian) of the
+   sampled chunks only, FXS_CHUNK items per chunk. fxs_palette_sample returns the number of items for a scene of `count`
+   Gaussians. fxs_palette_sample_at returns the index of a chunk's first item in the sample, or FXS_NOT_SAMPLED. */
 #define FXS_NOT_SAMPLED UINT32_MAX
 uint32_t fxs_palette_sample(uint32_t count);
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
@@ -57,7 +57,8 @@ uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 
-/* Improves an existing palette after the Gaussians changed. Arguments and result are those of fxs_palette_learn. */
+/* Improves an existing palette after the Gaussians changed. The arguments and the result are like those of
+   fxs_palette_learn. */
 int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
                        const fxs_pack_options *options, fxs_message *message);
 
@@ -65,7 +66,7 @@ int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t 
    invalid. */
 int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
 
-/* Reads the palette of an open packed scene, which must have a palette. */
+/* Reads the palette of SH vectors from an open packed scene, which must have a palette. */
 void fxs_palette_of_scene(fxs_palette *palette, const fxs_scene *scene);
 
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
@@ -76,13 +77,14 @@ typedef struct fxs_sh_loss {
     double largest, squares;
 } fxs_sh_loss;
 
-/* Codes the SH of a chunk of `count` Gaussians. Writes the chunk's mean, and a record per Gaussian
+/* Codes the SH coefficients of a chunk of `count` Gaussians. Writes the chunk's mean, and a record per Gaussian
    (src/include/fixsplat/internal/packed.h), records `stride` bytes apart. The error of a Gaussian is diffused to later
    Gaussians of the chunk that overlap it. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);
 
-/* Decodes the record of a Gaussian in a chunk with the given mean. Coefficients above the scene's SH degree are 0. */
+/* Decodes the SH record of a Gaussian in a chunk with the given mean. Coefficients above the scene's SH degree are
+   0. */
 void fxs_palette_decode(const fxs_palette *palette, const int8_t mean[48], const unsigned char *record, float sh[45]);
 
 #endif

@@ -8,8 +8,8 @@
 #include "src/base/exponential.h"
 
 enum {
-    FXS_PALETTE_MOST = 1270,       /* largest coefficient, palette units; sums of 7 vectors fit 16 bits, their dot
-                                      products 32 bits */
+    /* largest SH coefficient in palette units; sums of 7 vectors fit 16 bits, their dot products 32 bits */
+    FXS_PALETTE_MOST = 1270,
     FXS_PALETTE_GROUP = 8,
     FXS_PALETTE_WIDTH = (int)FXS_PALETTE_STRIDE
 };
@@ -85,7 +85,7 @@ static inline void find_mean(fxs_sh_vector mean, fxs_sh_vector *vectors, const f
         mean[d] = (int16_t)(weight ? sums[d] / weight : 0);
 }
 
-/* Returns round(x / step), clamped to +-127. */
+/* Returns the code of an SH coefficient: round(x / step), clamped to +-127. */
 static inline int32_t code_of(int32_t x, int32_t step)
 {
     const int32_t code = (2 * absolute(x) + step) / (2 * step), held = code < 127 ? code : 127;

@@ -1,4 +1,5 @@
-/* Computes the layout of a part from its two headers, and validates them against each other: see part.h. */
+/* Computes the layout of a part file (a scene's part, packed separately) from its two headers. Checks that the two
+ * headers agree. See part.h. */
 #include <fixsplat/internal/parts.h>
 
 #include "part.h"

@@ -54,13 +54,15 @@ typedef struct fxs_part_layout {
     uint64_t scene, chunks, palette, groups, rows, sums, node_chunks, node_rows, tops, bytes;
 } fxs_part_layout;
 
-/* Both headers are in native byte order. Returns 0, or FXS_ERR_FILE if a header is invalid or the headers disagree. */
+/* Computes the layout of a part file from its two headers in native byte order. Returns 0, or FXS_ERR_FILE if a header
+   is invalid or the headers disagree. */
 int fxs_part_lay_out(fxs_part_layout *layout, const fxs_part_header *part, const fxs_packed_header *scene);
 
-/* Returns the first chunk of part `number`, 1..count. For number = count + 1, returns the number of chunks. */
+/* Returns the first chunk of part `number`, 1..count, when `chunks` chunks are divided into `count` parts. For number =
+   count + 1, returns the number of chunks. */
 uint32_t fxs_part_first(uint32_t chunks, uint32_t number, uint32_t count);
 
-/* Returns `checksum`, a CRC-32 of boxes, continued with the box of one more chunk. */
+/* Continues a CRC-32 over the bounding boxes of chunks with one more box. Returns the new checksum. */
 uint32_t fxs_part_add_box(const fxs_crc32_table *table, uint32_t checksum, const float box[6]);
 
 /* Packs part `number` of `count` parts, count 1 to FXS_PARTS_MOST. The whole file is read, but only the part's

@@ -1,11 +1,10 @@
-/* A leaf of the tree is a chunk. The tree's shape: all chunks, in order, are cut in two where the sum of the costs of
-   the two boxes is smallest; then each half is cut again. A node's chunk is merged from its two children, depth first,
-   so that few chunks are in memory at once. Nodes are numbered by descending number of leaves, then by first leaf. So
-   nodes for distant views lie together, and every node comes before its children.
-
-   A part of a scene has a run of the chunks, and builds the nodes with all leaves in this run: their shape needs the
-   boxes of all chunks, their contents only the run. Building the nodes above needs, from each part, the sums of its
-   nodes and the merged Gaussians, as floats, of its topmost nodes. */
+/* A leaf of the level-of-detail tree is a chunk (256 Gaussians). The tree's shape: all chunks, in order, are cut in two
+ * where the sum of the costs of the two boxes is smallest; then each half is cut again. A node's chunk is merged from
+ * its two children, depth first, so that few chunks are in memory at once. Nodes are numbered by descending number of
+ * leaves, then by first leaf. So nodes for distant views lie together, and every node comes before its children. A part
+ * of a scene is a run of its chunks, packed separately. The part builds the nodes with all leaves in this run: their
+ * shape needs the boxes of all chunks, their contents only the run. Building the nodes above needs the sums of each
+ * part's nodes, and the merged Gaussians of its topmost nodes as floats. */
 #include <fixsplat/pack.h>
 #include <fixsplat/internal/allocator.h>
 
@@ -26,8 +25,8 @@
 #include "order.h"
 
 enum {
-    FREE_LEVELS = 40,                  /* runs of leaves below this tree level are halved, to bound the depth */
-    PARTS = 32                         /* the largest parallel job has max(4, leaves / PARTS) leaves of the tree */
+    FREE_LEVELS = 40,   /* runs of leaves below this level of the level-of-detail tree are halved, to bound the depth */
+    PARTS = 32                         /* one parallel job builds a subtree of at most max(4, leaves / PARTS) leaves */
 };
 
 #define NONE UINT32_MAX
@@ -36,9 +35,9 @@ enum {
 
 typedef struct node {
     uint32_t first, leaves;
-    uint32_t children[2];              /* indices of nodes, or number of nodes + index of a leaf */
+    uint32_t children[2];              /* the two children: index of a node, or number of nodes + index of a leaf */
     uint32_t parent, number;
-    uint32_t part, at;                 /* part file with the node; index of the node's chunk in that file */
+    uint32_t part, at;               /* number of the part file with the node; index of the node's chunk in that file */
     fxs_node_sums sums;
 } node;
 
@@ -47,7 +46,7 @@ typedef struct held {
     uint32_t count;
     double opacity;
     fxs_range reach[3];
-    float scale;                       /* log2 of the largest sigma of all chunks below the node */
+    float scale;                       /* log2 of the largest sigma in all chunks below the node */
 } held;
 
 typedef struct worker {
@@ -68,11 +67,11 @@ typedef struct group {
 typedef struct fxs_tree tree;
 struct fxs_tree {
     fxs_tree_run run;
-    const fxs_tree_source *source;     /* callbacks that read part files; null: all leaves are in the run */
+    const fxs_tree_source *source;     /* callbacks that read part files; null: all leaves of the tree are in the run */
     fxs_pack_options options;
     fxs_encoder encoder;
     uint32_t count;
-    node *nodes;                       /* a node comes before its children */
+    node *nodes;                       /* nodes of the tree; each node comes before its children */
     uint32_t *places;                  /* index of each node by its number */
     float (*boxes)[6];                 /* low and high corner of each leaf's box; only while planning */
     float *costs;
@@ -80,7 +79,7 @@ struct fxs_tree {
     uint32_t built;
     uint32_t large;
     uint32_t limit;
-    held **done;                       /* built nodes that wait for their parents, else null */
+    held **done;                       /* merged Gaussians of built nodes that wait for their parents; null: none */
     worker *workers;
     uint32_t worker_count;
 };
@@ -201,7 +200,7 @@ static int is_within(const node *n, uint32_t first, uint32_t end)
     return n->first >= first && n->first + n->leaves <= end;
 }
 
-/* Returns 1 if all leaves of the node, but not all of its parent's, lie in first..end - 1. */
+/* Returns 1 if all leaves of a node, but not all leaves of its parent, lie in the run first..end - 1. */
 static int is_topmost(const tree *t, const node *n, uint32_t first, uint32_t end)
 {
     return is_within(n, first, end) && (n->parent == NONE || !is_within(&t->nodes[n->parent], first, end));
@@ -319,7 +318,7 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
-/* Replaces invalid merged positions, because numbers from a part file are untrusted. */
+/* Replaces invalid positions of merged Gaussians, because numbers from a part file are untrusted. */
 static void hold_places(held *h, const held *child)
 {
     for (uint32_t i = 0; i < h->count; i++)
@@ -354,15 +353,16 @@ static uint32_t leaves_of(const tree *t, uint32_t child)
     return child < t->count ? t->nodes[child].leaves : 1;
 }
 
-/* Returns the child to build first: the child with more leaves, or in a large node the first child that is not a
-   leaf. */
+/* Returns which child of a node to build first: the child with more leaves, or in a large node the first child that is
+   not a leaf. */
 static int first_side(const tree *t, const node *n)
 {
     const uint32_t *children = n->children;
     return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
-/* Building the child with more leaves first bounds the number of memory slots by log2(leaves). */
+/* Builds the subtree of a child. Building the child with more leaves first bounds the number of chunks in memory by
+   log2(leaves). */
 static void build(tree *t, worker *w, uint32_t child, uint32_t at)
 {
     if (child >= t->count) {
@@ -404,7 +404,7 @@ static int build_subtrees(tree *t)
     return note_built(t, t->run.end - t->run.first + 1);
 }
 
-/* Returns the Gaussians of a child. The caller frees them. */
+/* Gets the Gaussians of a node's child. The caller frees them. */
 static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
 {
     const node *n = child < t->count ? &t->nodes[child] : NULL;
@@ -523,8 +523,8 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
     return top;
 }
 
-/* The gain of a node is the error that replacing the node by its children removes. A node absorbs the group of
-   descendants with the largest mean gain, while that gain exceeds the node's own. */
+/* Pools the gains of tree nodes. The gain of a node is the error that replacing the node by its children removes. A
+   node absorbs the group of descendants with the largest mean gain, while that gain exceeds the node's own. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
@@ -765,7 +765,7 @@ uint32_t fxs_tree_find(const fxs_tree *t, uint32_t number, uint32_t *at)
 }
 
 struct fxs_tree_editor {
-    tree tree;                         /* every node's index equals its number */
+    tree tree;                         /* tree in which every node's index equals its number */
     worker worker;
     held held[2];
     unsigned char *nodes;
@@ -835,7 +835,7 @@ void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
     merge_children(&e->tree, &e->worker, number, &e->held[0], &e->held[1]);
 }
 
-/* Clears the opacity correction of a node, because fitted Gaussians already have the opacity of the leaves. */
+/* Clears the opacity correction of a tree node, because fitted Gaussians already have the opacity of the leaves. */
 static void clear_swell(const fxs_tree_editor *e, uint32_t number)
 {
     fxs_node n = node_at(e->nodes, number);
@@ -862,7 +862,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Mixes the stored gains of nodes into the measured errors, so that nodes outside all views keep a gain. */
+/* Mixes the stored gains of tree nodes into the measured errors, so that nodes outside all views keep a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;

@@ -8,7 +8,7 @@
    to e^-20..e^20; NaN and infinity count as e^-20. */
 double fxs_weight(const fxs_gaussian *gaussian);
 
-/* The dropped share of the total weight, 0 to 1. */
+/* Returns the dropped share of the Gaussians' total weight, 0 to 1. */
 double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
 #endif

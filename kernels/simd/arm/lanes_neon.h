@@ -126,7 +126,7 @@ static inline vi clz(vu x)
 }
 
 typedef struct wide {
-    vw low, high;                  /* low: lanes 0 and 1; high: lanes 2 and 3 */
+    vw low, high;                  /* low: 64-bit numbers of lanes 0 and 1; high: of lanes 2 and 3 */
 } wide;
 
 static inline wide mul_wide(vi a, vi b)
@@ -200,7 +200,7 @@ static inline vu top_half(wide x, vi shift)
                             (vw)vshlq_u64((uint64x2_t)x.high, vmovl_high_s32((int32x4_t)shift))});
 }
 
-/* As in src/include/fixsplat/internal/fixed.h. Result is below 2^31. */
+/* Returns 2^62 / m by Newton's method, as in src/include/fixsplat/internal/fixed.h. The result is below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - high_half(mul_wide_u(m, (vu)all(2021161081)));
@@ -314,7 +314,7 @@ static inline vh all_h(int x)
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* Rounded Q15 product; -32768 squared is 32767. */
+/* Returns rounded Q15 products; -32768 squared gives 32767. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);

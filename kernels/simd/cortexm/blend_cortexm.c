@@ -1,10 +1,10 @@
-/* blend for Cortex-M without vectors. Same arithmetic as src/core/blend.c on fewer pixels: on each row only the pixels
- * that the splat can reach, and no rows with all pixels closed. */
+/* Blends the splats of a tile on Cortex-M processors without vectors. Uses the arithmetic of src/core/blend.c on fewer
+ * pixels: skips pixels that a splat cannot reach, and rows with only opaque pixels. */
 #include <fixsplat/internal/pixel.h>
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
 
-/* Largest |u| with u^2 at most 1024 (i + 1) in Q11, plus one unit. */
+/* Table of splat coordinates: entry i is the largest |u| with u^2 at most 1024 (i + 1) in Q11, plus one unit of Q13. */
 static const uint16_t reach_q13[(FXS_FAINT_Q11 >> 10) + 1] = {
     5794, 8193, 10035, 11587, 12954, 14190, 15327, 16385, 17379, 18319, 19213, 20068, 20887, 21675, 22436, 23172, 23885,
     24577, 25251, 25907, 26547, 27171, 27782};
@@ -15,7 +15,8 @@ static inline int mul(int a, int b, int half)
     return (a * b + half) >> 15;
 }
 
-/* Returns exp(-level / 2) in Q15, capped at 0.99, like fxs_alpha_q15. */
+/* Returns a splat's alpha at a pixel, exp(-level / 2) capped at 0.99, in Q15. The result equals that of
+   fxs_alpha_q15. */
 static inline int alpha_of(int level_q11, int half)
 {
     int p = mul(-4236, level_q11, half) + 16016;
@@ -30,7 +31,7 @@ static inline int alpha_of(int level_q11, int half)
 #define FOUR_Q24 (4u << 24)
 
 typedef struct at_row {
-    int32_t u_q24, ux_q24;         /* coordinate u at the first pixel, and its step per pixel */
+    int32_t u_q24, ux_q24;         /* splat coordinate u at the row's first pixel, and its step per pixel */
     uint32_t per_u;
     int level_q11, limit_q11;
     int red_q13, green_q13, blue_q13;
@@ -50,7 +51,7 @@ static inline void accumulate(int16_t *sum_q13, int weight_q15, int colour_q13, 
     *sum_q13 = (int16_t)cut(*sum_q13 + mul(weight_q15, colour_q13, half));
 }
 
-/* Returns the first pixel that the splat may reach on the row, or at least FXS_TILE for none. */
+/* Returns the first pixel of a row that a splat may reach, or FXS_TILE or more if there is none. */
 static inline uint32_t first_of(const at_row *r, int left_q11)
 {
     const int32_t reach_q24 = reach_q13[left_q11 >> 10] << 11, before = -reach_q24 - r->u_q24;
@@ -59,7 +60,8 @@ static inline uint32_t first_of(const at_row *r, int left_q11)
     return r->u_q24 > reach_q24 ? FXS_TILE : 0;
 }
 
-/* Returns the number of pixels that became opaque. From the first pixel on, |u| < 8, so u^2 fits in 32 bits. */
+/* Blends a splat into a row of pixels, and returns the number of pixels that became opaque. From the first reached
+   pixel on, the splat coordinate |u| is below 8, so u^2 fits in 32 bits. */
 static inline int blend_row(int16_t *t, const at_row *r)
 {
     const int left_q11 = r->limit_q11 - r->level_q11;

@@ -1,7 +1,8 @@
-/* Blends the splats of a tile with Helium, or traces them with auxiliary outputs. The splats of the tile's list are
- * taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches of the
- * tile. The second step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2
- * rows, stored column by column. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
+/* Blends the splats of a tile with Helium, or traces them with depths and ids as further outputs. The splats of the
+ * tile's list are taken in groups of 8. The first step, with one splat per lane, finds which splats reach which patches
+ * of the tile. The second step, with one pixel per lane, blends the splats of each patch. A patch has 4 columns and 2
+ * rows of pixels, stored column by column. A splat has coordinates u and v, linear in the pixel position. The level of
+ * a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
 #include "lanes_mve.h"
 #include "src/core/draw.h"
 #include "kernels/simd/lanes/stages.h"
@@ -11,32 +12,34 @@
 #define ROWS 2
 #define PATCHES (FXS_TILE_PIXELS / GROUP)
 #define ACROSS (FXS_TILE / COLUMNS)
-#define FIRSTS 0x5555u             /* lower of the two predicate bits of each lane */
+#define FIRSTS 0x5555u             /* mask of the lower of the two predicate bits of each 16-bit lane */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* The upper half of a word with a 16-bit number is undefined. */
+/* Words of a splat in a group of splats. The upper half of a word that holds a 16-bit number is undefined. */
 enum word {
-    U, UX, UY,                     /* Q24; coordinate u at the tile's first pixel, minus 2^10 */
+    U, UX, UY,     /* splat coordinate u at the tile's first pixel, minus 2^10, and its steps per column and row; Q24 */
     LIMIT, RED, GREEN, BLUE,
-    LEVELS,                        /* v^2 + offset of two rows per word, upper row in the lower half */
+    LEVELS,                      /* v^2 + offset of the splat on two pixel rows per word, upper row in the lower half */
     WORDS = LEVELS + FXS_TILE / ROWS
 };
 
 typedef struct group {
     uint32_t words[WORDS][GROUP];
-    uint16_t reached[PATCHES];     /* two bits per splat that may reach a pixel of the patch */
+    /* per patch of pixels: two bits for each splat, set if the splat may reach a pixel of the patch */
+    uint16_t reached[PATCHES];
 } group;
 
 typedef struct pair {
     vu even, odd;
 } pair;
 
-/* The coordinates u and v are 2^10 less than in fxs_splat, because packing to 16 bits rounds. */
+/* Outlines of a group of splats. The splat coordinates u and v are 2^10 less than in fxs_splat, because packing to 16
+   bits rounds. */
 typedef struct outline {
     pair middle_q24, four_q24, two_q24;
-    pair v_q24, vy_q24;                        /* coordinate v on the tile's first row, and its step per row */
-    vh half_q13;                   /* half the range of the coordinate u within a patch */
-    vh offset_q11, limit_q11;      /* a limit of -1 disables the splat */
+    pair v_q24, vy_q24;                        /* splat coordinate v on the tile's first row, and its step per row */
+    vh half_q13;                   /* half the range of splat coordinate u within a patch of pixels */
+    vh offset_q11, limit_q11;      /* limit_q11: largest level that is drawn; -1: the splat is not drawn */
     vh least_q11[FXS_TILE / ROWS];
 } outline;
 
@@ -82,7 +85,7 @@ static inline void store_by_entry(uint32_t to[GROUP], pair x)
     store_pairs(to, (vi)x.even, (vi)x.odd);
 }
 
-/* Past the end of the list, repeats the first entry. */
+/* Loads a group of entries of a tile's list. Past the end of the list, the group is filled with its first entry. */
 static inline pair take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
 {
     uint32_t few[GROUP];
@@ -150,7 +153,8 @@ static inline void set_out_levels(group *g, outline *o)
     }
 }
 
-/* A saturated coordinate is nearer to 0, so no splat that reaches a patch is missed. */
+/* Finds the patches that each splat of a group may reach, in one row of patches. A saturated splat coordinate is nearer
+   to 0 than the exact one, so no splat that reaches a patch is missed. */
 static inline void set_out_rows(uint16_t reached[ACROSS], const outline *o, pair u_q24, vh least_q11)
 {
     for (uint32_t i = 0; i < ACROSS; i++) {
@@ -193,8 +197,8 @@ typedef struct pixels {
 #define LOAD(to, word) "ldr %[" to "], [%[splat], %[" word "]]\n\t"
 #define OFFSET(word) "i"((word) * GROUP * 4)
 
-/* Blends a splat into the pixels of `counted`: weight = T min(0.99, exp(-level / 2)), T' = T - weight. Assembly,
-   because GCC 12 would keep pixels in memory. */
+/* Blends a splat into the pixels that mask `counted` selects: weight = T min(0.99, exp(-level / 2)), T' = T - weight,
+   where T is a pixel's transmittance. In assembly, because GCC 12 would keep the pixels in memory. */
 ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred16_t counted)
 {
     vh alpha;
@@ -206,9 +210,9 @@ ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
-            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"         /* caps alpha at 32440, 0.99 */
+            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"    /* caps the splat's alpha at 32440, 0.99 in Q15 */
             "vsub.i16 %q[alpha], %q[alpha], %[k]\n\t"
-            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* weight = alpha T */
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* weight = alpha times transmittance */
             LOAD("k", "reds") LOAD("green", "greens") LOAD("blue", "blues")
             "vpstttt\n\t"
             "vsubt.i16 %q[t], %q[t], %q[alpha]\n\t"
@@ -239,7 +243,7 @@ static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q
     }
 }
 
-/* Makes a splat transparent in pixels that take no entry from `number` on. */
+/* Makes a splat transparent in the pixels where an occluder hides the tile's list entries from `number` on. */
 static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
 {
     const mve_pred16_t seen = vcmpgtq_n_s16((int16x8_t)load_h(trace->end + at), (int16_t)number);

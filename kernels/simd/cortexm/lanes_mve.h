@@ -11,7 +11,7 @@
 #include <fixsplat/internal/stage.h>
 #include "kernels/simd/lanes/vectors.h"
 
-typedef unsigned mask;             /* 4 bits per lane; bits 16 and up are ignored */
+typedef unsigned mask;             /* mask of lanes with 4 bits per lane; bits 16 and up are ignored */
 
 static inline mve_pred16_t pred(mask which)
 {
@@ -58,7 +58,7 @@ static inline int any(mask which)
     return pred(which) != 0;
 }
 
-/* Returns one bit per lane: bits 0, 4, 8 and 12 of the mask. */
+/* Converts a mask of lanes to one bit per lane: bits 0, 4, 8 and 12 of the mask. */
 static inline unsigned bits(mask which)
 {
     return (which & 0x1111) * 0x1248 >> 12 & 15;
@@ -119,7 +119,7 @@ static inline vi clz(vu x)
     return (vi)vclzq_u32((uint32x4_t)x);
 }
 
-/* 64-bit numbers in two words, because Helium has no lanes of 64 bits. */
+/* Vectors of 64-bit numbers. Two vectors hold the low and high words, because Helium has no lanes of 64 bits. */
 
 typedef struct wide {
     vu low, high;
@@ -140,7 +140,8 @@ static inline wide mul_wide_u(vu a, vu b)
     return (wide){a * b, mul_high(a, b)};
 }
 
-/* Returns `high`, plus 1 if the low half of the sum wrapped below a term. */
+/* Adds the carry of a 64-bit addition: returns `high`, plus 1 if the sum of the low words wrapped below one of its
+   terms. */
 static inline vu carry(vu high, vu sum, vu term)
 {
     return (vu)vaddq_m_n_u32((uint32x4_t)high, (uint32x4_t)high, 1, vcmphiq_u32((uint32x4_t)term, (uint32x4_t)sum));
@@ -202,7 +203,8 @@ static inline vu top_half(wide x, vi shift)
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
 }
 
-/* As in internal/fixed.h. a b >> 30 is the high half of 2 a times 2 b, since both are below 2^31. */
+/* Returns 2^62 / m by Newton's method, as in src/include/fixsplat/internal/fixed.h. A product a b >> 30 is the high
+   half of 2 a times 2 b, since both are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));
@@ -306,7 +308,7 @@ static inline vh all_h(int x)
     return (vh)vdupq_n_s16((int16_t)x);
 }
 
-/* Rounded Q15 product; -32768 squared is 32767, which is above every limit. */
+/* Returns rounded Q15 products; -32768 squared gives 32767, above every limit that the blending code tests. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)vqrdmulhq_s16((int16x8_t)a, (int16x8_t)b);
@@ -333,7 +335,7 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     const uint8x16_t ba = vqmovuntq_s16(vqmovunbq_s16(vdupq_n_u8(0), (int16x8_t)b), (int16x8_t)a);
     const uint16x8x2_t rgba = {{(uint16x8_t)rg, (uint16x8_t)ba}};
     uint16_t pixels[16];
-    vst2q_u16(pixels, rgba);       /* vst2q_u16 needs halfword alignment, which `to` may lack */
+    vst2q_u16(pixels, rgba);       /* a copy, because vst2q_u16 needs halfword alignment, which `to` may lack */
     store(to, load(pixels));
     store(to + 16, load(pixels + 8));
 }

@@ -5,7 +5,8 @@
 #include <fixsplat/internal/pixel.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Returns (most * c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
+/* Scales a colour from 0..255 to 0..most: returns (most * c + 127) / 255. For n < 65535, n / 255 is computed as (n + 1
+   + (n >> 8)) >> 8. */
 static inline int of_255(int c, int most)
 {
     const int n = most * c + 127;

@@ -1,11 +1,11 @@
-/* Finds the tiles of LANES splats together. The first pass finds bounding boxes, and the tile masks of splats
- * within one tile row. Taller splats that fit in an fxs_box are collected until they fill a vector. The second pass
- * finds the tiles of collected splats row by row. */
+/* Finds the tiles that splats (projected Gaussians) touch, for LANES splats together. The first pass finds bounding
+ * boxes, and the tile masks of splats within one tile row. Taller splats that fit in an fxs_box, a mask of 6x6 tiles,
+ * are collected until they fill a vector. The second pass finds the tiles of collected splats row by row. */
 #include "lanes.h"
 #include "stages.h"
 
-/* 256 pixels. Up to this half width, the numbers of the second pass fit in 31 bits. The C version handles wider
-   splats. */
+/* Limit of a splat's half width: 256 pixels. Up to this limit, the numbers of the second pass fit in 31 bits. The C
+   version handles wider splats. */
 #define HALF_WIDTH_LIMIT_Q8 (1 << 16)
 
 typedef struct job {
@@ -25,7 +25,8 @@ enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
 #define LOAD_FOURS(words, structs, member, at) \
     load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
 
-/* Returns the lanes of splats without a pixel between the two x coordinates. */
+/* Computes the first and last tile column between two x coordinates, per lane. Returns the lanes of splats without a
+   pixel between the coordinates. */
 static inline mask columns_between(vi *first, vi *last, const fxs_stage_view *view, vi left_q8, vi right_q8)
 {
     vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
@@ -35,13 +36,13 @@ static inline mask columns_between(vi *first, vi *last, const fxs_stage_view *vi
 }
 
 typedef struct ellipse {
-    vi v_q24, vy_q24;              /* coordinate v on the first pixel row of a tile row, and its step per pixel row */
+    vi v_q24, vy_q24;          /* splat coordinate v on the first pixel row of a tile row, and its step per pixel row */
     vi cx_q8, breadth_q8, shear_q8, reach_q8, margin_q8, r_q12, tangent;
     vi first_column;
     vi first_row, more_rows;
 } ellipse;
 
-/* Moves the bits of six tiles in a row to the masks of three macro tiles of 2x2 tiles. */
+/* Moves the bits of six tiles in a row to the masks of three macro tiles (blocks of 2x2 tiles). */
 static inline vi spread_row(vi tiles)
 {
     return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
@@ -64,8 +65,9 @@ static inline void set_radius(ellipse *e, const fxs_stage_view *view, vi offset_
     e->tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e->r_q12;
 }
 
-/* At pixel row y, v = ((y << 14) - cy) vy >> 26 is computed as ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough,
-   because the tile rows are less than 16 pixels off the ellipse. */
+/* Prepares the ellipses of LANES splats. At pixel row y, the splat coordinate v = ((y << 14) - cy) vy >> 26 is computed
+   as ((-cy vy >> 14) + y vy) >> 12. 32 bits are enough, because the tile rows are less than 16 pixels off the
+   ellipse. */
 static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
 {
     vi splat[4], centre[4], shape[4], last;
@@ -88,11 +90,12 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
     return e;
 }
 
-/* Returns half the width of the ellipse at v, around its middle at x = cx + shear v. */
+/* Returns half the width of a splat's ellipse at splat coordinate v. The middle at v is x = cx + shear v. */
 static inline vi half_width_q8(const ellipse *e, vi v_q12)
 {
     vi square_q24 = e->r_q12 * e->r_q12 - v_q12 * v_q12;
-    if (!any(greater(square_q24, all(0))))      /* early out above and below the ellipse, because the root is slow */
+    /* skips the slow square root if all lanes are above or below their ellipses */
+    if (!any(greater(square_q24, all(0))))
         return e->breadth_q8 >> 12;
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
@@ -106,7 +109,7 @@ static inline mask span_of_row(const ellipse *e, const fxs_stage_view *view, vi 
     vi x_bottom_q8 = e->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
     vi left_q8 = most(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     vi right_q8 = most(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* uses the full half width if the ellipse's leftmost or rightmost point is on the tile row */
+    /* a tile row with the ellipse's leftmost or rightmost point takes the ellipse's full half width */
     vi low = top * reach, high = bottom * reach;
     left_q8 = choose(greater(low, -e->tangent) | greater(-e->tangent, high), left_q8, reach);
     right_q8 = choose(greater(low, e->tangent) | greater(e->tangent, high), right_q8, reach);
@@ -124,7 +127,7 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_stage_view *view)
     return choose(none, all(0), (vi)tiles);
 }
 
-/* The list must hold LANES valid indices, even for fewer splats. */
+/* Finds the tiles of `count` collected splats. The list must hold LANES valid indices, even for fewer splats. */
 static void fill_boxes(const job *j, const list *l, uint32_t count)
 {
     fxs_box boxes[LANES];
@@ -172,7 +175,7 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
     const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
     store_boxes(j->boxes + i, j->view, on_rows, all(0), first_tile_row, column, none);
     mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
-    /* one list of splats per height in tile rows; list 0: splats near the edge of a tile row */
+    /* One list of splats is kept per height in tile rows. List 0 is for splats near the edge of a tile row. */
     mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));
     vi list_number = choose(at_edge, all(0), last_tile_row - first_tile_row);
     for (int k = 0; k < FXS_BOX_TILES; k++) {

@@ -1,7 +1,8 @@
-/* Blends the splats of a tile, or traces them with auxiliary outputs. The tile is cut into patches of 8 columns and
- * ROWS rows of pixels. The splats of the tile's list are taken in groups of 2 * LANES. The first step, with one
- * splat per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends the
- * splats of each patch. The level of a pixel is u^2 + v^2 + offset, and alpha is exp(-level / 2). */
+/* Blends the splats of a tile, or traces them with depths and ids as further outputs. The tile is cut into patches of 8
+ * columns and ROWS rows of pixels. The splats of the tile's list are taken in groups of 2 * LANES. The first step, with
+ * one splat per lane, finds which splats reach which patches. The second step, with one pixel per lane, blends the
+ * splats of each patch. A splat has coordinates u and v, linear in the pixel position. The level of a pixel is u^2 +
+ * v^2 + offset, and alpha is exp(-level / 2). */
 #include "src/core/memory.h"
 #include "stages.h"
 
@@ -11,7 +12,7 @@
 #define AHEAD 64
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-#if LANES == 4                     /* wider instruction sets have their own versions */
+#if LANES == 4                    /* instruction sets with wider vectors define their own versions of these functions */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     (void)y;
@@ -39,8 +40,8 @@ static inline vh columns_of(vh rows)
 }
 #endif
 
-/* Pixels of a patch, column by column. One broadcast of the rows' levels then gives each pixel the level of its
-   row. */
+/* Pixels of a patch (block of pixels), stored column by column. Since a splat's v^2 + offset depends only on the row,
+   one broadcast of the rows' values then serves all columns. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
@@ -53,18 +54,18 @@ typedef struct kept {
    vector j, the order of the packing instructions. 16-bit values are stored twice per word, so that one broadcast
    fills a vector. */
 typedef struct group {
-    vu u_q24[PATCHES][2];          /* coordinate u at the first pixel of each patch */
+    vu u_q24[PATCHES][2];          /* splat coordinate u at the first pixel of each patch of pixels */
     vu ux_q24[2], uy_q24[2], right_q24[2];
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
     vu pattern_q24[GROUP];
-    vh levels_q11[FXS_TILE];       /* v^2 + offset of each row */
-    uint32_t reached[PATCHES];     /* per patch: mask of the splats that may reach a pixel */
+    vh levels_q11[FXS_TILE];       /* v^2 + offset of the splats on each row of pixels */
+    uint32_t reached[PATCHES];     /* per patch of pixels: mask of the splats that may reach a pixel */
 } group;
 
 typedef struct outline {
     vu u_q24[2], v_q24[2], vy_q24[2];
-    vu u_low_q24[2], u_high_q24[2];            /* range of the coordinate u within a patch, relative to the first
-                                                  pixel */
+    /* range of splat coordinate u within a patch, relative to the patch's first pixel */
+    vu u_low_q24[2], u_high_q24[2];
     vh offset_q11, limit_q11;
 } outline;
 
@@ -88,7 +89,7 @@ static inline vu twice(vi x)
     return (vu)(x & 65535) * 0x10001;
 }
 
-/* Past the end of the list, repeats the first entry. */
+/* Loads a group of entries of a tile's list. Past the end of the list, the group is filled with its first entry. */
 static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
@@ -127,7 +128,7 @@ static inline vu load_places(group *g, outline *o, int j, const fxs_stage_view *
     return offset_q11;
 }
 
-/* Returns the smallest magnitude of a coordinate between low and high. */
+/* Returns the smallest magnitude of a splat coordinate that ranges from low to high. */
 static inline vh nearest(vh low, vh high)
 {
     return most_h(most_h(low, ~high), all_h(0));
@@ -146,7 +147,8 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* The coordinate v is extreme in the first and last row of a patch. */
+/* Finds the splats that may reach each patch of pixels. A splat coordinate v is extreme in the first and last row of a
+   patch. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
     vh v_q13[ROWS];
@@ -187,7 +189,7 @@ static inline void set_out(group *g, const fxs_stage_view *view, const fxs_splat
         g->pattern_q24[place] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
 }
 
-/* Returns exp(-level / 2) in Q15, capped at 0.99, like fxs_alpha_q15. */
+/* Returns a splat's alpha, exp(-level / 2) capped at 0.99, in Q15. The result equals that of fxs_alpha_q15. */
 static inline vh alpha_of(vh level)
 {
     vh p = mul_add_h(all_h(-4236), level, all_h(16016));
@@ -215,8 +217,8 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
     }
 }
 
-/* Blends a splat into a patch. `open` is the mask of pixels that are not yet opaque. k is null without auxiliary
-   outputs. */
+/* Blends a splat into a patch of pixels. `open` is the mask of pixels that are not yet opaque. k is null without
+   auxiliary outputs (depths, ids). */
 ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch,
                                uint32_t entry, int number, int depth_q15)
 {
@@ -238,7 +240,7 @@ ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
 }
 
-/* Returns nonzero while a pixel of the patch is not yet opaque. */
+/* Blends a group of splats into a patch of pixels. Returns nonzero while a pixel of the patch is not yet opaque. */
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {

@@ -1,4 +1,4 @@
-/* Reads the codes of LANES packed Gaussians together. src/core/codes.h is the scalar version. */
+/* Reads the attribute codes of LANES packed Gaussians together. src/core/codes.h is the scalar version. */
 #include "src/core/codes.h"
 #include "lanes.h"
 #include "stages.h"

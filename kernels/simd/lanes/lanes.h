@@ -3,7 +3,8 @@
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 
-/* 4 lanes use a table, because not every processor counts bits. */
+/* Counts the lanes in a mask. For 4 lanes a table is used, because not every processor has an instruction to count
+   bits. */
 static inline uint32_t lanes_of(mask which)
 {
     return LANES > 4 ? (uint32_t)__builtin_popcount(bits(which))
@@ -32,7 +33,7 @@ static inline vu root(vu x)
     return shift_right(mulhi(m, rsqrt(m)), 14 + (shift >> 1));
 }
 
-/* Returns sqrt(r2), Q12, rounded up. Only faint splats need the root. */
+/* Returns a splat's radius sqrt(r2) in sigmas, Q12, rounded up. Only faint splats need the square root. */
 static inline vi radius_q12(vi r2_q11)
 {
     if (!any(greater(all(FXS_CUT_Q11), r2_q11)))
@@ -49,7 +50,7 @@ static inline vi exp2_q15(vi f_q15)
     return 32768 + p;
 }
 
-/* Returns log2(2^whole m), Q16, for m in [1, 2) with the top bit set. */
+/* Returns log2(2^whole m), Q16, for a mantissa m in [1, 2). m is stored with its top bit set. */
 static inline vi log2_of_top_q16(vi whole, vu m)
 {
     vi t_q15 = (vi)(m >> 16) & 32767;

@@ -3,7 +3,7 @@
  * Gaussians and stores them without gaps. The C version handles rare chunks with very large Gaussians. */
 #include "lane_codes.h"
 
-#ifndef AT_ONCE                    /* Gaussians per pass; fewer Gaussians need less stack */
+#ifndef AT_ONCE                    /* number of Gaussians per pass over a chunk; a smaller number needs less stack */
 #define AT_ONCE FXS_CHUNK
 #endif
 
@@ -27,7 +27,8 @@ static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
     return (vi)narrow(offset_wide(x, cv->base_q16[i]), 16);
 }
 
-/* Returns the lanes that are not too far off the camera's axis. */
+/* Computes the reciprocal depths of LANES Gaussians. Returns the lanes of Gaussians that are not too far off the
+   camera's axis. */
 static inline mask project_depth(centre *c, const fxs_stage_view *view, const fxs_chunk_view *cv)
 {
     vi *x = &c->camera[0], *y = &c->camera[1], z = c->camera[2];
@@ -45,8 +46,8 @@ static inline mask project_depth(centre *c, const fxs_stage_view *view, const fx
     return greater(z, *x >> 6) & greater(z, -*x >> 6) & greater(z, *y >> 6) & greater(z, -*y >> 6);
 }
 
-/* Returns the lanes not too far off the picture. With 2^30 - 1 added, -2^30 < position < 2^30 is a test of the high
-   bits. */
+/* Projects LANES centres to coordinate i on the screen. Returns the lanes of centres not too far off the picture. With
+   2^30 - 1 added, -2^30 < position < 2^30 is a test of the high bits. */
 static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t up = FXS_CENTRE_LIMIT_Q14 - 1;
@@ -64,8 +65,8 @@ static inline vi fall_of(const fxs_chunk_view *cv, vi code)
     return (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
 }
 
-/* Computes f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest scale
-   code has the largest sigma. */
+/* Computes the sizes of Gaussians on the screen, f sigma_max / z 2^jacobian_exponent, as mantissa * 2^exponent with the
+   mantissa in [0.5, 1). The smallest scale code of a Gaussian has the largest sigma. */
 static inline vu screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
                              vi *exponent)
 {
@@ -80,7 +81,8 @@ static inline vu screen_size(const fxs_stage_view *view, const fxs_chunk_view *c
     return shift_left(mantissa, zeros);
 }
 
-/* Lanes on the picture. radius = 3.5 (2^exponent + 1), cut to the limit of centres. */
+/* Returns the lanes of Gaussians that may touch the picture. A Gaussian's radius is taken as 3.5 (2^exponent + 1)
+   pixels, at most FXS_CENTRE_LIMIT_Q14. */
 static inline mask on_picture(const fxs_stage_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
@@ -97,7 +99,8 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros_of_z) >> 5 & 0x3ffffff));
 }
 
-/* Returns 0 if the C version must project the chunk. */
+/* Finds the screen centres of LANES Gaussians, and keeps the Gaussians that may be visible. Returns 0 if the C version
+   must project the chunk. */
 static inline int find_centres(survivors *s, const fxs_stage_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
@@ -189,7 +192,8 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
     return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
 }
 
-/* Computes the screen axes T = J W R S from Jacobian J, view W, rotation R and scales S. */
+/* Computes the axes of Gaussians on the screen, T = J W R S, from Jacobian J, view rotation W, rotation R and scales
+   S. */
 static inline mask screen_axes(vi t_q15[2][3], const fxs_stage_view *view, const fxs_chunk_view *cv,
                                enum fxs_profile profile, const survivors *s, uint32_t at)
 {
@@ -234,7 +238,7 @@ static inline void covariance_of(covariance *out, vi t_q15[2][3], vi exponent)
     out->exponent = exponent;
 }
 
-/* A number x = m 2^-32 4^half, with the reciprocal root of m. */
+/* A number x = m 2^-32 4^half, stored with 1 / sqrt(m). */
 typedef struct mantissa {
     vu m, inverse_q30;
     vi half;
@@ -260,7 +264,7 @@ static inline vi reach_q8(const mantissa *x, vi exponent, vu r_q12)
     return (vi)narrow(mul_wide_u(root_q8, r_q12), 12);
 }
 
-/* Antialiasing: adds ln(det / undilated det) to the opacity offset. */
+/* Lowers the opacity for antialiasing: adds ln(det / undilated det) of the screen covariance to the opacity offset. */
 static inline mask compensate(vi *offset_q11, const covariance *s)
 {
     vu high = high_half(s->det_undilated_q60), low = low_half(s->det_undilated_q60);
@@ -269,13 +273,13 @@ static inline mask compensate(vi *offset_q11, const covariance *s)
     return ~equal((vi)(high | low), all(0));
 }
 
-/* Returns 2^-l_q16 in Q30, l >= 0. */
+/* Returns 2^-l in Q30, for l >= 0 in Q16. */
 static inline vu falling_q30(vi l_q16)
 {
     return shift_right((vu)exp2_q15((l_q16 & 65535) >> 1) << 15, l_q16 >> 16);
 }
 
-/* Returns -log2(x), Q16, for 0 < x <= 1. */
+/* Returns -log2(x) in Q16, for 0 < x <= 1 in Q30. */
 static inline vi octaves_below_q16(vu x_q30)
 {
     return most((30 << 16) - log2_of_32_q16(x_q30), all(0));
@@ -351,7 +355,8 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_stage_view
     return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
 }
 
-/* Writes every lane; the next structure overwrites an unwanted structure. */
+/* Appends the splats of the lanes in mask `which` to arrays. Every lane is written, but the next write overwrites an
+   unwanted lane. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[WORDS], const vi bound[WORDS],
                           unsigned which)
 {
@@ -394,7 +399,7 @@ static inline void shape_survivors(outputs *out, const fxs_stage_view *view, con
 
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
-/* Not inlined, to free the stack before the C version runs. */
+/* Projects a chunk of Gaussians. Not inlined, so that the function's stack is free again before the C version runs. */
 static __attribute__((noinline)) int32_t project_chunk(const fxs_stage_view *view, const fxs_scene *scene,
                                                        uint32_t chunk, outputs out)
 {

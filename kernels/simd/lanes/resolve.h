@@ -18,7 +18,8 @@ static inline void resolve_rgba8(unsigned char *to, const fxs_tile *tile, int i,
                  colour_8bit(tile->sum_q13[2] + i, t, background_q13[2]), alpha);
 }
 
-/* Returns (most * c + 127) / 255 with c clamped to 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
+/* Scales a colour from 0..255 to 0..most: returns (most * c + 127) / 255 with c clamped to 255. For n < 65535, n / 255
+   is computed as (n + 1 + (n >> 8)) >> 8. */
 static inline vh of_255(vh colour, int most)
 {
     const vh n = least_h(colour, all_h(255)) * all_h(most) + all_h(127);
@@ -34,7 +35,8 @@ static inline void resolve_rgb565(unsigned char *to, const fxs_tile *tile, int i
     store(to, (vi)(r << 11 | g << 5 | b));
 }
 
-/* Returns min((65535 c + 2^12) >> 13, 65535), computed as 8 c + ((2^12 - c) >> 13) modulo 2^16. */
+/* Converts colours from Q13 to 16 bits: returns min((65535 c + 2^12) >> 13, 65535), computed as 8 c + ((2^12 - c) >>
+   13) modulo 2^16. */
 static inline vh colour_16bit(const int16_t *sum_q13)
 {
     const vh c = least_h(load_h(sum_q13), all_h(8192));
@@ -44,8 +46,8 @@ static inline vh colour_16bit(const int16_t *sum_q13)
 static inline void resolve_rgba16(unsigned char *to, const fxs_tile *tile, int i)
 {
     const vh taken = all_h(FXS_CLEAR_Q15) - load_h(tile->transmittance_q15 + i);
-    const vh alpha = (taken << 1) + ((16384 - taken) >> 15);   /* equals (65535 taken + 2^14) >> 15, where taken is
-                                                                  1 - transmittance, Q15 */
+    /* equals the 16-bit alpha (65535 taken + 2^14) >> 15, where taken is 1 - transmittance, Q15 */
+    const vh alpha = (taken << 1) + ((16384 - taken) >> 15);
     store_wide_pixels(to, colour_16bit(tile->sum_q13[0] + i), colour_16bit(tile->sum_q13[1] + i),
                       colour_16bit(tile->sum_q13[2] + i), alpha);
 }

@@ -1,10 +1,10 @@
-/* Computes the colours of PARTS vectors of neighbouring Gaussians together, visible or not. The colours of visible
- * Gaussians are copied to their splats. */
+/* Computes the colours of PARTS vectors of neighbouring Gaussians together, even of invisible Gaussians. The colours of
+ * visible Gaussians are copied to their splats. */
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
-#define SOME (LANES > 4 ? 4u : 1u) /* groups of Gaussians that compute their directions together, so that operations
-                                      overlap */
+/* number of groups of Gaussians that compute their view directions together, so that operations overlap */
+#define SOME (LANES > 4 ? 4u : 1u)
 
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
@@ -30,7 +30,7 @@ static inline void direction(vi d_q15[3], const wide offset_q32[3])
         d_q15[i] = clamp(scale_down_wide(mul_wide(d[i], inverse_q30), 31 - (zeros >> 1)), all(-32767), all(32767));
 }
 
-/* Returns x / 2^shift, rounded towards 0. */
+/* Returns x / 2^shift, rounded towards 0, per lane. */
 static inline vi divide(vi x, int shift)
 {
     const int32_t rest = (1 << shift) - 1;
@@ -70,8 +70,8 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
 }
 
 typedef struct neighbours {
-    uint32_t start, end;           /* indices in the chunk's list of visible Gaussians */
-    uint32_t first, wanted;        /* index of the first neighbour; mask of visible neighbours */
+    uint32_t start, end;           /* start and end of the neighbours in the chunk's list of visible Gaussians */
+    uint32_t first, wanted;        /* number of the first neighbour in its chunk; mask of visible neighbours */
     vi d_q15[PARTS][3];
 } neighbours;
 
@@ -145,8 +145,8 @@ static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *re
     return s;
 }
 
-/* Adds the palette's share of the colour, one lane after another, because the palette entries of the lanes lie far
-   apart. */
+/* Adds the share of the SH palette to the colours. Works on one lane after another, because the palette entries of the
+   lanes lie far apart. */
 static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, const fxs_chunk *header,
                                const unsigned char *rows, uint32_t first, vi b_q15[PARTS][16], int degree,
                                uint32_t wanted)
@@ -174,7 +174,8 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
             sum_q16[c][part] += load(more_q16[c] + part * LANES);
 }
 
-/* Not inlined, because constants would be saved around calls of the C version. */
+/* Computes the colours of neighbouring Gaussians. Not inlined, because the caller would then save constants around
+   calls of the C version. */
 static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
                                               const fxs_stage_view *view, const fxs_scene *scene,
                                                   const fxs_chunk *header,
@@ -205,7 +206,7 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
     }
 }
 
-/* Returns the first visible Gaussian after the neighbours of Gaussian i. */
+/* Collects the visible neighbours of Gaussian i in *n. Returns the first visible Gaussian after these neighbours. */
 static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, uint32_t i, uint32_t count)
 {
     const uint32_t first = indices[i] & ~(GROUP - 1u);
@@ -224,7 +225,7 @@ static inline void shade_neighbours(const neighbours *n, const fxs_stage_view *v
                                     fxs_splat *splats)
 {
     int32_t red_green[GROUP], blue[GROUP];
-    if (n->end - n->start == 1 && !scene->palette) {       /* a lone Gaussian is as fast in C */
+    if (n->end - n->start == 1 && !scene->palette) {       /* For a lone Gaussian, the C version is as fast. */
         fxs_shade_list(view, scene, header, rows, indices + n->start, 1, splats + n->start);
         return;
     }

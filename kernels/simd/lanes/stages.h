@@ -1,6 +1,6 @@
-/* Declares the versions of the stages. FXS_BLEND(avx2) expands to the function head of fxs_blend_avx2, to be followed
-   by a body or a semicolon. Each version gives the same results as the C version, declared in
-   src/include/fixsplat/internal/stage.h. */
+/* Declares the versions of the rendering stages for each instruction set. FXS_BLEND(avx2) expands to the function head
+ * of fxs_blend_avx2, to be followed by a body or a semicolon. Each version gives the same results as the C version,
+ * declared in src/include/fixsplat/internal/stage.h. */
 #ifndef FXS_STAGES_H
 #define FXS_STAGES_H
 
@@ -30,7 +30,8 @@
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
     const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 
-/* X-macro lists of functions: X(function head, head of the stage, name in fxs_kernels, isa). */
+/* Lists of the functions of the rendering stages: X(macro of the function head, macro of the stage, name in
+   fxs_kernels, instruction set). */
 #define FXS_VECTOR_STAGES(X, isa) \
     X(FXS_PROJECT, FXS_PROJECT, project, isa) X(FXS_SHADE, FXS_SHADE, shade, isa) \
     X(FXS_BIN, FXS_BIN, bin, isa) X(FXS_SPANS, FXS_BIN, spans, isa) X(FXS_NOTE, FXS_BIN, note, isa) \

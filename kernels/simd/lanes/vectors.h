@@ -14,7 +14,7 @@ typedef uint8_t anywhere __attribute__((vector_size(4 * LANES), aligned(1), may_
 
 static const int32_t lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/* Byte shuffles that move the lanes of a mask to the front. */
+/* Byte shuffles that move the selected lanes of a vector to the front, indexed by a 4-bit mask of lanes. */
 #define BYTES(lane) (0x03020100 + 0x04040404 * (lane))
 #define ORDER(a, b, c, d) {BYTES(a), BYTES(b), BYTES(c), BYTES(d)}
 static const int32_t compress_order[16][4] __attribute__((aligned(16))) = {

@@ -100,8 +100,8 @@ static inline vi most(vi a, vi b)
     return (vi)wasm_i32x4_max((v128_t)a, (v128_t)b);
 }
 
-/* Reads leading zeros from the exponent of x as a float. Clearing the 8th bit below the highest stops rounding from
-   carrying into the exponent. From 2^31 on, the float is negative. */
+/* Counts leading zeros with the exponent of x as a float. Clearing the 8th bit below the highest bit stops rounding
+   from carrying into the exponent. From 2^31 on, the float is negative. */
 static inline vi clz(vu x)
 {
     const vu exponent = (vu)wasm_f32x4_convert_i32x4((v128_t)(x & ~(x >> 8))) >> 23;
@@ -119,7 +119,7 @@ static inline vu power(vi shift)
 }
 
 typedef struct wide {
-    vw low, high;                  /* low: lanes 0 and 1; high: lanes 2 and 3 */
+    vw low, high;                  /* low: 64-bit numbers of lanes 0 and 1; high: of lanes 2 and 3 */
 } wide;
 
 static inline wide mul_wide(vi a, vi b)
@@ -221,7 +221,8 @@ static inline vu mul_high(vu a, vu b)
     return high_half(mul_wide_u(a, b));
 }
 
-/* As in internal/fixed.h. a b >> 30 is the high half of 2 a times 2 b, since both are below 2^31. */
+/* Returns 2^62 / m by Newton's method, as in src/include/fixsplat/internal/fixed.h. A product a b >> 30 is the high
+   half of 2 a times 2 b, since both are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));
@@ -306,7 +307,7 @@ static inline octet odd_numbers(uint64_t codes)
 }
 
 #define PARTS 1
-typedef vi factor;                 /* 16-bit numbers in words with an upper half of 0 */
+typedef vi factor;                 /* 16-bit numbers in 32-bit words, with an upper half of 0 */
 
 static inline factor factor_of(vi first, vi last)
 {
@@ -326,13 +327,14 @@ static inline vh all_h(int x)
     return (vh)wasm_i16x8_splat((int16_t)x);
 }
 
-/* Rounded Q15 product; -32768 squared is 32767, or -32768 with the relaxed instruction. */
+/* Returns rounded Q15 products. -32768 squared gives 32767, or -32768 with the relaxed instruction. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)wasm_i16x8_q15mulr_sat((v128_t)a, (v128_t)b);
 }
 
-/* Levels are -2 ln(alpha). Sums saturate at 65535, in the C version at 32767; both are above every limit. */
+/* Adds levels, -2 ln(alpha) of a splat. Sums saturate at 65535, in the C version at 32767; both are above every limit
+   of levels. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)wasm_u16x8_add_sat((v128_t)a, (v128_t)b);

@@ -26,7 +26,7 @@ static inline vh all_h(int x)
     return (vh)MM(set1_epi16)((int16_t)x);
 }
 
-/* Rounded Q15 product; -32768 squared is -32768. */
+/* Returns rounded Q15 products; -32768 squared gives -32768. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)MM(mulhrs_epi16)((V)a, (V)b);
@@ -52,7 +52,8 @@ static inline vh most_h(vh a, vh b)
     return (vh)MM(max_epi16)((V)a, (V)b);
 }
 
-/* Levels are -2 ln(alpha). Sums saturate at 65535, in the C version at 32767; both are above every limit. */
+/* Adds levels, -2 ln(alpha) of a splat. Sums saturate at 65535, in the C version at 32767; both are above every limit
+   of levels. */
 static inline vh add_level(vh a, vh b)
 {
     return (vh)MM(adds_epu16)((V)a, (V)b);
@@ -77,7 +78,8 @@ static inline void mix_words(V twos[4], vh r, vh g, vh b, vh a)
     twos[3] = MM(unpackhi_epi32)(rg_high, ba_high);
 }
 
-/* Packs a >> 11 and b >> 11 to 16 bits. Vectors beyond 128 bits alternate four numbers of a and four of b. */
+/* Packs numbers a and b from Q24 to Q13 with 16 bits. Vectors beyond 128 bits alternate four numbers of a and four of
+   b. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {
     return (vh)MM(packs_epi32)((V)((vi)a_q24 >> 11), (V)((vi)b_q24 >> 11));

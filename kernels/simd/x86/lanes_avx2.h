@@ -79,7 +79,7 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)which);
 }
 
-/* Counts leading zeros of half bytes with a table. */
+/* Counts the leading zeros of 32-bit words, with a table for half bytes. */
 static inline vi clz(vu x)
 {
     const __m128i table = _mm_setr_epi8(4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -175,13 +175,14 @@ static inline uint32_t bits_h(mask_h which)
     return (bits & 0xff) | (bits >> 8 & 0xff00);
 }
 
-/* Returns x * column + y * row for columns 0, 1, 4 and 5 of a patch. */
+/* Returns x * column + y * row for pixels in the columns 0, 1, 4 and 5 of a patch (block of pixels). */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm256_setr_epi32(0, 0, 1, 1, 4, 4, 5, 5) + y * (vu)_mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1);
 }
 
-/* Interleaves pairs of rows, so that the levels of a splat are adjacent. */
+/* Interleaves the levels of pairs of pixel rows, so that the levels of a splat are adjacent. A level is v^2 +
+   offset. */
 static inline void order_levels(vh levels_q11[FXS_TILE])
 {
     for (int row = 0; row < FXS_TILE; row += 2) {
@@ -197,7 +198,7 @@ static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
     return (vh)_mm256_set1_epi32(*pairs);
 }
 
-/* Reorders pixels from columns of two to rows of eight. */
+/* Reorders the pixels of a patch from columns of two to rows of eight. */
 static inline vh rows_of(vh columns)
 {
     const __m256i by_row = _mm256_setr_epi64x(0x0d0c090805040100, 0x0f0e0b0a07060302, 0x0d0c090805040100,
@@ -212,7 +213,7 @@ static inline vh columns_of(vh rows)
     return (vh)_mm256_shuffle_epi8(_mm256_permute4x64_epi64((__m256i)rows, 0xd8), by_column);
 }
 
-/* Stores the lower halves at `to`, and the upper halves `apart` bytes later. */
+/* Stores the lower 128 bits of x and y at `to`, and the upper 128 bits `apart` bytes later. */
 static inline void store_halves(unsigned char *to, size_t apart, __m256i x, __m256i y)
 {
     _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permute2x128_si256(x, y, 0x20));

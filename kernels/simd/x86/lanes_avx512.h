@@ -156,7 +156,7 @@ static inline uint32_t bits_h(mask_h which)
     return which;
 }
 
-/* Returns x * column + y * row for columns 0, 2, 4 and 6 of a patch. */
+/* Returns x * column + y * row for pixels in the columns 0, 2, 4 and 6 of a patch (block of pixels). */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm512_setr_epi32(0, 0, 0, 0, 2, 2, 2, 2, 4, 4, 4, 4, 6, 6, 6, 6) +
@@ -182,7 +182,7 @@ static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
     return (vh)_mm512_set1_epi64(*fours);
 }
 
-/* Reorders pixels from columns of four to rows of eight. */
+/* Reorders the pixels of a patch from columns of four to rows of eight. */
 static inline vh rows_of(vh columns)
 {
     const __m512i from = _mm512_setr_epi64(0x000c000800040000, 0x001c001800140010, 0x000d000900050001,

@@ -73,8 +73,8 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
 }
 
-/* Reads leading zeros from the exponent of x as a float. Clearing the 8th bit below the highest stops rounding from
-   carrying into the exponent. From 2^31 on, the float is negative. */
+/* Counts leading zeros with the exponent of x as a float. Clearing the 8th bit below the highest bit stops rounding
+   from carrying into the exponent. From 2^31 on, the float is negative. */
 static inline vi clz(vu x)
 {
     const __m128i kept = _mm_andnot_si128((__m128i)(x >> 8), (__m128i)x);
@@ -106,7 +106,7 @@ static inline vw magnitude_64(vw x)
     return (x ^ sign) - sign;
 }
 
-/* Shifts left per lane by a product with 2^shift, built in the exponent of a float. The conversion of 2^31
+/* Shifts each lane left by multiplying with 2^shift, built in the exponent of a float. The conversion of 2^31
    overflows, but returns 2^31. */
 static inline vu shift_left(vu x, vi shift)
 {

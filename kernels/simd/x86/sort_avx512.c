@@ -1,13 +1,13 @@
-/* Sorts 64-bit keys. The keys are distributed to buckets by the top digit of their range. As many buckets as fit in
- * 8 vectors are sorted together: each lane is sorted across the vectors, lanes are transposed to vectors, and the
- * vectors are merged pairwise. */
+/* Sorts 64-bit keys. The keys are distributed to buckets by the top digit of their range. As many buckets as fit in 8
+ * vectors are sorted together. For this, each lane is sorted across the vectors, lanes are transposed to vectors, and
+ * the vectors are merged pairwise. */
 #include "lanes_avx512.h"
 #include "kernels/simd/lanes/stages.h"
 #include "src/core/memory.h"
 
 #define KEYS 8u
 #define FEW (8 * KEYS)
-#define MOST_BITS 11               /* most bits of a digit */
+#define MOST_BITS 11               /* largest number of bits in a digit of the keys */
 
 static inline void put_in_order(__m512i *low, __m512i *high)
 {
@@ -88,7 +88,7 @@ static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
         _mm512_mask_storeu_epi64(to + i * KEYS, (__mmask8)(there >> i * KEYS), x[i]);
 }
 
-/* Finds the range of the keys, and prefetches `spare`, which is written next. */
+/* Finds the smallest and the largest key, and prefetches `spare`, the array that is written next. */
 static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t count, fxs_key *least, fxs_key *most)
 {
     __m512i low = _mm512_loadu_si512(keys + count - KEYS), high = low;

@@ -1,8 +1,9 @@
-/* 64-bit numbers and other operations of all x86 vectors. Include the operations of an instruction set first. */
+/* Operations on 64-bit numbers, and other operations of all x86 vectors. Include the header of an instruction set
+ * first. */
 #ifndef FXS_X86_WIDE_H
 #define FXS_X86_WIDE_H
 
-/* 64-bit numbers of the even lanes and of the odd lanes. */
+/* Vectors of 64-bit numbers, one per 32-bit lane: the numbers of the even lanes and of the odd lanes. */
 typedef struct wide {
     vw even, odd;
 } wide;
@@ -92,8 +93,8 @@ static inline vi round_shift(vi x, const int shift)
     return (x + half) >> shift;
 }
 
-/* Newton's steps as in src/include/fixsplat/internal/fixed.h, on the low halves of 64-bit numbers, so that no step has
-   to narrow. */
+/* Newton's steps for reciprocals and roots, as in src/include/fixsplat/internal/fixed.h. The steps work on the low
+   halves of 64-bit numbers, so that no step has to narrow. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {
     return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;
@@ -126,7 +127,7 @@ static inline vu rsqrt(vu m)
     return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
-/* Loads rows of four words and transposes them, which is faster than gather instructions. */
+/* Loads four words per lane and transposes them to four vectors, which is faster than gather instructions. */
 static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
                                                              const int32_t at[LANES])
 {
@@ -141,7 +142,7 @@ static inline __attribute__((always_inline)) void load_fours(vi words[4], const 
 }
 
 #define PARTS 1
-typedef vi factor;                 /* 16-bit numbers in words with an upper half of 0 */
+typedef vi factor;                 /* 16-bit numbers in 32-bit words, with an upper half of 0 */
 
 static inline factor factor_of(vi first, vi last)
 {
