@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for AVX2, with 8 lanes. */
+/* Compiles the fit's vector code in src/fit/fit_isa.h for AVX2, with 8 floats per vector. */
 #include <immintrin.h>
 #define ISA avx2
 #define LANES 8

@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for NEON on AArch64, with 4 lanes. */
+/* Compiles the fit's vector code in src/fit/fit_isa.h for NEON on AArch64, with 4 floats per vector. */
 #include <arm_neon.h>
 #define ISA neon
 #define LANES 4

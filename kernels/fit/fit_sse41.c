@@ -1,4 +1,4 @@
-/* Compiles the stages of the fit in src/fit/fit_isa.h for SSE4.1, with 4 lanes. */
+/* Compiles the fit's vector code in src/fit/fit_isa.h for SSE4.1, with 4 floats per vector. */
 #include <smmintrin.h>
 #define ISA sse41
 #define LANES 4

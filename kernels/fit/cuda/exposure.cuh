@@ -1,4 +1,5 @@
-/* Exposures of photographs on a device (src/fit/exposure.h), with the CPU's order of floating-point operations. */
+/* Fits the exposures of photographs on a GPU. Floating-point operations have the same order as on the CPU
+ * (src/fit/exposure.h). */
 #ifndef FXS_CUDA_FIT_EXPOSURE_CUH
 #define FXS_CUDA_FIT_EXPOSURE_CUH
 
