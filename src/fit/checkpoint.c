@@ -17,7 +17,7 @@
 
 /* Version of the files of saved fits. Must increase with every change to a fit's computation, because a resumed fit
    would end differently. */
-#define VERSION 13u                /* number added to codes of some options; see version_of */
+#define VERSION 13u                /* version number, to which version_of adds codes of some options */
 
 typedef struct archive {
     fxs_output *output;
