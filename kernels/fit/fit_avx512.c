@@ -34,7 +34,7 @@ static inline void add_vectors(const __m512 *v, float *sums)
     const __m512 a = quarters(halves(v[0], v[1]), halves(v[2], v[3]));
     const __m512 b = quarters(halves(v[4], v[5]), halves(v[6], v[7]));
     const __m512 two = pairs(a, b), one = two + _mm512_permute_ps(two, 0xb1);
-    /* Even lanes hold the sums of vectors 0, 2, 1, 3; odd lanes hold those of vectors 4, 6, 5, 7. */
+    /* Even lanes hold the sums of vectors 0, 2, 1, 3; odd lanes the sums of vectors 4, 6, 5, 7. */
     const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 2, 6, 10, 14, 0, 0, 0, 0, 0, 0, 0, 0);
     _mm256_storeu_ps(sums, _mm512_castps512_ps256(_mm512_permutexvar_ps(order, one)));
     const __m256 eight = _mm512_castps512_ps256(v[8]) + _mm512_extractf32x8_ps(v[8], 1);

@@ -14,8 +14,8 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* distance by which the outermost blocks extend beyond the cameras' bounding box, in
-                                      lengths of its longest side */
+#define FAR 2.0                    /* The outermost blocks extend beyond the cameras' bounding box by this multiple of
+                                      its longest side. */
 
 static int is_in(const float place[3], const double low[3], const double high[3])
 {

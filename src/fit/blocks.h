@@ -12,8 +12,8 @@ extern "C" {
 
 #define FXS_FIT_BLOCKS_MOST 4096
 
-/* A short fit of all photographs, from which the fits of single blocks of space continue. Any number of threads may
-   read it. */
+/* A short fit of all photographs, which the fits of single blocks of space continue. Any number of threads may read
+   it. */
 typedef struct fxs_fit_coarse fxs_fit_coarse;
 
 typedef struct fxs_fit_block {
@@ -32,12 +32,12 @@ typedef struct fxs_fit_block {
 /* Chooses block `number`, 1 to `blocks`, of a set of photographs in memory. Space is cut in two at the median
    coordinate of the points (for an odd number of blocks, in proportion to the blocks on each side). The cut is along
    the axis on which the middle three quarters of the points are widest. Each part is cut again in the same way, until
-   there is a part for each block. The order of the points does not matter. Every place is in exactly one block.
+   each block has its part. The order of the points does not matter. Every place is in exactly one block.
 
    A block's widened box is the bounding box of its points without the outermost 64th of them on each side, extended on
    each side by a fifth of its longest side. The block gets each photograph, to fit or held out, that shows at least a
-   twentieth of the points in the block. It also gets each that shows at least one of them and was taken inside the
-   widened box. The block gets the points in the widened box, and all points that its photographs to fit show.
+   twentieth of the points in the block. From inside the widened box, a photograph needs to show only a single point of
+   the block. The block gets the points in the widened box, and all points that its photographs to fit show.
 
    The block uses the pixels of `whole`. fxs_fit_block_free frees the block; call it before `whole` is freed. Errors:
    FXS_ERR_ARGUMENT (`number`, `blocks`), FXS_ERR_FILE if the block has no point or no photograph to fit,
@@ -51,12 +51,11 @@ int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t bloc
    - The centres of its Gaussians replace the points, and the block gets Gaussians instead of points.
    - All blocks together extend beyond the bounding box of all cameras by twice the longest side of that box, in every
      direction.
-   - `number` may be 0, which selects the coarse fit's Gaussians outside of all blocks. The bounds low and high of
-     *block are then those of all blocks together, and the block has no photograph.
+   - `number` may be 0, which selects the coarse fit's Gaussians outside of all blocks. The fields low and high of
+     `block` are then the bounds of all blocks together, and the block has no photograph.
    If the file of cameras states an angle of view and no picture size, as Blender's, the choice assumes square
    photographs. Errors: as fxs_photos_read and fxs_fit_block_choose, FXS_ERR_FILE if the coarse fit belongs to other
-   photographs, and FXS_ERR_UNSUPPORTED if the file states neither an angle nor a size (Bundler, and RealityCapture's
-   .csv). */
+   photographs, and FXS_ERR_UNSUPPORTED if the file states no angle and no size (Bundler, and RealityCapture's .csv). */
 int fxs_fit_block_read(const char *path, const fxs_photos_options *options, const fxs_fit_coarse *coarse,
                                uint32_t number, uint32_t blocks, fxs_fit_block *block, fxs_message *message);
 void fxs_fit_block_free(fxs_fit_block *block);
@@ -71,8 +70,8 @@ uint64_t fxs_fit_coarse_number(const fxs_fit_coarse *coarse);   /* Returns a che
 
 /* Begins the fit of a block with a number of 1 or more, at the step where the coarse fit of the whole ended. Takes the
    coarse fit's Gaussians in the block, Adam moments and extent, and its exposures, which stay fixed. options->block,
-   options->blocks and options->coarse must be those of `block` and `coarse`. Errors: as fxs_fit_create, and
-   FXS_ERR_ARGUMENT unless options->steps exceeds the coarse fit's steps. */
+   options->blocks and options->coarse must match `block` and `coarse`. Errors: as fxs_fit_create, and FXS_ERR_ARGUMENT
+   unless options->steps exceeds the coarse fit's steps. */
 int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_fit_block *block,
                                  const fxs_fit_options *options, fxs_message *message);
 

@@ -17,7 +17,7 @@
 
 /* Version of the files of saved fits. Must increase with every change to a fit's computation, because a resumed fit
    would end differently. */
-#define VERSION 13u                /* version number, to which version_of adds codes of some options */
+#define VERSION 13u                /* version number; version_of adds codes of some options to it */
 
 typedef struct archive {
     fxs_output *output;
@@ -151,8 +151,8 @@ static uint64_t fingerprint(const fxs_fit *f)
     return sum;
 }
 
-/* Saves or reads a key of each camera, by which cameras are compared. A resumed fit gets the cameras themselves from
-   the photographs. */
+/* Saves or reads a key of each camera, to recognise it. A resumed fit gets the cameras themselves from the
+   photographs. */
 static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
 {
     uint64_t count = f->count;

@@ -1,5 +1,5 @@
-/* A coarse fit of all photographs of a scene, from which the fits of single blocks of space continue. Functions return
- * 0, or an error and a message. */
+/* A coarse fit of all photographs of a scene, which the fits of single blocks of space continue. Functions return 0, or
+ * an error and a message. */
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H
 

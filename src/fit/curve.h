@@ -50,8 +50,8 @@ static inline uint32_t code_of(const fxs_fit_model *m, const curve *of, size_t i
     uint32_t code = 0;
     for (int k = 0; k < 3; k++) {
         const float x = (plane(m, FXS_FIT_POSITION + k)[i] - of->middle[k]) / of->spread, y = x / (1.0f + fabsf(x));
-        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* A coordinate y that is NaN gives
-                                                                                      0. */
+        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* A coordinate that is NaN goes to
+                                                                                      cell 0. */
     }
     return code;
 }

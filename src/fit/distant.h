@@ -5,8 +5,7 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Returns the unit in which the sizes of LANES Gaussians are measured: 1 within the scene's radius, |position - middle|
-   / radius beyond it. */
+/* Returns the unit of sizes of LANES Gaussians: 1 within the scene's radius, |position - middle| / radius beyond it. */
 static inline real unit_at(const fxs_fit_far *far, const float *at, size_t stride)
 {
     real square = all(0);

@@ -11,7 +11,7 @@ static inline int gain_numbers(int is_affine)
     return is_affine ? FXS_FIT_GAIN : 3;
 }
 
-/* Returns number k of the neutral exposure, which leaves all colours as they are. */
+/* Returns number k of the neutral exposure, which changes no colour of the picture. */
 static inline float gain_neutral(int is_affine, int k)
 {
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;

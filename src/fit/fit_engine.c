@@ -40,7 +40,7 @@ static int reset_opacity(void *self, float opacity, fxs_message *message)
     return 0;
 }
 
-/* Does nothing: on the CPU the Gaussians are always in host memory, so there is nothing to copy. */
+/* Does nothing: on the CPU the Gaussians are always in host memory and need no copy. */
 static int stay(void *self, fxs_message *message)
 {
     (void)self, (void)message;

@@ -10,7 +10,8 @@
    with T = V S, V = M R and M = J W. J is the Jacobian, W maps world to camera, R is the Gaussian's rotation, and S its
    scales. Row i of M is f / z (W_i - slope_i W_2), with focal length f and depth z. */
 typedef struct shape {
-    real offset[3];                /* position - eye; for an orthographic camera the view direction */
+    real offset[3];                /* vector from the eye to the Gaussian's centre; for an orthographic camera the view
+                                      direction */
     real in_camera[3], inverse_z;
     real slope[2], cut_slope[2];   /* x / z and y / z of the centre in the camera; cut_slope: the same, clamped for the
                                       Jacobian */
@@ -76,8 +77,8 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
             s->t[i][j] = s->v[i][j] * s->scale[j];
         }
     }
-    /* The determinant of the covariance, without cancellation: |T_0 x T_1|^2 + 0.3 (A + C) + 0.09. T_0 and T_1 are the
-       rows of T, and A and C their squared lengths. */
+    /* The determinant of the covariance T T^t + 0.3 I, without cancellation: |T_0 x T_1|^2 + 0.3 (A + C) + 0.09. T_0
+       and T_1 are the rows of T, and A and C their squared lengths. */
     const real a = dot3(s->t[0], s->t[0]), b = dot3(s->t[0], s->t[1]), c = dot3(s->t[1], s->t[1]);
     const real cross[3] = {s->t[0][1] * s->t[1][2] - s->t[0][2] * s->t[1][1],
                            s->t[0][2] * s->t[1][0] - s->t[0][0] * s->t[1][2],
@@ -212,11 +213,11 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
     }
 }
 
-/* Adds the loss gradient by the antialiasing factor of the opacity, sqrt(sharp / det). Here n = T_0 x T_1, sharp =
-   |n|^2, and det = sharp + e (A + C) + e^2, with the dilation e and the squared lengths A, C of the rows T_0, T_1 of T.
-   With h = -alpha dL/dalpha and opacity o, dL/dln(o) = -sum of h, and
+/* Adds the loss gradient by the antialiasing factor of the opacity, sqrt(sharp / det). T T^t + e is the covariance in
+   the picture, with the dilation e. T has the rows T_0, T_1 with the squared lengths A, C. Here n = T_0 x T_1, sharp =
+   |n|^2, and det = sharp + e (A + C) + e^2. With h = -alpha dL/dalpha and opacity o, dL/dln(o) = -sum of h, and
      d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
-     = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
+     = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T).
    For visible splats sharp / det is above 2^-16, so nothing overflows. */
 static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
@@ -281,8 +282,9 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* Computes the loss gradients by a Gaussian's parameters, except by the SH coefficients: that is l->basis times g.
-   by_centre: dL/dcentre in pixels. by_position: dL/dposition at constant colour. */
+/* Computes the loss gradients by a Gaussian's parameters except the SH coefficients. Their gradient is the SH basis
+   l->basis times g, the gradient by the colour. by_centre: dL/dcentre in pixels. by_position: dL/dposition at constant
+   colour. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])
@@ -290,8 +292,8 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     shape s;
     real by_t[2][3], along[3];
     find_shape(&s, camera, at, stride);
-    /* Loss gradient by the splat's centre: -sum of h U^t (u, v), with h = -alpha dL/dalpha and U^t U the inverse
-       covariance. */
+    /* Loss gradient by the splat's centre: -sum of h U^t (u, v), with h = -alpha dL/dalpha, normalised coordinates u
+       and v, and U^t U the inverse covariance. */
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);

@@ -46,8 +46,8 @@ int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
    only be freed. */
 int fxs_fit_keep(fxs_fit *fit, const fxs_fit_origin *origins, size_t count, fxs_message *message);
 
-/* Shuffles the photographs for one pass over all of them. `number` counts the photographs used so far; it selects the
-   pass and so the order. */
+/* Shuffles the photographs for one pass over all of them. `number` counts the photographs that the fit has used; it
+   selects the pass and its order. */
 void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
 
 #endif

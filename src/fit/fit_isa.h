@@ -52,7 +52,8 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     for (int i = 0; i < LANES; i++)
         depths[i] = splats[i].depth;
     const mask seen = below(all(0), load(depths));
-    if (!any(seen))                /* Leaves early, as hidden splats have no valid field except the depth. */
+    if (!any(seen))                /* Returns early if no splat of the vector is visible; hidden splats have no valid
+                                      field except the depth. */
         return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;

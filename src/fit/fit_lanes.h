@@ -211,8 +211,8 @@ static inline real exp_e(real x)
     return exp_2_minus(x * -1.44269504f);
 }
 
-/* Returns ln x for normal x above 0. x = 2^n m, m in sqrt(1/2)..sqrt(2), ln m = 2 (s + s^3 / 3 + ... + s^9 / 9), s = (m
-   - 1) / (m + 1). Relative error: 1e-8 plus rounding. */
+/* Returns ln x for normal x above 0. With x = 2^n m, m in sqrt(1/2)..sqrt(2) and s = (m - 1) / (m + 1): ln m = 2 (s +
+   s^3 / 3 + ... + s^9 / 9). Relative error: 1e-8 plus rounding. */
 static inline real ln(real x)
 {
     const whole n = (bits_of(x) - 0x3f3504f3) >> 23;

@@ -22,9 +22,10 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
 {
     shape s;
     find_shape(&s, camera, at, stride);
-    /* offset = -log2 o = log2(1 + e^-x), with opacity o and its logit x */
+    /* The offset of a splat's level is -log2 of its opacity o: log2(1 + e^-x), with the logit x. */
     real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
-    if (camera->is_antialiased)    /* antialiasing divides the opacity by sqrt(share) */
+    if (camera->is_antialiased)    /* antialiasing divides the opacity by sqrt(share), the factor by which dilation
+                                      enlarges the area of a splat */
         offset += 0.721347520f * ln(least(s.share, all(1e30f)));
     const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
     const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));

@@ -1,11 +1,11 @@
 /* The stages of a fitting step, and the data between them. A splat is a Gaussian projected to the picture.
  *
- *   project   parameters -> splats
- *   bin       splats -> list of splats for each tile of 16x16 pixels, from near to far
- *   blend     list -> pixels of the tile
- *   loss      pixels, photograph -> gradient by the pixels
- *   backward  list, gradient by the pixels -> sums for each splat of the list
- *   update    sums -> gradient by the parameters -> parameters, by Adam
+ *   project: makes splats from the parameters of Gaussians.
+ *   bin: makes a list of splats for each tile of 16x16 pixels, from near to far.
+ *   blend: makes the pixels of a tile from its list.
+ *   loss: makes the loss gradient by the pixels from the pixels and the photograph.
+ *   backward: makes sums for each splat of a list from the gradient by the pixels.
+ *   update: makes the gradient by the parameters from the sums, and changes the parameters by a step of Adam.
  *
  * Numbers are IEEE single precision. Sums have a fixed order, for any number of threads and lanes. */
 #ifndef FXS_FIT_STAGE_H
@@ -193,8 +193,8 @@ typedef struct fxs_fit_stages {
        one that changed a pixel. light: initial transmittance, 1 in a fit. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       float light, fxs_fit_tile *tile);
-    /* Computes the gradient sums of the first `count` splats of a tile's list, and writes each to the slot of its list
-       entry. */
+    /* Computes the gradient sums of the first `count` splats of a tile's list, and writes each to `sums` at the index
+       that the list entry gives (its slot). */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
     /* The four passes of the loss for one row of pixels, with picture a and photograph b. They compute: sums along the
@@ -232,10 +232,12 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 
 #define FXS_FIT_ALPHA_MOST 0.99f
 #define FXS_FIT_CLOSED 0.001f      /* a pixel with a lower transmittance is opaque and takes no more splats */
-/* Levels of a splat: a level at a pixel is the squared Mahalanobis distance divided by 2 ln 2. */
-#define FXS_FIT_UNIT 0.849321800f  /* unit of a splat's coordinates u and v: sqrt(1 / (2 ln 2)) sigma */
-#define FXS_FIT_CUT 6.49212768f    /* level of a splat at Mahalanobis distance 3, where the splat ends */
-#define FXS_FIT_FAINT 7.99435344f  /* level at which a splat's alpha is 1 / 255 */
+/* A splat's alpha at a pixel is 2^-level. Apart from the opacity, its level is the squared Mahalanobis distance divided
+   by 2 ln 2. */
+#define FXS_FIT_UNIT 0.849321800f  /* value of a splat's coordinate u or v at a distance of one sigma: sqrt(1 / (2 ln
+                                      2)) */
+#define FXS_FIT_CUT 6.49212768f    /* level of an opaque splat at Mahalanobis distance 3, where splats end */
+#define FXS_FIT_FAINT 7.99435344f  /* level of a splat at the pixels with an alpha of 1 / 255 */
 #define FXS_FIT_WIDER 1.01f        /* factor of squared radii of splats' ellipses, when their tiles are selected */
 #define FXS_FIT_DILATION 0.3f      /* dilation of splats: added to the variances in the picture, pixels^2 */
 #define FXS_FIT_FARTHEST 40.0f     /* limit of a Gaussian's |ln scale| and |logit of opacity| */

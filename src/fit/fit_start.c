@@ -1,4 +1,4 @@
-/* Sets the up direction and the start view of a fitted scene, from the photograph whose camera is tilted least. */
+/* Sets the up direction and the start view of a fitted scene, from the least tilted camera of all photographs. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/scene.h>

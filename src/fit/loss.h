@@ -53,8 +53,8 @@ static inline similarity similarity_of(real mean_a, real mean_b, real aa, real b
     return s;
 }
 
-/* Returns the loss gradient by a pixel: 0.8 sign(a - b) - 0.2 (by_mean + 2 a by_square + b by_product), with window
-   sums of SSIM's derivatives. */
+/* Returns the loss gradient by a pixel a of the picture, with pixel b of the photograph: 0.8 sign(a - b) - 0.2 (by_mean
+   + 2 a by_square + b by_product). The by_... are window sums of SSIM's derivatives. */
 static inline real gradient_of(real a, real b, real by_mean, real by_square, real by_product)
 {
     const real similar = (by_mean + 2.0f * a * by_square) + b * by_product;

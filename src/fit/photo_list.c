@@ -76,7 +76,7 @@ static int colmap_name(const char *name)
     return 0;
 }
 
-/* Looks for the image folder, named `images`: first beside the COLMAP model, then in the two folders above. */
+/* Looks for the image folder, named `images`: first in the COLMAP model's folder, then in the two folders above. */
 static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
 {
     char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
@@ -100,7 +100,8 @@ static void find_points(fxs_photo_list *list, const char *const *names, size_t c
     *list->points = 0;
 }
 
-/* Finds the files of a COLMAP model, of which the user may name any. Its images file becomes the camera file. */
+/* Finds the files of a COLMAP model after the user named any file of it. The model's images file becomes the camera
+   file. */
 static int find_colmap(fxs_photo_list *list, fxs_message *message)
 {
     static const char *const binary[] = {"points3D.bin"}, *const plain[] = {"points3D.txt"};

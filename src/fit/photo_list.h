@@ -15,7 +15,7 @@ typedef struct fxs_photo_list {
     char masks[FXS_PHOTO_PATH];    /* path of the folder of masks, or empty */
     char points[FXS_PHOTO_PATH];   /* path of the initial points, a .ply or in the cameras' format; empty: no points */
     fxs_view_list fit, held_out;   /* photographs to fit and held-out ones, sorted by name */
-    fxs_view_list rest;            /* photographs that the camera file excludes from both */
+    fxs_view_list rest;            /* photographs that the camera file excludes from fitting and testing */
 } fxs_photo_list;
 
 /* Finds the files of a set of photographs and reads the cameras. hold_out n holds out every n-th photograph by name,

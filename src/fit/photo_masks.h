@@ -11,7 +11,7 @@ typedef struct fxs_photo_masking {
     int ignores_transparent;       /* 1: pixels of the photograph with less than half opacity are ignored in the fit */
 } fxs_photo_masking;
 
-/* Smallest grey value at which a mask pixel counts as white. The grey value is (red + green + blue) times opacity, all
+/* Smallest grey value of a mask pixel that counts as white. The grey value is (red + green + blue) times opacity, all
    in bytes. */
 enum { FXS_PHOTO_MASK_WHITE = 3 * 128 * 255 };
 

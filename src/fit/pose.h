@@ -23,8 +23,8 @@ static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
     }
 }
 
-/* Computes the loss gradient by a pose correction from sums over all Gaussians. The correction is a rotation vector a
-   and a shift; W is the given rotation of the camera, and R that of a. dL/dshift = -W dL/dposition. Rotating the camera
+/* Computes the loss gradient by a pose correction from sums over all Gaussians. The correction is a rotation vector a,
+   with matrix R, and a shift; W is the given rotation of the camera. dL/dshift = -W dL/dposition. Rotating the camera
    to exp(omega) R W equals rotating the scene by (R W)^t omega about the eye. So dL/domega = R W dL/dtheta, and omega =
    (da + a / 2 x da) / (1 + |a / 2|^2). */
 static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose *pose, const float sums[FXS_FIT_POSE],

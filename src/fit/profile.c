@@ -17,8 +17,8 @@
 
 enum { JOBS = 64 };
 #define FAINT_LOGIT (-2.708f)      /* logit of opacity 1/16, below which a Gaussian is faint */
-#define FOG 0.1                    /* share of the total weight from which faint Gaussians (fog) are ordered
-                                      separately */
+#define FOG 0.1                    /* Faint Gaussians (fog) with at least this share of the total weight are ordered
+                                      separately. */
 
 static float *plane(float *planes, const fxs_fit_model *m, int which)
 {
@@ -174,8 +174,8 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->palette)              /* Only with a palette does the engine receive the exact parameters again, so only
-                                        then may axes change. */
+        if (p->palette)              /* The axes of a Gaussian may change order only with a palette, as only then does
+                                        the engine (CPU or GPU) receive the exact parameters again. */
             order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);

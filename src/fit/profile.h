@@ -13,7 +13,7 @@ typedef struct fxs_fit_profile {
     int sh_degree;
     size_t count;
     fxs_chunk *chunks;
-    fxs_fit_chunk *steps;          /* code steps of each chunk (256 Gaussians) */
+    fxs_fit_chunk *steps;          /* quantisation steps of each chunk (256 Gaussians) */
     fxs_fit_grid grid;
     fxs_palette *palette;
     unsigned char *records;        /* palette codes of each Gaussian's spherical harmonics */
@@ -24,8 +24,7 @@ typedef struct fxs_fit_profile {
 int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, int sh_degree,
                           const fxs_pack_options *options, fxs_message *message);
 
-/* Finds the quantisation's ranges, code steps and palette again from the exact parameters. The caller must then
-   quantise. */
+/* Finds the quantisation's ranges, steps and palette again from the exact parameters. The caller must then quantise. */
 int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const fxs_pack_options *options,
                          fxs_message *message);
 

@@ -31,7 +31,8 @@ static inline real spread_scale(whole code, int width, int i)
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
 }
 
-/* Quantises ln(sigma) of a Gaussian's axis i. A code stands for log2(sigma) = high - code^2 step. */
+/* Quantises ln(sigma) of a Gaussian's axis i. A code stands for log2(sigma) = high - code^2 step, with `high` and
+   `step` given by the chunk of 256 Gaussians. */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;
@@ -108,8 +109,8 @@ static inline real upper_bits(real x)
     return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
 }
 
-/* Returns code / count, with a negative `code` in two's complement. The bits that follow a rotation code refine its
-   value by this fraction. */
+/* Returns the fraction code / count, which the bits that follow a rotation code add to it as a refinement. A negative
+   `code` is in two's complement. */
 static inline real part_above(real code, real count)
 {
     return choose(below(code, all(0)), code + count, code) / count;

@@ -8,7 +8,7 @@
 
 typedef struct fxs_fit_plan {
     int sh_degree;
-    int divisor;                   /* factor by which photographs are averaged down in width and height */
+    int divisor;                   /* Photographs are averaged down by this factor in width and height. */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;
     float gain_part;               /* factor of the learning rate of exposures, 0 to 1 */

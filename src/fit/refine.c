@@ -37,7 +37,7 @@
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
-    uint8_t *levels;                   /* level of detail of each chunk: of the leaves, then of the nodes */
+    uint8_t *levels;                   /* level of detail of each chunk: leaves first, then nodes */
     uint32_t *parents;                 /* parent node of each chunk; 0: none */
     uint32_t chunks, leaves;
     int highest;
@@ -45,10 +45,10 @@ typedef struct refiner {
     fxs_refine_views views;
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
-    float *errors;                     /* error of each node of the tree in each view, pixels * colours^2; below 0: not
-                                          visible */
-    fxs_fit_model model;               /* Gaussians of the cover (the chunks chosen for a level of detail): of its
-                                          nodes, then of its leaves */
+    float *errors;                     /* error of each node of the tree in each view, as squared colour differences
+                                          summed over pixels; below 0: not visible */
+    fxs_fit_model model;               /* Gaussians of the cover (the chunks chosen for a level of detail): nodes first,
+                                          then leaves */
     uint32_t *cover, *starts;          /* chunks of the cover (those chosen for a level of detail), and the first
                                           Gaussian of each */
     uint32_t cover_count, cover_nodes;

@@ -1,4 +1,4 @@
-/* Makes pictures of a packed scene at full detail. They are the targets to which its levels of detail are fitted. */
+/* Makes pictures of a packed scene at full detail. Its levels of detail are then fitted to these pictures. */
 #ifndef FXS_REFINE_VIEWS_H
 #define FXS_REFINE_VIEWS_H
 

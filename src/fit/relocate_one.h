@@ -28,8 +28,8 @@ static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
     return (uint32_t)first;
 }
 
-/* Returns the Gaussian of the random draw k, from prefix sums of all chances. Streams 0 and 1 use different random
-   numbers. */
+/* Returns the Gaussian of the random draw k, from prefix sums of the Gaussians' weights. Streams 0 and 1 use different
+   random numbers. */
 static inline uint32_t drawn(const fxs_fit_relocate *r, uint64_t stream, uint64_t k, const uint64_t *sums, size_t count)
 {
     return find(sums, count, fxs_fit_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);

@@ -14,9 +14,9 @@ enum {
 #define FARTHEST 67108864.0
 
 typedef struct tally {
-    uint32_t seen, is_free;        /* numbers of photographs that see a direction, and in which no point is near it (it
-                                      is free) */
-    uint64_t colour[3];            /* sums of the direction's colours over the photographs in which it is free */
+    uint32_t seen, is_free;        /* numbers of photographs that see a direction, and that have no point near it (the
+                                      direction is free) */
+    uint64_t colour[3];            /* sums of a direction's colours over the photographs where it is free */
 } tally;
 
 typedef struct cells {

@@ -1,5 +1,5 @@
-/* Chooses initial points of the sky: far away, in directions that photographs see and in which the reconstruction has
- * no points. */
+/* Chooses initial points of the sky: far away, in directions that photographs see but where the reconstruction has no
+ * points. */
 #ifndef FXS_FIT_SKY_H
 #define FXS_FIT_SKY_H
 

@@ -30,8 +30,8 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* Raises the scales of LANES Gaussians to sqrt(0.2) divisor min(depth / focal length), the minimum taken over cameras
-   that see the centre. Gaussians that no camera sees keep their scales. */
+/* Raises the scales of LANES Gaussians to sqrt(0.2) `divisor` min(depth / focal length). The minimum is taken over
+   cameras that see the centre. Gaussians that no camera sees keep their scales. */
 static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
 {
     const real farthest = all(FXS_FIT_FARTHEST_PLACE);

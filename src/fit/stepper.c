@@ -1,5 +1,5 @@
 /* Makes a step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The
- * stage bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles'
+ * stage `bin` sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles'
  * lists. */
 #include "stepper.h"
 

@@ -1,6 +1,6 @@
 // node bundlers.mjs FIXSPLAT.tgz VIEWER.tgz WORK MODULES PUPPETEER COMMAND [all]: builds programs from the npm packages
 // with the bundlers in MODULES. Each program runs in Chromium, in a cross-origin isolated page (with `all` also in
-// others). Its pictures must equal those of the command-line program COMMAND. The folder WORK has scene.ply.
+// others). Its pictures must equal the pictures of the command-line program COMMAND. The folder WORK has scene.ply.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'

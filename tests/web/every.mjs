@@ -1,5 +1,6 @@
 // node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: draws every scene of SCENES/real in the viewer, and compares
-// the pictures with those of the command-line program COMMAND. Checks that opening 100 scenes does not leak memory.
+// the pictures with the output of the command-line program COMMAND. Checks that opening 100 scenes does not leak
+// memory.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'

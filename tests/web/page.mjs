@@ -1,5 +1,5 @@
 // node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page in Chromium. Its pictures must equal
-// those of the command-line program COMMAND.
+// the pictures of the command-line program COMMAND.
 import assert from 'node:assert/strict'
 import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs'
 import { resolve } from 'node:path'

@@ -176,7 +176,7 @@ function processorTime(root) {
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/** Measures the frames of a viewer's page. To wait for the end of a WebGL frame, one of its pixels is read back. */
+/** Records the frames of a viewer's page. To wait for the end of a WebGL frame, reads a pixel of it back. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {

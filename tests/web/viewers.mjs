@@ -1,5 +1,4 @@
-// Parts that webgpu_peers.mjs and dawn.mjs share: viewers that draw with WebGPU, and the cameras with which they are
-// timed.
+// Parts that webgpu_peers.mjs and dawn.mjs share: viewers that draw with WebGPU, and cameras for timing them.
 
 export const VIEWS = {
   guitar: { eye: [5.5, 3.2, -0.2], look: [0.09, 2.1, -0.2], fov: 50 },

@@ -1,5 +1,5 @@
 // node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks the class Screen when it draws with WebGL 2. Its pictures
-// must equal those of the command-line program COMMAND. With the argument 1, also times it.
+// must equal the pictures of the command-line program COMMAND. With the argument 1, also times it.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'

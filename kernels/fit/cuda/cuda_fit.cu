@@ -509,7 +509,7 @@ int wait(engine *e, fxs_message *why)
     return 0;
 }
 
-/* Grows the memory of the tiles' splat lists if the longest lists so far would fill more than 8/9 of it. Discards the
+/* Grows the memory of the tiles' splat lists if the longest lists until now fill more than 8/9 of it. Discards the
    lists' contents. */
 int widen_lists(engine *e, fxs_message *why)
 {

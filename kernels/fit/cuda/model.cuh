@@ -416,8 +416,8 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Chooses which Gaussians are cloned or split if there is room for only `room` of them: those with the largest
-   gradients. Of equal gradients, the lower index wins. */
+/* Lets only as many Gaussians be cloned or split as fit into memory: the `room` Gaussians with the largest gradients.
+   Of equal gradients, the lower index wins. */
 int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint32_t grown, uint32_t room,
           cudaStream_t stream, fxs_message *why)
 {

@@ -132,8 +132,8 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* Computes a splat's level at the thread's pixel: u^2 + v^2 + offset, with normalised coordinates u and v. The splat's
-   alpha there is 2^-level. */
+/* Computes a splat's level at the thread's pixel, where alpha is 2^-level: u^2 + v^2 + offset, with normalised
+   coordinates u and v. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {
@@ -287,7 +287,7 @@ __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, co
     return make_float2(h, weight);
 }
 
-/* The state of one of two threads that share the 16 pixels of a 4x4 block, to sum a splat's gradients. */
+/* Two threads share the 16 pixels of a 4x4 block, to sum a splat's gradients. This is the state of each thread. */
 struct backward_lane {
     const float2 *staged;
     const float4 *gradient;

@@ -32,8 +32,8 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* Sums gradients over many tiles with several threads. Each of the first FXS_FIT_SUMS threads returns one of the
-   sums. */
+/* Sums FXS_FIT_SUMS gradients over many tiles with several threads. Each of the first FXS_FIT_SUMS threads returns the
+   sum for one gradient. */
 template <uint32_t Threads, uint32_t Tiles, class Sync>
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
@@ -194,8 +194,8 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         move_one(adam, first + k, gradient_of(first + k), number[k], mean[k], square[k], m, to, i);
 }
 
-/* Planes (a float per Gaussian) in which the colour gradient and the view direction overwrite gradient sums already
-   read. */
+/* Arrays of one float per Gaussian that hold the colour gradient and the view direction. These overwrite gradient sums
+   already read. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
