@@ -1,4 +1,4 @@
-/* A step of the Adam optimiser (Kingma and Ba 2015) for LANES parameters at once, and the gradients of the loss terms
+/* A step of the Adam optimiser (Kingma and Ba 2015) for LANES parameters at once. Also the gradients of the loss terms
  * that penalise opacity and scale. */
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H

@@ -1,5 +1,5 @@
-/* Divides a fit that is too large for one machine: chooses the photographs and the initial Gaussians of one block of
- * space, from the points of the reconstruction or from a coarse fit of the whole.
+/* Divides a fit that is too large for one machine into blocks of space. Chooses the photographs and the initial
+ * Gaussians of one block, from the points of the reconstruction or from a coarse fit of the whole.
  */
 #ifndef FXS_FIT_BLOCKS_H
 #define FXS_FIT_BLOCKS_H

@@ -85,9 +85,10 @@ static inline int gain_needs(int is_affine, int k)
 }
 
 /* Computes the loss gradient by an exposure (matrix M, offset m) from means over all pixels and channels. With the
-   exposed colour a = I M + m, mean 3 k + c is of dL/da_c a_k, and mean 9 + c is of dL/da_c. An affine exposure gets the
-   gradient by W and w, where a step maps a to a + a W + w. Any other gets dL/de = ln 2 (red + green + blue), dL/dr = ln
-   2 (red - green), dL/db = ln 2 (blue - green), with red, green and blue the means of dL/da_c a_c. */
+   exposed colour a = I M + m, mean 3 k + c is of dL/da_c a_k, and mean 9 + c is of dL/da_c. For an affine exposure, a
+   step maps a to a + a W + w; the result is the gradient by W and w. Else, with red, green and blue the means of
+   dL/da_c a_c, the result is: dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue -
+   green). */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];

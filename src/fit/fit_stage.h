@@ -185,16 +185,16 @@ typedef struct fxs_fit_stages {
     /* Projects the Gaussians first..first + count to splats. `first` and `count` are multiples of FXS_FIT_GROUP. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* For each of the splats first..first + count, writes the tiles that it touches to `tiles`, from the splat's first
-       slot on. */
+    /* For each of the splats first..first + count, writes the numbers of the tiles that it touches to `tiles`, from
+       index splat->slot on. */
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
     /* Blends a tile's list of splats into the tile at (left, top). Returns the number of list entries up to the last
        one that changed a pixel. light: initial transmittance, 1 in a fit. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       float light, fxs_fit_tile *tile);
-    /* Computes the gradient sums of the first `count` splats of a tile's list, and writes each to `sums` at the index
-       that the list entry gives (its slot). */
+    /* Computes the gradient sums of the first `count` splats of a tile's list. Writes each to `sums` at the index
+       `slot` of the list entry. */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
     /* The four passes of the loss for one row of pixels, with picture a and photograph b. They compute: sums along the

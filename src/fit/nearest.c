@@ -1,5 +1,5 @@
-/* Finds the nearest neighbours of points, by a binary tree with bounding boxes that is split at the median along the
- * widest axis. */
+/* Finds the nearest neighbours of points by a binary tree with bounding boxes. The tree is split at the median along
+ * the widest axis. */
 #include "nearest.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Finds the camera file, images, masks and points of a set of photographs, reads the cameras, and holds out photographs
+/* Finds the camera file, images, masks and points of a set of photographs. Reads the cameras, and holds out photographs
  * for testing. Image names in camera files often differ from the names of the files; settle_name tries other slashes,
  * cases and endings. */
 #include "photo_list.h"

@@ -19,7 +19,7 @@ typedef struct fxs_photo_pixels {
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message);
 
-/* Sets the pinhole view of a photograph, with the size in the camera file, which must state a size or a field of
+/* Sets the pinhole view of a photograph, with the size in the camera file. The file must state a size or a field of
    view. */
 void fxs_photo_view(const fxs_listed_view *listed, fxs_view *view);
 

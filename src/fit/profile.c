@@ -174,8 +174,8 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->palette)              /* The axes of a Gaussian may change order only with a palette, as only then does
-                                        the engine (CPU or GPU) receive the exact parameters again. */
+        if (p->palette)              /* The axes of a Gaussian may change order only with a palette. Only then does the
+                                        engine (CPU or GPU) receive the exact parameters again. */
             order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);

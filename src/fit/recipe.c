@@ -79,8 +79,8 @@ static int is_reset(const fxs_fit_options *options, uint32_t step)
 }
 
 /* Sets the learning rates of exposures and of camera poses. The exposures' rate falls as 10^-(step / steps), the poses'
-   rate as 100^-(step / steps). Both rise from 0 over the 500 steps after the beginning and after each reset of
-   opacities, when pictures do not yet match. */
+   rate as 100^-(step / steps). At the beginning and after each reset of opacities, pictures do not yet match; there
+   both rates rise from 0 over 500 steps. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;

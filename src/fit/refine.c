@@ -3,8 +3,8 @@
  * level L is the coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each
  * cover are fitted to pictures of the leaves. The error of a node in a view is measured in the picture of the cover of
  * its level: the squared difference from the picture of the leaves, distributed at each pixel by the blending weights
- * of the Gaussians. The gain of replacing a node by its children is the node's error minus its children's errors, times
- * (distance / focal length)^2 as in src/core/cut.c, averaged over the views that see the node. */
+ * of the Gaussians. The gain of replacing a node by its children is the node's error minus its children's errors. It is
+ * multiplied by (distance / focal length)^2 as in src/core/cut.c, and averaged over the views that see the node. */
 #include <fixsplat/fit.h>
 
 #include <math.h>

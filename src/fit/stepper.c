@@ -211,8 +211,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Prepares a counting sort by a digit or a tile. Replaces the count of each value in each range of keys (one range for
-   each thread) by the place of its first key. Keys go by value, then by range. */
+/* Prepares a counting sort by a digit or a tile, with a range of keys for each thread. Replaces the count of each value
+   in each range by the place of its first key. Keys go by value, then by range. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;

@@ -15,8 +15,8 @@ namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* For load balance, a splat that touches more than FEW_TILES tiles is processed by a warp of threads, and one that
-   touches more than MANY_TILES tiles by a whole block of threads. */
+/* For load balance, a splat that touches more than FEW_TILES tiles is processed by a warp of threads. A splat that
+   touches more than MANY_TILES tiles gets a whole block of threads. */
 const uint32_t FEW_TILES = 16, MANY_TILES = 256, LARGE_BLOCKS = 264;
 
 __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint32_t tiles)
@@ -190,8 +190,8 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
     b.splat_of[slot] = gaussian;
 }
 
-/* Slots (pairs of a splat and a tile) of each warp, staged in shared memory so that the writes to global memory are
-   consecutive. */
+/* Slots (pairs of a splat and a tile) of each warp. They are staged in shared memory so that the writes to global
+   memory are consecutive. */
 struct staged_slots {
     uint32_t tiles[BIN_THREADS / WARP][WARP * FEW_TILES];
     uint8_t lanes[BIN_THREADS / WARP][WARP * FEW_TILES];

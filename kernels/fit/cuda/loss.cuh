@@ -1,5 +1,5 @@
-/* Computes the loss between a rendered picture and its photograph (L1 and SSIM, src/fit/loss.h) and the gradient of the
- * loss by the pixels. */
+/* Computes the loss between a rendered picture and its photograph (L1 and SSIM, src/fit/loss.h). Also computes the
+ * gradient of the loss by the pixels. */
 #ifndef FXS_CUDA_FIT_LOSS_CUH
 #define FXS_CUDA_FIT_LOSS_CUH
 

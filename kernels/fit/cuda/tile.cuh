@@ -1,5 +1,5 @@
 /* Blends the splats of each tile, and converts gradients of pixels to gradients of splats (the backward pass). A block
- * of threads processes a tile of 16x16 pixels, half a warp a block of 4x4 pixels, and a thread one pixel. */
+ * of threads processes a tile of 16x16 pixels. Half a warp processes a block of 4x4 pixels, a thread one pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
@@ -260,8 +260,8 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    /* For each splat, `blocks` is the bit set of the 4x4-pixel blocks that it changes, and `pairs` its first pair of
-       splat and block. */
+    /* `blocks` is the bit set of the 4x4-pixel blocks that each splat changes. `pairs` numbers the first pair of each
+       splat and such a block. */
     uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
     float4 gradient[FXS_FIT_PIXELS];
