@@ -26,8 +26,8 @@ enum { FOV = 50, PARTS = 6 };
 #define TURN_COSINE (-0.7373688780783197)   /* cosine of the golden angle, 2.39996 radians */
 #define TURN_SINE 0.6754902942615238
 
-#define FEW 1048576.0                  /* Scenes with up to this number of Gaussians get pictures with the longer side
-                                          LEAST. */
+#define FEW 1048576.0                  /* For scenes with up to this number of Gaussians, large pictures have the longer
+                                          side LEAST. */
 static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
 
 static void read_box(const void *data, double low[3], double high[3])

@@ -1,5 +1,5 @@
-/* Raises each scale to a lower limit: the size of a pixel in the sharpest photograph that sees the Gaussian. This is
- * the 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
+/* Raises each scale to a lower limit, in proportion to a pixel's size in the sharpest photograph that sees the
+ * Gaussian. This is the 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 
