@@ -10,13 +10,14 @@
 #define CHOOSE(which, a, b) ((real)_mm512_mask_blend_ps(which, (__m512)(b), (__m512)(a)))
 #define BITS(which) ((uint32_t)(which))
 
-/* Lower half of the result: a[i] + a[i + 8] for i = 0..7. Upper half: b[i] + b[i + 8]. */
+/* Adds halves of two vectors of 16 floats. Lower half of the result: a[i] + a[i + 8] for i = 0..7. Upper half: b[i] +
+   b[i + 8]. */
 static inline __m512 halves(__m512 a, __m512 b)
 {
     return _mm512_shuffle_f32x4(a, b, 0x44) + _mm512_shuffle_f32x4(a, b, 0xee);
 }
 
-/* Adds lanes i and i + 4 of each half of a and b. */
+/* Adds lanes i and i + 4 of each half of the vectors a and b, and packs the results into one vector. */
 static inline __m512 quarters(__m512 a, __m512 b)
 {
     return _mm512_shuffle_f32x4(a, b, 0x88) + _mm512_shuffle_f32x4(a, b, 0xdd);
@@ -27,13 +28,13 @@ static inline __m512 pairs(__m512 a, __m512 b)
     return _mm512_shuffle_ps(a, b, 0x44) + _mm512_shuffle_ps(a, b, 0xee);
 }
 
-/* Sums each of nine vectors. Lanes p and p + 8 are added first, then p + 4, p + 2 and p + 1. */
+/* Sums the 16 lanes of each of nine vectors. Lanes p and p + 8 are added first, then p + 4, p + 2 and p + 1. */
 static inline void add_vectors(const __m512 *v, float *sums)
 {
     const __m512 a = quarters(halves(v[0], v[1]), halves(v[2], v[3]));
     const __m512 b = quarters(halves(v[4], v[5]), halves(v[6], v[7]));
     const __m512 two = pairs(a, b), one = two + _mm512_permute_ps(two, 0xb1);
-    /* even lanes: sums of vectors 0, 2, 1, 3; odd lanes: of vectors 4, 6, 5, 7 */
+    /* Even lanes hold the sums of vectors 0, 2, 1, 3; odd lanes the sums of vectors 4, 6, 5, 7. */
     const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 2, 6, 10, 14, 0, 0, 0, 0, 0, 0, 0, 0);
     _mm256_storeu_ps(sums, _mm512_castps512_ps256(_mm512_permutexvar_ps(order, one)));
     const __m256 eight = _mm512_castps512_ps256(v[8]) + _mm512_extractf32x8_ps(v[8], 1);

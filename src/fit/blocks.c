@@ -1,6 +1,7 @@
-/* Divides a large set into blocks that are fitted one after the other: chooses each block's bounds, photographs, and
- * points or Gaussians of the coarse fit. Bounds come from repeated splits of the points' box along its widest axis.
- * A photograph belongs to a block if it sees the block's points and stands near them, or sees at least 1/20 of them. */
+/* Divides a large set of photographs into blocks of space that are fitted one after the other. Chooses each block's
+ * bounds and photographs, and its points or the Gaussians of a coarse fit of the whole. Bounds come from repeated
+ * splits of the points' box along its widest axis. A photograph belongs to a block if it sees the block's points and
+ * stands near them, or sees at least 1/20 of them. */
 #include "blocks.h"
 
 #include <math.h>
@@ -13,8 +14,8 @@
 #include "src/fit/photos/photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* the outermost blocks extend beyond the cameras' bounding box by this many sides of
-                                      the box */
+#define FAR 2.0                    /* The outermost blocks extend beyond the cameras' bounding box by this multiple of
+                                      its longest side. */
 
 static int is_in(const float place[3], const double low[3], const double high[3])
 {
@@ -37,7 +38,8 @@ static void sort_axis(const fxs_fit_point *points, size_t count, int axis, float
     qsort(sorted, count, sizeof *sorted, compare_floats);
 }
 
-/* Uses the middle three quarters of the points, so that outliers have no effect. */
+/* Returns the axis along which the points are widest. Uses the middle three quarters of the points, so that outliers
+   have no effect. */
 static int widest_axis(const fxs_fit_point *points, size_t count, float *sorted)
 {
     double widest = -1;
@@ -100,7 +102,8 @@ typedef struct neighbourhood {
     double low[3], high[3];
 } neighbourhood;
 
-/* Leaves out 1/64 of the points on each side as outliers, then widens the box by 0.2 of its longest side. */
+/* Computes the bounding box of a block's points without 1/64 of them on each side as outliers. Then widens the box by
+   0.2 of its longest side. */
 static void widen(neighbourhood *n, float *sorted)
 {
     const size_t outer = n->count / 64;
@@ -175,7 +178,7 @@ static void choose_points(const neighbourhood *n, const fxs_photos *whole, choic
     }
 }
 
-/* Block 0 is the space outside of all blocks. It has no photographs. */
+/* Chooses the photographs and points of a block. Block 0 is the space outside of all blocks and has no photographs. */
 static int choose(fxs_fit_block *b, const fxs_photos *whole, choice *c, fxs_message *message)
 {
     const unsigned number = b->number, blocks = b->blocks;
@@ -293,8 +296,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so the coarse fit
-   suffices there. */
+/* Sets `b` to the bounds of all blocks together. The space beyond needs no block, because all cameras see it from about
+   the same side: the coarse fit of the whole suffices there. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;

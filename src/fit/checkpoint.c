@@ -1,5 +1,5 @@
-/* Saves and resumes a fit as 32-bit little-endian words. The walk functions both read and write, so that the two
- * directions agree. */
+/* Saves and resumes an unfinished fit, in files of 32-bit little-endian words. The walk functions both read and write,
+ * so that the two directions agree. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,18 +12,20 @@
 #include "coarse.h"
 #include "random.h"
 
-#define MAGIC 0x74696678u          /* "xfit" in ASCII */
-#define END 0x646e6578u            /* "xend" in ASCII */
+#define MAGIC 0x74696678u          /* first word of a file of a saved fit: "xfit" in ASCII */
+#define END 0x646e6578u            /* last word of a file of a saved fit: "xend" in ASCII */
 
-/* Must increase with every change to a fit's computation, because a resumed fit would end differently. */
-#define VERSION 13u                /* also encodes options, see version_of */
+/* Version of the files of saved fits. Must increase with every change to a fit's computation, because a resumed fit
+   would end differently. */
+#define VERSION 13u                /* version number; version_of adds codes of some options to it */
 
 typedef struct archive {
     fxs_output *output;
     FILE *input;
     uint64_t size, fetched;
     uint64_t checksum;
-    const char *fault;             /* first fault; afterwards words read as 0 and nothing is written */
+    const char *fault;             /* the first error while reading or writing; afterwards words read as 0 and nothing
+                                      is written */
     int error;
     size_t at, end;
     uint8_t buffer[1 << 16];
@@ -109,7 +111,8 @@ static int holds(archive *a, uint64_t count, uint64_t words)
     return !a->fault;
 }
 
-/* The version also encodes newer options, so that an older fixsplat can read a fit without them. */
+/* Returns the version number of a saved fit's file. It also encodes newer options, so that an older fixsplat can read a
+   fit without them. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
     return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
@@ -148,7 +151,8 @@ static uint64_t fingerprint(const fxs_fit *f)
     return sum;
 }
 
-/* Saves only keys of the cameras. A resumed fit gets its cameras from the photographs. */
+/* Saves or reads a key of each camera, to recognise it. A resumed fit gets the cameras themselves from the
+   photographs. */
 static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
 {
     uint64_t count = f->count;
@@ -316,7 +320,8 @@ static void walk_far(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* Walks all data that a step changes and the next step needs. Add new fields of a fit here. */
+/* Saves or reads all data of a fit that a step changes and the next step needs. Add new fields of the struct fxs_fit
+   here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);

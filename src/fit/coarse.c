@@ -1,4 +1,5 @@
-/* Reads coarse fits, and starts the fits of blocks from their Gaussians, exposures and poses. */
+/* Reads coarse fits of whole scenes. Starts the fits of single blocks of space from their Gaussians, exposures and
+ * poses. */
 #include "coarse.h"
 
 #include <stdlib.h>

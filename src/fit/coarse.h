@@ -1,5 +1,5 @@
-/* A coarse fit of a complete set of photographs, from which the fits of its blocks continue. Functions return 0, or an
- * error and a message. */
+/* A coarse fit of all photographs of a scene, which the fits of single blocks of space continue. Functions return 0, or
+ * an error and a message. */
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H
 
@@ -9,23 +9,24 @@
 
 typedef struct fxs_fit_coarse_camera {
     uint64_t key;
-    uint32_t number;               /* index of the photograph's exposure and pose */
+    uint32_t number;               /* index of the exposure and pose that belong to the camera's photograph */
 } fxs_fit_coarse_camera;
 
 struct fxs_fit_coarse {
     fxs_fit *fit;
-    fxs_fit_coarse_camera *cameras;    /* cameras of the photographs, sorted by key */
+    fxs_fit_coarse_camera *cameras;    /* cameras of the photographs, sorted by their keys */
     size_t camera_count;
-    uint64_t number;               /* checksum that identifies the file */
+    uint64_t number;               /* checksum that identifies the file of the coarse fit */
 };
 
-/* Returns a key of a camera's position and direction, independent of the picture's size. */
+/* Returns a hash of a camera's position and direction that does not depend on the picture's size. */
 uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera);
 
-/* Reads a saved fit without its photographs. After an error, fxs_fit_coarse_free frees the parts already read. */
+/* Reads a saved fit, but not its photographs. After an error, fxs_fit_coarse_free frees the parts already read. */
 int fxs_fit_checkpoint_read(fxs_fit_coarse *coarse, const char *path, fxs_message *message);
 
-/* Checks that the coarse fit had photographs with these views' cameras. With skip_bad one such photograph suffices. */
+/* Checks that the coarse fit had a photograph with the camera of each view in `views`. With skip_bad one such view
+   suffices. */
 int fxs_fit_coarse_check(const fxs_fit_coarse *coarse, const fxs_view_list *views, int skip_bad,
                          fxs_message *message);
 

@@ -1,4 +1,4 @@
-/* Densification of the reference recipe: clones, splits and removes Gaussians. */
+/* Densification by the reference recipe (Kerbl et al. 2023): clones, splits and removes Gaussians. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +34,8 @@ static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fate
     return 0;
 }
 
-/* Gaussians that stay come first, then clones and pairs of children in the order of their sources. */
+/* Lists the Gaussians after densification. Those that stay come first, then clones and pairs of children in the order
+   of the Gaussians that they come from. */
 static size_t set_origins(const uint8_t *fates, size_t count, fxs_fit_origin *origins, size_t *kept)
 {
     size_t n = 0;

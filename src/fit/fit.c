@@ -1,4 +1,4 @@
-/* A fit: checks arguments, creates the Gaussians, and makes steps. */
+/* Fits Gaussians to photographs: checks arguments, creates the Gaussians, and makes the steps. */
 #include "fit_internal.h"
 #include "src/base/options.h"
 #include "src/base/try_internal.h"
@@ -89,7 +89,8 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
-/* Reproducible results need IEEE single precision, round to nearest and subnormal numbers. */
+/* Checks that this thread computes in IEEE single precision with rounding to nearest and subnormal numbers, which
+   reproducible results need. */
 static int check_arithmetic(fxs_message *message)
 {
     volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
@@ -139,7 +140,7 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Of more than max_gaussians points, takes evenly spaced ones. */
+/* Creates a Gaussian at each initial point. Of more than max_gaussians points, takes evenly spaced ones. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -171,7 +172,8 @@ static int begin_model(fxs_fit *f, const fxs_fit_photo *photos, const fxs_fit_po
     return error;
 }
 
-/* Returns the harmonic mean depth of up to 4096 points in a picture. 0: no point is in the picture. */
+/* Returns the harmonic mean of the depths of points in a camera's picture, from at most 4096 points. 0: no point is in
+   the picture. */
 static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size_t count)
 {
     const size_t some = count < 4096 ? count : 4096;
@@ -252,7 +254,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* If all exposures are known, starts with log2 gains of log2(exposure) / 2.2, minus their mean. */
+/* Sets the initial exposures. If the exposures of all photographs are known, starts with log2 gains of log2(exposure) /
+   2.2, minus their mean. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
@@ -351,7 +354,8 @@ size_t fxs_fit_sky_count(const fxs_fit *f)
     return f->sky_count;
 }
 
-/* Shuffles the photographs (Fisher and Yates), seeded by the number of the pass's first photograph. */
+/* Shuffles the photographs for a pass over all of them (Fisher and Yates). The seed is the number of the pass's first
+   photograph. */
 void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
     const uint32_t count = (uint32_t)f->count;
@@ -386,14 +390,15 @@ static void reduce(fxs_fit_photograph *p, int divisor)
     c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
-/* Returns the learning rate of poses, at most 0.002 radians: `way` divided by the steps per photograph. */
+/* Returns the learning rate of camera poses in radians: `way` (their total movement) divided by the steps per
+   photograph, at most 0.002. */
 static float pose_rate(const fxs_fit *f, float way)
 {
     return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
 }
 
-/* Returns the first learning rate of exposures in log2 units: 4 / steps per photograph, clamped to 0.05..0.2, times
-   `part`. */
+/* Returns the first learning rate of exposures in log2 units: 4 divided by the steps per photograph, clamped to
+   0.05..0.2, times `part`. */
 static float gain_rate(const fxs_fit *f, float part)
 {
     const float share = 4 * (float)f->count / ((float)f->options.steps * (float)f->options.batch);

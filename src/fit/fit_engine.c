@@ -1,4 +1,4 @@
-/* The CPU engine, which works directly on the fit's model. */
+/* Computes the steps of a fit on the CPU, directly on the fit's Gaussians. */
 #include <stdlib.h>
 
 #include <fixsplat/internal/message.h>
@@ -40,7 +40,7 @@ static int reset_opacity(void *self, float opacity, fxs_message *message)
     return 0;
 }
 
-/* The model is always in host memory. */
+/* Does nothing: on the CPU the Gaussians are always in host memory and need no copy. */
 static int stay(void *self, fxs_message *message)
 {
     (void)self, (void)message;

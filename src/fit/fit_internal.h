@@ -1,4 +1,4 @@
-/* The state of a fit. Functions return 0, or an error and a message. */
+/* The state of a fit of Gaussians to photographs. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_INTERNAL_H
 #define FXS_FIT_INTERNAL_H
 
@@ -10,7 +10,7 @@
 struct fxs_fit {
     fxs_fit_options options;
     fxs_fit_photograph *photographs;
-    uint32_t *order;               /* permutation of the photographs for the current pass */
+    uint32_t *order;               /* random order of the photographs in the current pass over all of them */
     size_t count;
     const fxs_fit_engine *engine;
     void *self;
@@ -22,11 +22,11 @@ struct fxs_fit {
     fxs_fit_profile profile;
     float extent;
     fxs_fit_far far;
-    size_t sky_count;              /* initial Gaussians of the sky; 0 in a resumed fit */
+    size_t sky_count;              /* number of initial Gaussians that form the sky; 0 in a resumed fit */
     uint32_t step;
 };
 
-/* Sets a view's camera, with Mahalanobis cut-off and without antialiasing. */
+/* Sets a fit's camera from a view, with cut-off by Mahalanobis distance and without antialiasing. */
 void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_view *view);
 
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
@@ -38,13 +38,16 @@ extern const fxs_fit_engine fxs_fit_engine_cpu;
 
 int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
 
-/* Must be called before each step. Starts, refreshes or ends quantisation, which takes the last tenth of the steps. */
+/* Starts, updates or ends the quantisation of the Gaussians, which takes the last tenth of a fit's steps. Must be
+   called before each step. */
 int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
-/* Keeps only the Gaussians in `origins` (all FXS_FIT_KEPT, at least one). After an error the fit can only be freed. */
+/* Keeps only the Gaussians listed in `origins` (at least one, all of kind FXS_FIT_KEPT). After an error the fit can
+   only be freed. */
 int fxs_fit_keep(fxs_fit *fit, const fxs_fit_origin *origins, size_t count, fxs_message *message);
 
-/* Sets `order` to the permutation that contains this number in the endless sequence of photographs. */
+/* Shuffles the photographs for one pass over all of them. `number` counts the photographs that the fit has used; it
+   selects the pass and its order. */
 void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
 
 #endif

@@ -1,4 +1,4 @@
-/* Returns and packs the Gaussians of a fit, and runs its last phase (profile.h). */
+/* Returns and packs the fitted Gaussians, and runs the last phase of a fit, which quantises them (profile.h). */
 #include <fixsplat/internal/message.h>
 #include "src/base/run.h"
 #include "src/base/try_internal.h"
@@ -44,7 +44,8 @@ static int end(fxs_fit *f, fxs_message *message)
     return f->engine->give(f->self, message);
 }
 
-/* Updates the quantisation's ranges and palette 16 times, at even intervals. */
+/* Starts, updates or ends the quantisation of the Gaussians in the last steps of a fit. Updates its ranges and palette
+   16 times, at even intervals. */
 int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
 {
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;

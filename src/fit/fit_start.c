@@ -1,4 +1,4 @@
-/* Sets the up direction of a fitted scene, and the start view, from the least tilted camera. */
+/* Sets the up direction and the start view of a fitted scene, from the least tilted camera of all photographs. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/scene.h>

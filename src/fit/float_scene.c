@@ -1,5 +1,5 @@
-/* Draws unpacked Gaussians with the forward pass of the fit. Before each picture, positions are made relative to the
- * camera in double precision. */
+/* Draws Gaussians that are not packed, with the rendering code of the fit. Before each picture, positions are made
+ * relative to the camera in double precision. */
 #include "float_scene.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ struct fxs_float_scene {
     float *places;
     double origin[3];
     fxs_fit_stepper *stepper;
-    double nudge;                  /* largest random displacement per axis; 0: none */
+    double nudge;                  /* largest random displacement of Gaussians along each axis; 0: none */
     int sh_degree, antialiased;
 };
 

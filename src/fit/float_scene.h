@@ -12,16 +12,16 @@ extern "C" {
 
 typedef struct fxs_float_scene fxs_float_scene;
 
-/* Reads an open scene file from its start, and keeps the Gaussians that fxs_pack would pack. run null: single-threaded.
- * scene is null after an error; free it with fxs_float_scene_free. */
+/* Reads an open scene file from its start, and keeps the Gaussians that fxs_pack would pack. With a null `run`, a
+ * single thread works. *scene is null after an error; free it with fxs_float_scene_free. */
 int fxs_float_scene_read(fxs_float_scene **scene, fxs_scene_file *file, const fxs_scene_file_info *info,
                          fxs_run_fn *run, void *pool, uint32_t threads, fxs_message *message);
-void fxs_float_scene_free(fxs_float_scene *scene);   /* scene may be null */
+void fxs_float_scene_free(fxs_float_scene *scene);   /* Frees a scene, which may be null. */
 
-/* Displaces each Gaussian randomly by up to `distance` along each axis in all later pictures. 0: no displacement. */
+/* Displaces each Gaussian randomly by up to `distance` along each axis, in all later pictures. 0: no displacement. */
 void fxs_float_scene_nudge(fxs_float_scene *scene, double distance);
 
-/* Draws a view over black to width * height RGBA8 pixels, rows from the top. */
+/* Draws a view over a black background to width * height RGBA8 pixels, rows from the top. */
 int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
                          fxs_message *message);
 

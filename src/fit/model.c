@@ -1,4 +1,4 @@
-/* The Gaussians of a fit: memory, initial Gaussians, and order along a Morton curve. */
+/* The Gaussians of a fit: memory, initial Gaussians, and sorting along a Morton curve. */
 #include "model.h"
 
 #include <math.h>
@@ -39,7 +39,7 @@ static void clear_rest(const fxs_fit_model *m, float *planes, size_t count)
         memset(p + m->count, 0, (m->stride - m->count) * sizeof *p);
 }
 
-/* Gaussians beyond `count` get practically no opacity and size. */
+/* Fills the unused memory beyond the last Gaussian with Gaussians of practically no opacity and size. */
 static void fill_rest(fxs_fit_model *m)
 {
     float *const blocks[] = {m->parameters, m->means, m->squares, m->by_centre, m->views};
@@ -235,7 +235,8 @@ static int by_code(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* Sums a plane in the order of curve.h. middle not null: sums distances from `middle`. */
+/* Sums a plane of positions in a fixed order (curve.h). If `middle` is not null, sums distances from *middle
+   instead. */
 static double sum_plane(const fxs_fit_model *m, int k, const float *middle)
 {
     double sums[CURVE_SUMS] = {0};

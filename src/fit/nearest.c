@@ -1,4 +1,5 @@
-/* Nearest neighbours of points, by a binary tree with bounding boxes, split at the median along the widest axis. */
+/* Finds the nearest neighbours of points by a binary tree with bounding boxes. The tree is split at the median along
+ * the widest axis. */
 #include "nearest.h"
 
 #include <math.h>
@@ -6,7 +7,7 @@
 
 #include "random.h"
 
-enum { LEAF = 8 };                 /* most points in a leaf */
+enum { LEAF = 8 };                 /* largest number of points in a leaf of the tree */
 
 typedef struct item {
     float at[3];
@@ -17,7 +18,8 @@ typedef struct box {
     float low[3], high[3];
 } box;
 
-/* Node n has the children 2 n + 1 (lower half of its points) and 2 n + 2 (upper half). */
+/* A binary tree of points in an array. Node n has the children 2 n + 1 (lower half of its points) and 2 n + 2 (upper
+   half). */
 typedef struct tree {
     item *items;
     box *boxes;
@@ -35,7 +37,8 @@ static void swap_items(item *a, item *b)
     *b = swap;
 }
 
-/* Moves the item of rank `middle` to its place and smaller items before it (Hoare's quickselect, random pivots). */
+/* Partially sorts points: moves the item of rank `middle` to its place and smaller items before it (Hoare's
+   quickselect, random pivots). */
 static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;
@@ -85,7 +88,8 @@ static float square_of(float x, float y, float z)
     return (x * x + y * y) + z * z;
 }
 
-/* Returns the squared distance from p to a box. Rounding is monotonic, so no point in the box is nearer. */
+/* Returns the squared distance from p to a box. Rounding is monotonic, so no point in the box has a smaller computed
+   distance. */
 static float square_to(const box *b, const float p[3])
 {
     float away[3];

@@ -1,5 +1,5 @@
-/* Quantises a fit as the packed scene does: orders the Gaussians, computes the headers of chunks of 256 Gaussians and
- * the palette from the exact parameters (masters), and packs with these codes. */
+/* Quantises the Gaussians of a fit as a packed scene does. Orders them, and computes the headers of chunks (256
+ * Gaussians) and the palette from the exact parameters. At the end packs the Gaussians with these codes. */
 #include "profile.h"
 
 #include <math.h>
@@ -16,8 +16,9 @@
 #include "quantise.h"
 
 enum { JOBS = 64 };
-#define FAINT_LOGIT (-2.708f)      /* opacity 1/16 */
-#define FOG 0.1                    /* share of the total weight from which fog is ordered separately */
+#define FAINT_LOGIT (-2.708f)      /* logit of opacity 1/16, below which a Gaussian is faint */
+#define FOG 0.1                    /* Faint Gaussians (fog) with at least this share of the total weight are ordered
+                                      separately. */
 
 static float *plane(float *planes, const fxs_fit_model *m, int which)
 {
@@ -43,8 +44,8 @@ static double weight_of(const fxs_gaussian *g)
     return (double)exp_e(fmaxf(fminf(s[0] + s[1] + s[2] - least_scale, 40.0f), -40.0f)) * opacity_at(g->opacity);
 }
 
-/* Faint Gaussians (fog) with at least a share FOG of the total weight are ordered separately. Returns the number of
-   drawable Gaussians. */
+/* Lists the Gaussians for sorting, with their positions. Faint ones (fog) are marked to be ordered separately if they
+   have at least the share FOG of the total weight. Returns the number of drawable Gaussians. */
 static size_t set_entries(fxs_order_entry *entries, const fxs_fit_model *m, int sh_degree)
 {
     double faint = 0, all = 0;
@@ -128,8 +129,8 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Swaps axis k (0 or 1) with the next one, by a quarter turn about the remaining axis. The quaternion is multiplied by
-   1 + k (axis 0) or 1 + i (axis 1), and normalised. Adam's moments rotate too. */
+/* Swaps axis k (0 or 1) of a Gaussian with the next axis, by a quarter turn about the remaining axis. Its quaternion is
+   multiplied by the quaternion 1 + k for axis 0, or 1 + i for axis 1, and normalised. Adam's moments rotate too. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};
@@ -173,7 +174,8 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->palette)              /* only with a palette does the engine receive changed axes */
+        if (p->palette)              /* The axes of a Gaussian may change order only with a palette. Only then does the
+                                        engine (CPU or GPU) receive the exact parameters again. */
             order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);
@@ -389,7 +391,7 @@ int fxs_fit_profile_pack(const fxs_fit_profile *p, const fxs_fit_model *m, const
     return error;
 }
 
-/* Converts between this processor's byte order and little-endian. */
+/* Converts headers and palette between this processor's byte order and little-endian. */
 static void turn(fxs_fit_profile *p)
 {
     fxs_palette *palette = p->palette;

@@ -1,24 +1,25 @@
-/* Quantises LANES Gaussians as packing does: computes their codes and the codes' values (docs/format.md). */
+/* Quantises the parameters of LANES Gaussians as packed scenes do: computes the codes and the values of these codes
+ * (docs/format.md). */
 #ifndef FXS_FIT_QUANTISE_H
 #define FXS_FIT_QUANTISE_H
 
 #include "src/fit/stages/fit_lanes.h"
 #include "src/fit/stages/fit_stage.h"
 
-/* Rounds to the nearest integer in 0..most_code; most_code must be below 2^22. */
+/* Rounds x to the nearest integer in 0..most_code, as a code; most_code must be below 2^22. */
 static inline whole code_of(real x, int most_code)
 {
     const real held = least(most(x, all(0)), all((float)most_code));
     return bits_of(held + 12582912.0f) - 0x4b400000;
 }
 
-/* Extends a code to `wide` bits by repeating its high bits below. */
+/* Widens a code from `width` to `wide` bits, by repeating its high bits below. */
 static inline real spread_code(whole code, int width, int wide)
 {
     return whole_to_real(shifted_left(code, wide - width) | (code >> (2 * width - wide)));
 }
 
-/* Quantises x to low + code * step. */
+/* Quantises x in even steps: returns low + step times the code of `width` bits, which is widened to `wide` bits. */
 static inline real quantise_evenly(real x, float low, float step, float inverse_step, int width, int wide, whole *code)
 {
     *code = code_of((x - low) * inverse_step, (1 << width) - 1);
@@ -30,7 +31,8 @@ static inline real spread_scale(whole code, int width, int i)
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
 }
 
-/* Quantises ln(sigma) of axis i: log2(sigma) = high - code^2 step. */
+/* Quantises ln(sigma) of a Gaussian's axis i. A code stands for log2(sigma) = high - code^2 step, with `high` and
+   `step` given by the chunk of 256 Gaussians. */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;
@@ -45,7 +47,8 @@ static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int
     return choose(is_far, of_far, of_near) * 0.693147181f;
 }
 
-/* Returns the opacity of a code. Law 0: code / 255. Else 0 for code 0, and 1/255 + range ((code - 1) / 254)^2. */
+/* Returns the opacity that a code stands for. If opacity_range is 0: code / 255. Else 0 for code 0, and 1/255 +
+   opacity_range ((code - 1) / 254)^2 for others. */
 static inline real opacity_of(const fxs_fit_chunk *c, whole code)
 {
     const real number = whole_to_real(code);
@@ -55,7 +58,7 @@ static inline real opacity_of(const fxs_fit_chunk *c, whole code)
     return choose(below(all(0), number), (1.0f / 255.0f) + part * part * c->opacity_range, all(0));
 }
 
-/* Quantises opacities given as logits. Opacity 0 gives -80; 0.999 and more give 6.9. */
+/* Quantises opacities given as logits, and returns logits. Opacity 0 gives -80; 0.999 and more give 6.9. */
 static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *code)
 {
     const real opacity = 1.0f / (1.0f + exp_e(least(-logit, all(80))));
@@ -106,14 +109,14 @@ static inline real upper_bits(real x)
     return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
 }
 
-/* Returns code / count, with a negative `code` in two's complement. The bits below a rotation code refine it by this
-   fraction. */
+/* Returns the fraction code / count, which the bits that follow a rotation code add to it as a refinement. A negative
+   `code` is in two's complement. */
 static inline real part_above(real code, real count)
 {
     return choose(below(code, all(0)), code + count, code) / count;
 }
 
-/* Approximates cos and sin of pi/2 roll. */
+/* Approximates the cosine and sine of the angle pi/2 roll. */
 static inline void roll_of(real roll, real *cosine, real *sine)
 {
     const real square = roll * roll;
@@ -121,7 +124,7 @@ static inline void roll_of(real roll, real *cosine, real *sine)
     *sine = roll * (1.56607f - square * (0.62924f - 0.06305f * square));
 }
 
-/* Returns the roll of the second axis, b, about the first axis. X and Y encode the first axis. */
+/* Returns the angle (roll) of a rotation's second axis, b, about its first axis, which x and y encode. */
 static inline real find_roll(const real b[3], real x, real y)
 {
     const real s = root(most(2.0f - x * x - y * y, all(0)));
@@ -138,8 +141,8 @@ static inline real find_roll(const real b[3], real x, real y)
     return roll;
 }
 
-/* Decodes a quaternion. Several quaternions differ only in signs of axes; returns the one nearest to `from`, so that
-   gradients apply to the exact parameters. */
+/* Decodes a quaternion from its codes. Several quaternions give the same Gaussian and differ only in signs of axes.
+   Returns the one nearest to `from`, so that gradients apply to the exact parameters. */
 static inline void quaternion_near(const real from[4], real x, real y, real roll, real to[4])
 {
     real cosine, sine;
@@ -165,8 +168,8 @@ static inline void quaternion_near(const real from[4], real x, real y, real roll
     }
 }
 
-/* Codes a quaternion by its first axis (X, Y) and the roll about this axis. codes: n, X, Y, roll; n: bits of X and of
-   Y. */
+/* Codes a quaternion by the first axis of its rotation (X, Y) and the roll about this axis. codes: n, X, Y, roll, with
+   n the number of bits of X and of Y. */
 static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
 {
     const real w = from[0], i = from[1], j = from[2], k = from[3];

@@ -1,10 +1,10 @@
-/* Random numbers that depend only on (seed, step, index), not on the order of calls. */
+/* Random numbers for a fit. They depend only on (seed, step, index), not on the order of calls. */
 #ifndef FXS_FIT_RANDOM_H
 #define FXS_FIT_RANDOM_H
 
 #include <stdint.h>
 
-/* Mixes 64 bits (finaliser of splitmix64: Steele, Lea, Flood 2014). */
+/* Hashes 64 bits (final mix of splitmix64: Steele, Lea, Flood 2014). */
 static inline uint64_t fxs_fit_mix(uint64_t x)
 {
     x += 0x9e3779b97f4a7c15u;

@@ -1,5 +1,5 @@
-/* The recipes of a fit: reference (Kerbl et al. 2023 and its code of 2025), mcmc (Kheradmand et al. 2024), and fast,
- * which is mcmc with fewer steps. */
+/* The recipes of a fit, which set learning rates and densification: reference (Kerbl et al. 2023 and its code of 2025),
+ * mcmc (Kheradmand et al. 2024), and fast, which is mcmc with fewer steps. */
 #include "recipe.h"
 
 #include <math.h>
@@ -42,7 +42,7 @@ float fxs_fit_first_scale(enum fxs_fit_recipe recipe)
     return recipe == FXS_FIT_REFERENCE ? 1.0f : 0.1f;
 }
 
-/* Returns first * 100^-(step / steps). */
+/* Returns the learning rate of positions, which falls to 1/100: first * 100^-(step / steps). */
 static float position_rate(float first, uint32_t step, uint32_t steps)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -70,16 +70,17 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* The reference recipe resets opacities every 3,000 steps before step 15,000; with a white background also after step
-   500. */
+/* Returns true if opacities are reset after this step. The reference recipe resets them every 3,000 steps before step
+   15,000; with a white background also after step 500. */
 static int is_reset(const fxs_fit_options *options, uint32_t step)
 {
     return options->recipe == FXS_FIT_REFERENCE &&
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* The exposures' rate falls as 10^-(step / steps), the poses' rate as 100^-(step / steps). Both rates rise from 0 over
-   the 500 steps after the beginning and after each reset, when pictures do not yet match. */
+/* Sets the learning rates of exposures and of camera poses. The exposures' rate falls as 10^-(step / steps), the poses'
+   rate as 100^-(step / steps). At the beginning and after each reset of opacities, pictures do not yet match; there
+   both rates rise from 0 over 500 steps. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -94,8 +95,8 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
         plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }
 
-/* The reference recipe has 30,000 steps. A shorter fit is its beginning; a longer one stretches only the falling
-   learning rates. */
+/* Sets the plan of a step by the reference recipe, which has 30,000 steps. A shorter fit makes the first of these
+   steps; a longer one stretches only the falling learning rates. */
 static void plan_reference(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps > 30000 ? options->steps : 30000;
@@ -128,8 +129,9 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
-/* Limits scales in step 1, as Gaussians smaller than a pixel would start too faint; every 100 steps; before the last
-   tenth, which chooses ranges of scales; and at the end. */
+/* Returns true if scales are raised to their lower limit in this step. That happens in step 1, as Gaussians smaller
+   than a pixel would start too faint, and every 100 steps. It also happens before the last tenth, which quantises
+   scales, and at the end. */
 static int is_smoothed(const fxs_fit_options *options, uint32_t step)
 {
     const uint32_t steps = options->steps;

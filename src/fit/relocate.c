@@ -1,5 +1,5 @@
-/* Moves faint Gaussians to the places of others and adds new ones, with little change to the picture (Kheradmand et al.
- * 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"). */
+/* Moves faint Gaussians to the places of other Gaussians and adds new ones there, with little change to the picture
+ * (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"). */
 #include <stdlib.h>
 #include <string.h>
 

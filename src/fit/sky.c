@@ -1,5 +1,5 @@
-/* Initial points of a sky: photographs vote on directions of a spherical lattice. A direction is free in a photograph
- * if no point of the reconstruction is projected near it. */
+/* Chooses initial points of the sky: photographs vote on directions of a spherical lattice. A direction is free in a
+ * photograph if no point of the reconstruction is projected near it. */
 #include "sky.h"
 
 #include <math.h>
@@ -7,23 +7,24 @@
 #include <string.h>
 
 enum {
-    CELLS = 48,                    /* cells along the longer side of a picture */
-    MOST = 1 << 17                 /* most points examined, evenly spaced */
+    CELLS = 48,                    /* number of square cells along the longer side of a picture */
+    MOST = 1 << 17                 /* largest number of points examined, evenly spaced */
 };
-#define TIMES 1000.0               /* radius of the sphere / extent of the scene */
+#define TIMES 1000.0               /* radius of the sphere of sky points, relative to the extent of the scene */
 #define FARTHEST 67108864.0
 
 typedef struct tally {
-    uint32_t seen, is_free;        /* numbers of photographs that see the direction, and that see it free */
-    uint64_t colour[3];            /* sums of colours over photographs where the direction is free */
+    uint32_t seen, is_free;        /* numbers of photographs that see a direction, and that have no point near it (the
+                                      direction is free) */
+    uint64_t colour[3];            /* sums of a direction's colours over the photographs where it is free */
 } tally;
 
 typedef struct cells {
     uint8_t is_near[CELLS][CELLS];
-    double size;                   /* cell size in pixels */
+    double size;                   /* side of a cell in pixels */
 } cells;
 
-/* Projects a place to pixels. Returns true if it is at most `beyond` pixels outside of the picture. */
+/* Projects a place to pixels. Returns true if it is in the picture, or at most `beyond` pixels outside. */
 static int project(const fxs_view *view, const double place[3], double beyond, double at[2])
 {
     double seen[3] = {0, 0, 0};
@@ -83,8 +84,8 @@ static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point
         t->colour[k] += photo->pixels[3 * pixel + (size_t)k];
 }
 
-/* Spherical Fibonacci lattice: heights are evenly spaced; each point is rotated by the golden angle, pi (3 -
-   sqrt(5)). */
+/* Spreads points evenly over a sphere, as a Fibonacci lattice. Heights are evenly spaced; each point is rotated from
+   the last by the golden angle, pi (3 - sqrt(5)). */
 static void spread(fxs_fit_point *points, uint32_t count, const double middle[3], double radius)
 {
     double x = 1, z = 0;
@@ -108,7 +109,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns the distance that contains 19 of 20 points; below 0 if memory runs out. */
+/* Returns the distance from `middle` within which 19 of 20 points are; below 0 if memory runs out. */
 static double distance_of(const fxs_fit_point *points, size_t count, const double middle[3])
 {
     const size_t some = count < MOST ? count : MOST;

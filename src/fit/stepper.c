@@ -1,5 +1,6 @@
-/* A step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The stage
- * bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles' lists. */
+/* Makes a step of the fit on the CPU. Sums have a fixed order, so results do not depend on the number of threads. The
+ * stage `bin` sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them to the tiles'
+ * lists. */
 #include "stepper.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@
 #include "src/fit/stages/exposure.h"
 #include "src/fit/stages/pose.h"
 
-enum { JOB = 4096 };               /* Gaussians per job */
+enum { JOB = 4096 };               /* number of Gaussians in a job for the thread pool */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
 typedef struct block {
@@ -30,9 +31,9 @@ struct fxs_fit_stepper {
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
-    const uint8_t *photograph;     /* photograph at the camera's size */
+    const uint8_t *photograph;     /* pixels of the photograph at the camera's size */
     const uint8_t *errors_of;
-    const uint8_t *mask;           /* mask at the camera's size, or null */
+    const uint8_t *mask;           /* mask of the photograph at the camera's size, or null */
     float *errors;
     fxs_fit_camera posed[FXS_FIT_BATCH];
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
@@ -107,7 +108,7 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
     return left < JOB ? left : JOB;
 }
 
-/* A job's numbers of splats and list entries; later the sums over all jobs before it. */
+/* Numbers of visible splats and of tile list entries, first of each job, later summed over all jobs before it. */
 typedef struct seen {
     uint32_t splats;
     size_t entries;
@@ -160,7 +161,8 @@ static void add_jobs(fxs_fit_stepper *s)
     }
 }
 
-/* Depths are positive, so their bits sort as integers. */
+/* Writes the sort keys of visible splats, and the tiles that they touch. Depths are positive floats, so their bits sort
+   as integers. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -209,8 +211,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Replaces each range's count of each value (digit or tile) by the place of its first key. Order: by value, then by
-   range. */
+/* Prepares a counting sort by a digit or a tile, with a range of keys for each thread. Replaces the count of each value
+   in each range by the place of its first key. Keys go by value, then by range. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -227,7 +229,7 @@ static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
         starts[values] = sum;
 }
 
-/* Stable radix sort. The result is in the second half of `keys`. */
+/* Sorts splats by depth, by a stable radix sort. The result is in the second half of `keys`. */
 static void sort_keys(fxs_fit_stepper *s)
 {
     for (s->digit = 0; s->digit < DIGITS; s->digit++) {
@@ -272,7 +274,8 @@ static void fill_entries_job(void *argument, uint32_t range)
     }
 }
 
-/* `counts` holds the start of each tile's list, then the number of its needed entries. */
+/* Allocates memory for the tiles' splat lists. `counts` holds the start of each tile's list, then the number of its
+   entries up to the last that changes a pixel. */
 static int make_room(fxs_fit_stepper *s)
 {
     const size_t values = s->tile_count > DIGIT_VALUES ? s->tile_count : DIGIT_VALUES, entries = s->entry_count + 1;
@@ -309,7 +312,8 @@ static int32_t least_of(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* Pictures outside of a step start with a transmittance of 16, so that more splats count before a pixel is opaque. */
+/* Returns the initial transmittance of pixels: 1 in a fitting step. Other pictures start with 16, so that more splats
+   count before a pixel is opaque. */
 static float light_of(const fxs_fit_stepper *s)
 {
     return s->photograph ? 1 : 16;
@@ -367,7 +371,8 @@ static void blend_job(void *argument, uint32_t tile)
 
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-/* The planes of pixels have margins of zeros. The gradient reuses a plane of row sums. */
+/* Allocates the planes of pixels for picture, loss and gradient, with margins of zeros. The gradient reuses a plane of
+   row sums. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
@@ -682,7 +687,8 @@ static void sum_by_gain(fxs_fit_stepper *s)
         s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* Subtracting the mean over all photographs keeps the scene from taking up a common tint. */
+/* Updates the exposures of a batch's photographs. Subtracting the mean over all photographs keeps the scene from taking
+   up a common tint. */
 static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     const fxs_fit_gains *gains = s->model->gains;
@@ -748,7 +754,8 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-/* The backward pass distributes each pixel's squared colour difference over splats by their weights. */
+/* Sets a tile's pixel gradients to squared colour differences from the photograph. The backward pass then distributes
+   them over splats by their blending weights. */
 static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;

@@ -13,66 +13,69 @@ extern "C" {
 typedef struct fxs_fit_stepper fxs_fit_stepper;
 
 typedef struct fxs_fit_photograph {
-    const uint8_t *pixels;         /* red, green, blue; rows without gaps */
+    const uint8_t *pixels;         /* pixels of the photograph in red, green, blue; rows without gaps */
     int32_t width, height;
-    int32_t divisor;               /* a pixel of the camera is the mean of divisor x divisor pixels */
-    fxs_fit_camera camera;         /* without pose correction */
-    uint32_t number;               /* index of the photograph's exposure and pose */
-    const uint8_t *mask;           /* null, or a byte per pixel of `pixels`; 0: ignored */
+    int32_t divisor;               /* each pixel of the camera's picture is compared with the mean of divisor x divisor
+                                      pixels */
+    fxs_fit_camera camera;         /* camera of the photograph, without pose correction */
+    uint32_t number;               /* index of the exposure and the pose that belong to the photograph */
+    const uint8_t *mask;           /* mask of the photograph: null, or a byte per pixel of `pixels`; 0: ignored */
 } fxs_fit_photograph;
 
-/* The parameters of `count` Gaussians, Adam's moments, and sums for densification. stride: at least `count` rounded up
-   to FXS_FIT_GROUP. Gaussians beyond `count` have scales and opacities of -FXS_FIT_FARTHEST, quaternions (1, 0, 0, 0),
-   and zeros. */
+/* The parameters of `count` Gaussians, Adam's moments, and sums for densification. stride: length of each parameter's
+   array, at least `count` rounded up to FXS_FIT_GROUP. Gaussians beyond `count` have scales and opacities of
+   -FXS_FIT_FARTHEST, quaternions (1, 0, 0, 0), and zeros. */
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;
-    float *by_centre, *views;      /* sums of |dL/dcentre|; number of views that saw the Gaussian */
-    float *masters;                /* parameters before quantisation by `grid`; null: not quantised */
+    float *by_centre, *views;      /* sums of |dL/dcentre| for each Gaussian; number of views that saw the Gaussian */
+    float *masters;                /* exact parameters before quantisation by `grid`; null: not quantised */
     const fxs_fit_grid *grid;
-    fxs_fit_gains *gains;          /* null: exposures are not fitted */
-    fxs_fit_poses *poses;          /* null: poses are not fitted */
-    const fxs_fit_cameras *cameras;    /* cameras that limit scales from below; null: no limit */
+    fxs_fit_gains *gains;          /* exposures of the photographs; null: not fitted */
+    fxs_fit_poses *poses;          /* pose corrections of the cameras; null: not fitted */
+    const fxs_fit_cameras *cameras;    /* cameras that limit the scales of Gaussians from below; null: no limit */
 } fxs_fit_model;
 
 typedef struct fxs_fit_step_options {
     int sh_degree;
     float background[3];
     float rate[FXS_FIT_PARAMETERS];
-    uint32_t number;               /* number of the step, from 1 */
-    float gain_rate;               /* learning rate of exposures, log2 units; 0: fixed */
+    uint32_t number;               /* number of the fitting step, from 1 */
+    float gain_rate;               /* learning rate of exposures in log2 units; 0: they stay fixed */
     float gain_decay;
-    float pose_rate;               /* learning rate of poses, radians; 0: fixed */
-    float by_opacity, by_scale;    /* weights of mean opacity and mean scale in the loss */
-    int smooths;                   /* divisor of the photographs, for the lower limit of scales; 0: no limit */
+    float pose_rate;               /* learning rate of camera poses in radians; 0: they stay fixed */
+    float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
+    int smooths;                   /* divisor of the photographs' size, for the lower limit of scales; 0: no limit */
     fxs_fit_far far;
-    fxs_fit_noise noise;           /* noise of positions; amount 0: none */
-    size_t changed;                /* CPU only: changes only the first `changed` Gaussians; 0: all */
+    fxs_fit_noise noise;           /* random displacements of Gaussians; amount 0: none */
+    size_t changed;                /* number of Gaussians, from the first, that the step changes; 0: all; only on the
+                                      CPU */
 } fxs_fit_step_options;
 
 fxs_fit_stepper *fxs_fit_stepper_create(const fxs_fit_stages *stages, fxs_run_fn *run, void *pool, uint32_t threads,
                                   fxs_clock_fn *clock);
 void fxs_fit_stepper_free(fxs_fit_stepper *step);
 
-/* Draws the model into planes of red, green and blue. */
+/* Draws the Gaussians with a camera into three planes of pixels: red, green and blue. */
 int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fit_camera *camera,
                  const fxs_fit_step_options *options, fxs_fit_plane planes[3]);
 
 int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photographs,
                          uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report);
 
-/* Draws the model over black with a photograph's camera, and distributes each pixel's squared difference from the
-   photograph over Gaussians by blending weights. errors: sum per Gaussian. Increments the model's `views` of visible
-   Gaussians. */
+/* Draws the Gaussians over black with a photograph's camera. Distributes each pixel's squared difference from the
+   photograph over the Gaussians by their blending weights. errors: sum for each Gaussian. Adds 1 to `views` of each
+   visible Gaussian in the model. */
 int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
                         const fxs_fit_step_options *options, float *errors);
 
-/* Sets Adam's parameters. Gradients are sums over all pixels and channels of the batch, so epsilon and weights are
-   scaled accordingly. */
+/* Sets the parameters of an Adam step. Gradients are sums over all pixels and channels of the batch, so epsilon and the
+   regularisers' weights are scaled accordingly. */
 void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
                       uint32_t batch, size_t gaussians);
 
-/* Adds a photograph's loss to a report. rows: for each channel, row sums of |a - b|, then of 1 - SSIM. */
+/* Adds a photograph's loss to a progress report. rows: for each colour channel, row sums of |picture - photograph|,
+   then of 1 - SSIM. */
 void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t batch, fxs_fit_report *report);
 
 void fxs_fit_quantise(fxs_fit_stepper *step, fxs_fit_model *model);

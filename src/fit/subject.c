@@ -1,4 +1,4 @@
-/* Crops a finished fit to its subject: a sphere around the point that the cameras look at. */
+/* Crops a finished fit to its subject: keeps a sphere around the point that the cameras look at. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,8 @@
 #include "fit_internal.h"
 #include "src/fit/stages/fit_lanes.h"
 
-/* smallest determinant of mean (1 - d d^T), with viewing directions d; some 6 degrees apart */
+/* smallest determinant of the mean of 1 - d d^T over viewing directions d, if these differ enough (by some 6
+   degrees) */
 #define LEAST_SPREAD 0.01
 
 static int ascending(const void *a, const void *b)
@@ -24,8 +25,8 @@ static void cross(double out[3], const double a[3], const double b[3])
         out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Finds the point p nearest to all viewing axes d from eyes e: mean (1 - d d^T) (p - e) = 0. Returns 0 if the axes are
-   nearly parallel. */
+/* Finds the point p that the cameras look at, nearest to all viewing axes. With directions d and eyes e of the axes,
+   mean (1 - d d^T) (p - e) = 0. Returns 0 if the axes are nearly parallel. */
 static int find_middle(const fxs_fit *f, double middle[3])
 {
     double a[3][3] = {{0}}, b[3] = {0, 0, 0}, inverse[3][3], determinant = 0;
@@ -46,8 +47,8 @@ static int find_middle(const fxs_fit *f, double middle[3])
     return determinant > LEAST_SPREAD && isfinite(middle[0] + middle[1] + middle[2]);
 }
 
-/* Returns the distance from the optical axis to the nearer edge of the picture, at a place's depth. 0: the place is not
-   in the middle half of the picture. */
+/* Returns the distance from a camera's optical axis to the nearer edge of the picture, at the depth of `place`. Returns
+   0 if `place` is not in the middle half of the picture. */
 static double reach_at(const fxs_fit_camera *c, const double place[3])
 {
     double at[3] = {0, 0, 0};

@@ -1,4 +1,5 @@
-// node adapters.mjs MODULES: prints the WebGPU adapter of Chromium for each of several sets of flags.
+// node adapters.mjs MODULES: prints which WebGPU adapter (GPU) Chromium offers with each of several sets of flags.
+// MODULES is a node_modules folder.
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'

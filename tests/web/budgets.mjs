@@ -1,9 +1,9 @@
-// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail. FOLDER caches
-// derived scenes. PART is:
-// cuts: budgets compared with equal numbers of Gaussians by other programs.
-// budgets: PSNR, time and bytes of frames with falling budgets.
-// steps: visible changes between FRAMES (240) on a slow path.
-// boards: number of Gaussians that a board draws in a tenth of a second.
+// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: measures scenes with levels of detail, and prints a
+// table. FIXSPLAT is the command-line program, MODULES a node_modules folder. FOLDER keeps converted scenes. PART is:
+// cuts: compares fixsplat's pictures with a limited number of Gaussians to other programs' pictures with as many.
+// budgets: PSNR, time and bytes of frames for falling limits of the number of Gaussians.
+// steps: visible changes from frame to frame, in FRAMES (240) frames along a slow camera path.
+// boards: number of Gaussians that an emulated microcontroller board draws in a tenth of a second.
 import { execFileSync, spawnSync } from 'node:child_process'
 import {
     closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,
@@ -279,7 +279,7 @@ const steps = () => {
 }
 
 const [STEPS, KNOT] = [8, 100000]
-// instructions per second of each board (docs/boards.md)
+// names of the emulated boards, and the instructions per second of each (docs/boards.md)
 const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]
 
 const boards = () => {
@@ -308,7 +308,7 @@ const boards = () => {
         `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
         'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
-    let [low, high] = [1, 200]                      // bisects the number of chunks of 256 Gaussians
+    let [low, high] = [1, 200]                      // limits for a bisection of the number of chunks of 256 Gaussians
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle

@@ -1,6 +1,6 @@
-// node bundlers.mjs FIXSPLAT.tgz VIEWER.tgz WORK MODULES PUPPETEER COMMAND [all]: builds programs with the npm packages by
-// the bundlers in MODULES. Each program runs in Chromium, isolated (`all`: and not), and must draw the command's pictures. WORK has
-// scene.ply.
+// node bundlers.mjs FIXSPLAT.tgz VIEWER.tgz WORK MODULES PUPPETEER COMMAND [all]: builds programs from the npm packages
+// with the bundlers in MODULES. Each program runs in Chromium, in a cross-origin isolated page (with `all` also in
+// others). Its pictures must equal the pictures of the command-line program COMMAND. The folder WORK has scene.ply.
 import assert from 'node:assert/strict'
 import { execFile, execFileSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
@@ -41,7 +41,8 @@ const installed = (() => {
 const NAMES = ['fixsplat', 'fixsplat-viewer']
 const { version } = JSON.parse(readFileSync(join(installed, 'fixsplat/package.json'), 'utf8'))
 
-// The files as README.md of fixsplat-viewer copies them to a server, and as a CDN has them.
+// Copies the packages' files to a server as README.md of fixsplat-viewer says, and as a content delivery network has
+// them.
 const published = join(home, 'published')
 cpSync(join(installed, 'fixsplat'), published, { recursive: true })
 cpSync(join(installed, 'fixsplat-viewer/page'), join(published, 'viewer'), { recursive: true })

@@ -1,4 +1,4 @@
-// Shared by page tests: a server, headless Chromium, and the viewer in a page.
+// Parts that tests of the viewer's page share: a file server, headless Chromium, and the viewer in a page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
@@ -20,9 +20,9 @@ const KINDS = {
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** functions that change a served file, by file name */
+/** for each name of a served file, a function that changes its text */
 export const changes = {}
-/** state of the scene server: bytes sent, delay in seconds, ETag, changes of answers */
+/** State of the scene server: `sent` is the number of bytes sent, `wait` a delay in seconds, and `tag` the ETag. */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
 export const policy = { text: '' }
 const SLOW = 1500

@@ -1,5 +1,6 @@
-// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: checks and times WebGPU in Node, by Dawn.
-// VK_DRIVER_FILES chooses a driver. FRAMES: frames for the median (7). PICTURES: folder for pictures.
+// node dawn.mjs PACKAGE SCENES MODULES COMMAND [SIZE [ROUNDS [SCENE...]]]: checks and times drawing with WebGPU in
+// Node, by the library Dawn. The environment variable VK_DRIVER_FILES chooses a Vulkan driver. FRAMES is the number of
+// frames for the median (7), PICTURES a folder for pictures.
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'

@@ -1,5 +1,6 @@
-// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene in the viewer,
-// and prints sizes and times of the pictures. EVENT: name of the event `frame` in old packages.
+// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene in the viewer
+// with the mouse, and prints sizes and times of the pictures. Old packages give the event `frame` another name, which
+// the environment variable EVENT sets.
 import { go, page, pause, still, inside, run } from './chromium.mjs'
 
 const [seconds = 60, scene = 'real/snowmiku/snowmiku.ply', size = '800x450'] = process.argv.slice(7)

@@ -1,4 +1,5 @@
-// Shared by three.mjs and playcanvas.mjs: meshes as walls before, amid and behind splats.
+// Parts that three.mjs and playcanvas.mjs share: tests that draw a wall (a mesh) in front of splats, amid them and
+// behind them.
 import assert from 'node:assert/strict'
 import { mkdirSync, writeFileSync } from 'node:fs'
 import { base, frame, hashOf, work } from './screens.mjs'

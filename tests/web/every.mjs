@@ -1,5 +1,6 @@
-// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: compares every scene of SCENES/real with the command. Checks
-// that opening 100 scenes does not leak memory.
+// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: draws every scene of SCENES/real in the viewer, and compares
+// the pictures with the output of the command-line program COMMAND. Checks that opening 100 scenes does not leak
+// memory.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'
@@ -8,7 +9,7 @@ import { run, scenes, viewOf } from './chromium.mjs'
 const SIZE = [1280, 720]
 const LOADS = 50
 const FIRST = 50
-const MORE = 1.05 // largest ratio of memory at the end to memory after FIRST scenes
+const MORE = 1.05 // largest allowed ratio of memory at the end to memory after opening FIRST scenes
 
 const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)
 const files = readdirSync(`${scenes}/real`, { recursive: true }).filter(isScene)

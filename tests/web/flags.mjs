@@ -1,4 +1,5 @@
-// Flags of Chromium for WebGL and WebGPU by SwiftShader. FXS_WEBGPU_FLAGS replaces the WebGPU flags.
+// Flags of Chromium for WebGL and WebGPU on the CPU, by SwiftShader. The environment variable FXS_WEBGPU_FLAGS replaces
+// the flags for WebGPU.
 export const WEBGL = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader']
 const SWIFTSHADER = [...WEBGL, '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
   '--enable-features=Vulkan', '--use-vulkan=swiftshader']

@@ -1,4 +1,4 @@
-// node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page with WebGPU.
+// node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page when it draws with WebGPU.
 import assert from 'node:assert/strict'
 import { changed, engineOf, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
 

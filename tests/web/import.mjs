@@ -1,4 +1,5 @@
-// node import.mjs PACKAGE WORD ARGUMENT...: checks the scene readers of the npm package for tests/scripts/web.sh.
+// node import.mjs PACKAGE WORD ARGUMENT...: checks the scene file readers of the npm package, for tests/scripts/web.sh.
+// WORD chooses a test.
 import assert from 'node:assert/strict'
 import { File } from 'node:buffer'
 import { once } from 'node:events'
@@ -71,7 +72,7 @@ const words = {
       const step = Math.ceil(bytes.length / 150)
       for (let end = 1; end < bytes.length; end += step) {
         if (path.endsWith('.splat') && end % 32 === 0) continue
-        // an .spz file is valid without the extension data at its end
+        // An .spz file that is cut short is still valid if it lacks only the extension data at its end.
         if (path.endsWith('.spz') && end >= bytes.length - 12) continue
         await refused(bytes.slice(0, end), /./)
       }
@@ -181,7 +182,8 @@ const words = {
     server.closeAllConnections()
   },
 
-  // Arguments PLY FXS. Server answers that are endless or claim 2 GB are refused at once.
+  // Checks that server answers that never end, or that claim 2 GB, are refused at once. The arguments are a .ply and an
+  // .fxs file.
   async endless(ply, fxs) {
     const beginnings = {
       nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),

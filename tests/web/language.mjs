@@ -1,4 +1,5 @@
-// node language.mjs VIEWER: checks that the translations have exactly the texts of the viewer.
+// node language.mjs VIEWER: checks that each translation of the viewer's texts has exactly the texts that the viewer
+// shows. VIEWER is the viewer's folder.
 import assert from 'node:assert/strict'
 import { readdirSync, readFileSync } from 'node:fs'
 import { resolve } from 'node:path'

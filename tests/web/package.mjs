@@ -1,4 +1,4 @@
-// node package.mjs PACKAGE WORD ARGUMENT...: checks the npm package in PACKAGE.
+// node package.mjs PACKAGE WORD ARGUMENT...: checks the npm package in the folder PACKAGE. WORD chooses a test.
 import assert from 'node:assert/strict'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -311,7 +311,7 @@ const words = {
     console.log(hasRelaxed)
   },
 
-  // Argument FILE: counts the bytes that look like the instruction i16x8.q15mulr_sat_s.
+  // Prints how often a WebAssembly file has the bytes of the instruction i16x8.q15mulr_sat_s. The argument is the file.
   async products(file) {
     console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
   },

@@ -1,4 +1,5 @@
-// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page.
+// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's page in Chromium. Its pictures must equal
+// the pictures of the command-line program COMMAND.
 import assert from 'node:assert/strict'
 import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -349,7 +350,8 @@ const tests = {
     await still()
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
-    // A camera without roll keeps the viewer's up direction. A camera with roll defines it.
+    // Checks the up direction after a camera is read from a settings file. A camera without roll keeps the viewer's up
+    // direction; a camera with roll defines it.
     const readCamera = (camera) =>
       inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')

@@ -1,4 +1,5 @@
-// node paging.mjs PACKAGE SCENE HASH: checks streamed scenes. HASH is the hash of the command's picture.
+// node paging.mjs PACKAGE SCENE HASH: checks scenes that are streamed from a server. HASH is the hash of the picture
+// that the command-line program draws.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'

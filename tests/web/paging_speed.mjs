@@ -1,4 +1,5 @@
-// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: times a scene streamed at RATE bytes per second.
+// node paging_speed.mjs PACKAGE FILE RATE FRAMES MEMORY BUDGET: times drawing a scene while it is streamed at RATE
+// bytes per second. BUDGET is the number of Gaussians in a picture.
 import { fork } from 'node:child_process'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'

@@ -1,5 +1,5 @@
-// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other web viewers.
-// MADE has landscape.ply.
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: compares fixsplat with other web viewers, in
+// speed and pictures. The folder MADE has the generated scene landscape.ply.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -17,9 +17,9 @@ const STEP = 2
 const LEAST_FRAMES = 8
 const MOTION_MS = 12000
 const QUIET_MS = 6000
-const SAME = 1 // equal pictures differ by at most 1 of 255 on average
+const SAME = 1 // largest average difference between two pictures that count as equal, of 255
 
-// Views in scene axes, with y down.
+// Cameras of the compared scenes, in the axes of the scene files, where y points down.
 const VIEWS = {
   snowmiku: {
     file: '/scenes/snowmiku/snowmiku.ply',
@@ -37,7 +37,7 @@ function turned({ eye, look, fov }, degrees) {
   return { eye: [look[0] + c * x + s * z, look[1] + y, look[2] - s * x + c * z], look, fov }
 }
 
-/** Converts a view for supersplat-viewer: y up, and a horizontal field of view. */
+/** Converts a camera to a settings file of supersplat-viewer, where y points up and the field of view is horizontal. */
 function settingsOf(view) {
   const half = Math.tan((view.fov * Math.PI) / 360)
   const across = (360 / Math.PI) * Math.atan((half * WIDTH) / HEIGHT)
@@ -176,7 +176,7 @@ function processorTime(root) {
   return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
 }
 
-/** Reading back a pixel completes a WebGL frame. */
+/** Records the frames of a viewer's page. To wait for the end of a WebGL frame, reads a pixel of it back. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {

@@ -1,4 +1,5 @@
-// Checks the package entry fixsplat-viewer/playcanvas, for webgl.mjs.
+// Checks the class Splats of the package entry fixsplat-viewer/playcanvas, which draws splats in PlayCanvas. For
+// webgl.mjs.
 import assert from 'node:assert/strict'
 import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'

@@ -1,4 +1,5 @@
-// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks the page of `fixsplat fit SET --preview`.
+// node preview.mjs FIXSPLAT SET MODULES PICTURES: checks the web page on which `fixsplat fit SET --preview` shows a
+// running fit.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { once } from 'node:events'

@@ -1,4 +1,5 @@
-// node publish.mjs SITE MODULES PICTURES SCENE...: checks pages written by `fixsplat publish`, served as plain files.
+// node publish.mjs SITE MODULES PICTURES SCENE...: checks the web pages that `fixsplat publish` wrote to the folder
+// SITE, on a plain file server.
 import assert from 'node:assert/strict'
 import { existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'

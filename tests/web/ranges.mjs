@@ -1,11 +1,12 @@
-// A test server of one file with byte ranges, limited rate and simulated faults.
+// A test server of one file. It answers requests for byte ranges, at a limited rate and with simulated faults.
 import { createReadStream, openSync, readSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-/** faults({ first, end, count }, request) returns changes of an answer: { status, headers, bytes (a function of the
-   right bytes), cut (number of bytes sent), drip (two bytes at a time), silent, whole, delay (milliseconds) }. */
+/** Serves a file. faults({ first, end, count }, request) returns faults of an answer: { status, headers, bytes (a
+   function that changes the right bytes), cut (number of bytes after which the connection breaks), drip (two bytes at a
+   time), silent (no bytes), whole (the file instead of a range), delay (milliseconds) }. */
 export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
   const file = openSync(path)
   const { size } = statSync(path)

@@ -1,4 +1,5 @@
-// Shared by webgl.mjs and webgpu.mjs: a server, code run in pages, and frames to compare with the command.
+// Parts that webgl.mjs and webgpu.mjs share: a file server, functions that run code in pages, and frames to compare
+// with the pictures of the command-line program.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'

@@ -1,5 +1,5 @@
-// node serve.mjs PACKAGE SCENE: serves a package and a scene. /isolated/ adds the headers that allow threads; /blocked/
-// also forbids workers. Prints everything that a page posts.
+// node serve.mjs PACKAGE SCENE: serves the files of a package, and a scene, to a browser. Paths under /isolated/ get
+// the headers that allow threads; paths under /blocked/ also forbid workers. Prints everything that a page posts.
 import { createReadStream, existsSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { extname, join } from 'node:path'

@@ -1,4 +1,4 @@
-// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks the pages of `fixsplat view --web FOLDER`.
+// node served.mjs FIXSPLAT FOLDER MODULES PICTURES: checks the web pages that `fixsplat view --web FOLDER` serves.
 import assert from 'node:assert/strict'
 import { execFileSync, spawn } from 'node:child_process'
 import { renameSync, rmSync, writeFileSync } from 'node:fs'

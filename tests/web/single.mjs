@@ -1,5 +1,5 @@
-// node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: checks that a page of `fixsplat publish --single` works from
-// file://.
+// node single.mjs FILE MODULES PICTURES FIXSPLAT SCENE: checks that FILE, a page that `fixsplat publish --single`
+// wrote, works from a file:// address.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createRequire } from 'node:module'

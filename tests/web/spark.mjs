@@ -1,7 +1,8 @@
-// Reads .rad files with the reader of Spark (@sparkjsdev/spark), without a browser.
-// node spark.mjs MODULES decode FILE.rad OUT.ply: writes all Gaussians, or the leaves of a tree.
-// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the tree nodes that Spark would draw, at most
-// SPLATS. VIEW is a position X,Y,Z, optionally with the camera's axes.
+// Reads scene files with the reader of Spark (the npm package @sparkjsdev/spark), without a browser.
+// node spark.mjs MODULES decode FILE.rad OUT.ply: writes all Gaussians of a file, or the leaves if it has a tree of
+// levels of detail.
+// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: writes the tree nodes that Spark would draw from a view, at
+// most SPLATS. VIEW is a position X,Y,Z, optionally with the camera's axes.
 import { readFileSync, writeFileSync } from 'node:fs'
 
 const [modules, command, file, ...rest] = process.argv.slice(2)
@@ -36,7 +37,8 @@ const half = bits => {
     return bits >> 15 & 1 ? -value : value
 }
 
-// Unpacks a quaternion x, y, z, w: 10 bits for each octahedral coordinate of the axis, 12 for the angle.
+// Unpacks a quaternion x, y, z, w from 32 bits: 10 bits for each octahedral coordinate of its axis, 12 bits for its
+// angle.
 const rotation = bits => {
     let x = (bits & 1023) / 511.5 - 1, y = (bits >> 10 & 1023) / 511.5 - 1
     const z = 1 - Math.abs(x) - Math.abs(y), fold = Math.max(-z, 0), angle = (bits >>> 20) / 4095 * Math.PI / 2
@@ -72,7 +74,8 @@ const row = (i, opacity) => {
         Math.log(alpha / (1 - alpha)), ...scale, w, x, y, z]
 }
 
-// A node with opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A, like A opaque Gaussians at one place.
+// Returns the Gaussians that replace a tree node. Spark draws a node with opacity A above 1 as 1 - (1 - e^(-z^2 /
+// 2))^A, like A opaque Gaussians at one place.
 const rows = i => {
     const code = half(first[4 * i + 3] & 65535), d = Math.min(4 * code - 3, 5)
     if (!tree || code <= 1) return [row(i, code)]

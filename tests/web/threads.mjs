@@ -1,4 +1,5 @@
-// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: checks the threads of the package in Node.
+// node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: checks the npm package's use of threads in Node. HASH is the hash
+// of the right picture of SCENE.fxs.
 import assert from 'node:assert/strict'
 import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs'
 import { createRequire, syncBuiltinESMExports } from 'node:module'

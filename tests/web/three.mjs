@@ -1,4 +1,5 @@
-// Checks the package entry fixsplat-viewer/three, for webgl.mjs and webgpu.mjs.
+// Checks the class Splats of the package entry fixsplat-viewer/three, which draws splats in three.js. For webgl.mjs and
+// webgpu.mjs.
 import assert from 'node:assert/strict'
 import {
   checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH,

@@ -1,5 +1,5 @@
-// node tour.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's annotations, camera tracks, films,
-// settings files, skies and languages.
+// node tour.mjs PACKAGE SCENES MODULES PICTURES COMMAND: checks the viewer's annotations, camera tracks, recorded
+// films, settings files, sky pictures and languages.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import * as chromium from './chromium.mjs'
@@ -181,7 +181,7 @@ const tests = {
     await inside(`$('closeCaption').focus()`)
     await page.keyboard.press('Enter')
     assert.equal(await focused(), 'Annotation 1 of 3: The knot')
-    // screen readers skip the clock, which changes with each picture
+    // Screen readers must skip the clock, because it changes with each picture.
     assert.equal(await inside(`return $('clock').getAttribute('aria-live')`), 'off')
     await inside('await v.goTo(0)')
     const parts = { markers: '#markers', caption: '#caption', player: '#player', bar: 'nav', corner: '.top' }
@@ -226,7 +226,7 @@ const tests = {
   async 'settings of supersplat-viewer, version 2 and 1'() {
     put('theirs.json', THEIRS)
     await open(WITH('theirs.json'))
-    // Settings of supersplat-viewer have y up; fov is the field of view of the longer side.
+    // In settings files of supersplat-viewer y points up, and fov is the field of view of the picture's longer side.
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)
@@ -257,7 +257,8 @@ const tests = {
     await features('reduce')
     await open(WITH('early.json'))
     await pause(500)
-    assert.equal(await inside('return v.paused && v.time'), 0) // with reduced motion, a track does not start by itself
+    // If the user prefers reduced motion, a camera track does not start by itself.
+    assert.equal(await inside('return v.paused && v.time'), 0)
     await features('')
   },
 

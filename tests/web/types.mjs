@@ -1,5 +1,6 @@
-// node types.mjs FIXSPLAT.tgz VIEWER.tgz MODULES PAGE_MODULES [all]: compiles the code of docs/web.md, of the packages'
-// README.md and of bundlers/types.tsx with strict TypeScript. `all`: also with Node's module resolution, and with React 18.
+// node types.mjs FIXSPLAT.tgz VIEWER.tgz MODULES PAGE_MODULES [all]: compiles code with strict TypeScript, to check the
+// npm packages' types. The code comes from docs/web.md, from the packages' README.md and from bundlers/types.tsx. With
+// `all`, compiles also with Node's module resolution, and with React 18.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { dirname, join, resolve } from 'node:path'

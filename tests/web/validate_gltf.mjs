@@ -1,4 +1,5 @@
-// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors of Khronos's glTF validator, except unknown names.
+// node validate_gltf.mjs NODE_MODULES FILE.glb: prints the errors that Khronos's glTF validator finds, except unknown
+// extensions and attributes.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { resolve } from 'node:path';

@@ -1,11 +1,12 @@
-// Shared by webgpu_peers.mjs and dawn.mjs: WebGPU viewers and their views.
+// Parts that webgpu_peers.mjs and dawn.mjs share: viewers that draw with WebGPU, and cameras for timing them.
 
 export const VIEWS = {
   guitar: { eye: [5.5, 3.2, -0.2], look: [0.09, 2.1, -0.2], fov: 50 },
   snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
 }
 
-// JavaScript source for each viewer. The code returns a function that draws from an eye and waits for the GPU.
+// JavaScript source code that starts each viewer. It returns a function that draws a picture from an eye position and
+// waits for the GPU.
 export const VIEWERS = {
   fixsplat: `const { load, Screen } = await bring('fixsplat')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]

@@ -1,9 +1,10 @@
-// Tests of walking, gamepads and the on-screen stick, for page.mjs.
+// Tests of walking in the viewer, of gamepads and of the on-screen joystick, for page.mjs.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
 
-// A yard with the floor at y = 0 and up as -y: a ramp and a platform at the right, a wall at the left, a hole between.
+// A generated scene to walk in, with the floor at y = 0 and up as -y. It has a ramp and a platform at the right, a wall
+// at the left, and a hole between.
 const RAMP = { left: 1, right: 3, from: 1, slope: 0.3, top: 4 }
 const WALL = { z: 3, right: -0.5, tall: 2 }
 const HOLE = { x: [-0.3, 0.4], z: [0.4, 1.1], deep: 6 }
@@ -231,7 +232,7 @@ async function two() {
 }
 
 const OFTEN = [ground, walls, holes]
-const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, only with FXS_PROCESSORS=all
+const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, which run only with FXS_PROCESSORS=all
 
 export const walking = {
   async 'walking: on the ground and up a ramp; walls stop, holes do not; with all, gamepads and a stick for the thumb'() {

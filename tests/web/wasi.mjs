@@ -1,4 +1,5 @@
-// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WASI program. RELAXED: with relaxed SIMD products.
+// node wasi.mjs PROGRAM.wasm ARGUMENT...: runs a WebAssembly program for WASI. If the environment variable RELAXED is
+// set, its SIMD products are replaced by relaxed ones.
 import { readFileSync } from 'node:fs'
 import { WASI } from 'node:wasi'
 

@@ -1,4 +1,5 @@
-// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks drawing with WebGL 2 by the class Screen; 1: also times it.
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: checks the class Screen when it draws with WebGL 2. Its pictures
+// must equal the pictures of the command-line program COMMAND. With the argument 1, also times it.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'

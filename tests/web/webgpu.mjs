@@ -1,4 +1,5 @@
-// node webgpu.mjs PACKAGE WORK MODULES COMMAND: checks drawing with WebGPU by the class Screen.
+// node webgpu.mjs PACKAGE WORK MODULES COMMAND: checks the class Screen when it draws with WebGPU. Its pictures must
+// equal the pictures of the command-line program COMMAND.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'

@@ -1,5 +1,6 @@
-// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: times WebGPU frames of fixsplat,
-// PlayCanvas and three.js, in turns. FRAMES: frames for the median (7).
+// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: times WebGPU frames of the viewers
+// fixsplat, PlayCanvas and three.js, in turns. The environment variable FRAMES is the number of frames for the median
+// (7).
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'

@@ -1,5 +1,5 @@
-// node tests/web/wgsl.mjs FOLDER MODULES: compiles every .wgsl of FOLDER in headless Chromium, and makes a pipeline of
-// each entry point.
+// node tests/web/wgsl.mjs FOLDER MODULES: compiles every WebGPU shader (.wgsl) of FOLDER in headless Chromium, and
+// makes a pipeline of each entry point.
 import { readFileSync, readdirSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'

@@ -1,4 +1,5 @@
-// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: checks VR and AR with iwer's simulated devices.
+// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: checks virtual and augmented reality (WebXR) in the viewer,
+// with the simulated devices of the package iwer.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -13,7 +14,7 @@ const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 const [width, height] = [320, 160]
 const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50'
 
-/** Simulates a headset with diverging eyes and a controlled clock, before the page's script runs. */
+/** Simulates a headset with diverging eyes and a controlled clock. Runs before the script of the viewer's page. */
 function prepare() {
   const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.0625, visibilityMask: null })
   device.installRuntime({ forceInstall: true })
@@ -232,7 +233,8 @@ function direction(left, up) {
 }
 const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
 
-/** Converts a vector of the room to the scene. When the scene was placed, the person at `eye` looked at `foot`. */
+/** Converts a vector in the user's room to the scene's axes. When the scene was placed, the user at `eye` looked at the
+   place `foot`. */
 function inScene([x, y, z], eye, foot, turn, units) {
   const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
   const [c, s] = [Math.cos(turn), Math.sin(turn)]
@@ -242,7 +244,7 @@ function inScene([x, y, z], eye, foot, turn, units) {
 
 const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[i] + scene.high[i]) / 2))
 const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
-const TABLE = 2 * longest // scene units per metre: the longest side becomes half a metre
+const TABLE = 2 * longest // scene units per metre on a table, where the scene's longest side becomes half a metre
 
 function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
   const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
@@ -395,7 +397,8 @@ const tests = {
     await inside(`test.run(1); test.gl.getExtension('WEBGL_lose_context').loseContext()`)
     await until(`!v.hasAttribute('headset') && !$('error').hidden`)
     assert.match(await inside(`return $('words').textContent`), /headset: its graphics context was lost/)
-    faults.length = 0                 // iwer reads the clear colour of the lost context, which is an error
+    // ignores an error: the device simulator iwer reads the clear colour of the lost context
+    faults.length = 0
     await inside(`$('closeError').click()`)
     await enter()
     await settle()
@@ -519,7 +522,7 @@ const tests = {
     await check(EYE, LOOKS, 0)
     await settle()
     assert.ok(Buffer.compare(await pixels(), packaged(await cameras(), { alpha: true })) === 0)
-    await pose(EYE, 0, 0) // iwer starts its next reference space at the device's pose
+    await pose(EYE, 0, 0) // The device simulator iwer starts its next reference space at the device's pose.
     await drawn()
     await leave()
     await inside('test.hasFloor = false')

@@ -1,5 +1,5 @@
-/* Projects a view's Gaussians to splats, colours them, and lists the splats of each tile, sorted by depth. A slot is a
- * pair of a splat and a tile that it touches. */
+/* Projects the Gaussians of a view to splats, colours them, and lists the splats of each tile, sorted by depth. A slot
+ * is a place in memory for a pair of a splat (a projected Gaussian) and a tile that it touches. */
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 
@@ -15,8 +15,8 @@ namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* Load balance: a splat with more than FEW_TILES tiles gets a warp, one with more than MANY_TILES a block of
-   threads. */
+/* For load balance, a splat that touches more than FEW_TILES tiles is processed by a warp of threads. A splat that
+   touches more than MANY_TILES tiles gets a whole block of threads. */
 const uint32_t FEW_TILES = 16, MANY_TILES = 256, LARGE_BLOCKS = 264;
 
 __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint32_t tiles)
@@ -40,7 +40,8 @@ __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWa
         by_warp(b.large[i]);
 }
 
-/* Neighbouring Gaussians are alike in size, so groups of four go to different blocks of threads. */
+/* Returns the Gaussian of a thread. Neighbouring Gaussians are alike in size, so groups of four neighbours go to
+   different blocks of threads, for load balance. */
 __device__ inline uint32_t spread_over_blocks(uint32_t thread)
 {
     return (thread / 4 * (gridDim.x - LARGE_BLOCKS) + (blockIdx.x - LARGE_BLOCKS)) * 4 + thread % 4;
@@ -145,7 +146,8 @@ cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs
     return first_of(first_of(failure, cudaGetLastError()), cudaEventRecord(beside->end, beside->stream));
 }
 
-/* Adds with saturation, so that an overflowing count stays too large. */
+/* Adds unsigned numbers with saturation, so that an overflowing sum stays too large for the memory instead of wrapping
+   around. */
 struct add_saturated {
     __host__ __device__ uint32_t operator()(uint32_t x, uint32_t y) const
     {
@@ -153,7 +155,7 @@ struct add_saturated {
     }
 };
 
-/* Counts the step's slots. Returns true if they fit into memory. */
+/* Notes the number of slots (pairs of a splat and a tile) of this step. Returns true if they fit into memory. */
 __device__ inline bool has_room(const step_buffers &b, uint32_t total)
 {
     if (!blockIdx.x && !threadIdx.x) {
@@ -188,7 +190,8 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
     b.splat_of[slot] = gaussian;
 }
 
-/* Staging a warp's slots makes the writes to global memory consecutive. */
+/* Slots (pairs of a splat and a tile) of each warp. They are staged in shared memory so that the writes to global
+   memory are consecutive. */
 struct staged_slots {
     uint32_t tiles[BIN_THREADS / WARP][WARP * FEW_TILES];
     uint8_t lanes[BIN_THREADS / WARP][WARP * FEW_TILES];
@@ -228,8 +231,8 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* Writes the slots of a large splat. Each thread finds the tiles of one row; then all threads of the warp write the
-   rows together. */
+/* Writes the slots of a large splat (its pairs with tiles). Each thread finds the touched tiles of one row of tiles;
+   then all threads of the warp write these rows together. */
 __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, uint32_t gaussian, uint32_t n,
                                  uint32_t warps)
 {
@@ -274,9 +277,9 @@ __global__ void __launch_bounds__(BIN_THREADS)
 }
 
 const uint32_t START_THREADS = 1024, START_TILES = 4;
-const uint32_t CLASSES = 64;       /* number of classes of list length, two per power of 2 */
-const uint32_t LONG_LIST = 256;    /* lists with at least this many entries are sorted by a block of threads, shorter
-                                      lists by a warp */
+const uint32_t CLASSES = 64;       /* number of classes of tile lists by length, two per power of 2 */
+const uint32_t LONG_LIST = 256;    /* tile lists with at least this many entries are sorted by a block of threads,
+                                      shorter lists by a warp */
 
 __device__ inline uint32_t class_of(uint32_t count)
 {
@@ -345,7 +348,8 @@ __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32
 
 const uint32_t SORT_THREADS = 256;
 
-/* Sorts tile lists. Lists longer than Room are first split into 2^Bits bins by key. */
+/* Sorts the splat lists of tiles by depth. Lists longer than Room are first split into 2^Bits bins by their sort
+   key. */
 template <uint32_t T, uint32_t Room, int Bits>
 struct list_sorter {
     typedef group_keys<Room, Bits> keys_type;
@@ -356,7 +360,8 @@ struct list_sorter {
     {
         const uint64_t *list = b.keys + start;
         uint32_t *ends = nullptr, *slots = b.slots + start;
-        if (count > Room) {                /* `sums` is not in use yet, so its memory holds the bins */
+        if (count > Room) {                /* The array `sums` of gradients is not in use yet, so its memory holds the
+                                              bins of the sort. */
             uint64_t *moved = (uint64_t *)(((uintptr_t)(b.sums + (size_t)start * FXS_FIT_SUMS) + 7) / 8 * 8);
             auto visit_all = [&](auto visit) { visit_keys(list, count, &g, visit); };
             const key_range r = range_of_list(&keys, &g, visit_all);

@@ -1,6 +1,7 @@
-/* The fit's engine on NVIDIA GPUs. Each device computes the gradients of its share of a batch's photographs, then
- * receives all other gradients and makes the same update, so that all models stay equal. If the tile lists of a step
- * overflow, this step and all later ones change nothing; finish repeats them with more memory. */
+/* Fits Gaussians to photographs on NVIDIA GPUs. Each device computes the gradients of its share of a batch's
+ * photographs, then receives the gradients of the other devices. All devices then make the same update, so that their
+ * models stay equal. If the splat lists of the tiles overflow in a step, this step and all later ones change nothing;
+ * the function finish repeats them with more memory. */
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
@@ -16,35 +17,36 @@ namespace {
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE, STAGES };
 
 const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;
-const uint32_t PENDING = 64;       /* largest number of steps in flight */
-const uint32_t PHOTOGRAPHS = 3;    /* photographs in memory: one in use, two in transfer */
+const uint32_t PENDING = 64;       /* largest number of fitting steps that are started and not yet completed */
+const uint32_t PHOTOGRAPHS = 3;    /* number of photographs in device memory: one in use, two in transfer */
 
-/* A photograph in transfer to a device. The mask follows the pixels. */
+/* A photograph in transfer from host to device memory. Its mask follows its pixels. */
 struct photograph_slot {
     host_block sent;
     block pixels;
     cudaEvent_t ready, is_free;
 };
 
-/* A GPU. All devices hold the same model, bit for bit. */
+/* The state of one GPU. All GPUs hold the same Gaussians, bit for bit. */
 struct device {
     int number;
     cudaStream_t stream, copies;
-    side_stream beside;            /* second stream, for colours and updates of SH */
+    side_stream beside;            /* a second CUDA stream, for colours and for updates of spherical harmonics */
     budget memory;
     device_model model;
     step_buffers buffers;
-    fxs_fit_gains gains;           /* count 0: exposures are not fitted */
-    fxs_fit_poses poses;           /* count 0: poses are not fitted */
+    fxs_fit_gains gains;           /* exposures of the photographs; count 0: they are not fitted */
+    fxs_fit_poses poses;           /* corrections of the cameras' poses; count 0: they are not fitted */
     fxs_fit_cameras cameras;
-    posed_camera *posed;           /* null: poses are not fitted */
+    posed_camera *posed;           /* cameras with corrected poses; null: poses are not fitted */
     block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts,
         all_cameras;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
-    float *views[FXS_FIT_BATCH];   /* gradient sums of all Gaussians, per photograph */
-    cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: the device's own gradient sums are complete;
-                                                              received: all other gradient sums have arrived */
+    float *views[FXS_FIT_BATCH];   /* gradient sums of all Gaussians, for each photograph of the batch */
+    /* `gathered` is recorded when the device has summed its own gradients, `received` when the gradients of all other
+       devices have arrived. */
+    cudaEvent_t stages[STAGES + 1], gathered, received;
 };
 
 struct step_order {
@@ -54,7 +56,8 @@ struct step_order {
     bool has_report;
 };
 
-struct engine {                    /* pinned, for asynchronous copies to `statuses` */
+struct engine {                    /* The engine is in pinned host memory, so that devices can copy to `statuses`
+                                      asynchronously. */
     fxs_fit_model *model;
     fxs_run_fn *run;               /* null: single-threaded */
     void *pool;
@@ -193,7 +196,7 @@ void copy_part(void *argument, uint32_t job)
     memcpy(c->to + first, c->from + first, left < COPIED ? left : COPIED);
 }
 
-/* Copies with all threads, as a single thread would be slower than the rest of a step. */
+/* Copies bytes with all threads of the pool, because a single thread would take longer than the rest of a step. */
 void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
 {
     copying c = {(uint8_t *)to, from, bytes};
@@ -203,7 +206,8 @@ void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
         memcpy(to, from, bytes);
 }
 
-/* Starts a photograph's transfer. The caller's memory is not pinned, because its pages may hold other data. */
+/* Starts the transfer of a photograph to a device, through pinned memory. The caller's memory is not pinned in place,
+   because its pages may hold other data. */
 int send_photograph(const engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
@@ -386,7 +390,8 @@ fxs_fit_adam adam_of(const engine *e, const step_order *s)
     return adam;
 }
 
-/* Waits until other devices have copied the gradient sums, which the update overwrites. */
+/* Makes a device's stream wait until the other devices have copied its gradient sums, because the update overwrites
+   them. */
 void wait_for_receivers(const engine *e, const device *d)
 {
     for (uint32_t i = 0; i < e->device_count; i++)
@@ -504,7 +509,8 @@ int wait(engine *e, fxs_message *why)
     return 0;
 }
 
-/* Grows tile lists if the longest so far fill more than 8/9 of the memory. Discards their contents. */
+/* Grows the memory of the tiles' splat lists if the longest lists until now fill more than 8/9 of it. Discards the
+   lists' contents. */
 int widen_lists(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -532,7 +538,8 @@ int take_statuses(engine *e, bool *is_full, fxs_message *why)
     return error;
 }
 
-/* Completes the pending steps. Repeats steps from the first overflow on, with more memory. */
+/* Completes the steps already started. If tile lists overflowed in a step, repeats this and all later steps with more
+   memory. */
 int finish(engine *e, fxs_message *why)
 {
     uint32_t first = 0;
@@ -589,7 +596,7 @@ int step(void *self, const fxs_fit_photograph *photographs, uint32_t count, cons
     return error;
 }
 
-/* Completes the pending steps, then changes the model alike on all devices. */
+/* Completes the steps already started, then makes the same change to the Gaussians on all devices. */
 template <class Change>
 int change_model(engine *e, fxs_message *why, Change change)
 {

@@ -10,10 +10,11 @@ namespace {
 #include "src/fit/stages/loss.h"
 #undef static
 
-/* A block of threads computes SQUARE x SQUARE pixels, with a margin of REACH pixels for SSIM's windows. A thread
-   computes RUN adjacent outputs, so that each input is loaded once. */
+/* A block of threads computes the loss of SQUARE x SQUARE pixels. It also loads a margin of REACH pixels for the
+   windows of SSIM. Each thread computes RUN adjacent results, so that each input is loaded once. */
 const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
-const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* odd pitches avoid bank conflicts */
+const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* odd row lengths of the arrays in shared memory avoid bank
+                                                               conflicts */
 const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
 
 typedef float patch[PATCH][PITCH];
@@ -30,7 +31,7 @@ __device__ inline loss_place place_of_run()
             (int)blockIdx.y * SQUARE};
 }
 
-/* Photograph in device memory: RGB bytes; a mask byte per pixel, or null. */
+/* A photograph in device memory: RGB bytes, and a mask with a byte per pixel or null. */
 struct loss_photograph {
     const uint8_t *pixels, *mask;
 };
@@ -46,13 +47,13 @@ __device__ inline bool counts(const loss_photograph &photograph, size_t at)
     return !HAS_MASK || photograph.mask[at];
 }
 
-/* If exposures are fitted, values saturate at white, as in a photograph. */
+/* Returns a pixel's value for the loss. If exposures are fitted, values saturate at white, as in a photograph. */
 __device__ inline float recorded_of(const step_buffers &b, float a, float level)
 {
     return b.factors ? recorded(a, level) : a;
 }
 
-/* Calls visit(row, column, index, is_inside) for each pixel of the square and its margin. */
+/* Calls visit(row, column, index, is_inside) for each pixel of a thread block's square and its margin. */
 template <class Visit>
 __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
 {
@@ -63,7 +64,7 @@ __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p,
     }
 }
 
-/* Sums RUN windows of SSIM with consecutive starts. */
+/* Computes weighted sums over RUN windows of SSIM, with consecutive starts. */
 template <class Number>
 __device__ inline void window_sums(Number number, float out[RUN])
 {
@@ -186,7 +187,7 @@ find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_came
     }
 }
 
-/* Sums a row with half a warp: 16 partial sums of every 16th number, then a binary tree. */
+/* Sums a row of numbers with half a warp: 16 partial sums, each of every 16th number, are added as a binary tree. */
 template <class Number>
 __device__ inline float row_sum(int32_t width, Number number)
 {

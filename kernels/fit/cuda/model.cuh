@@ -1,5 +1,5 @@
-/* The Gaussians on a device: memory, densification, relocation, and order along a curve. Results equal the CPU's bit by
- * bit. If memory is short, a change leaves the Gaussians as before. */
+/* The Gaussians in device memory: allocation, densification, relocation, and sorting along a Morton curve. Results
+ * equal the CPU's bit by bit. If memory is short, a change leaves the Gaussians as before. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -97,7 +97,8 @@ cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride,
     return cudaSuccess;
 }
 
-/* Moves parameter arrays back to the smaller stride `old`, in pieces that do not overlap their destination. */
+/* Undoes an enlargement of parameter arrays that share one allocation: moves each array back to the smaller stride
+   `old`. Copies in pieces that do not overlap their destination. */
 void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     for (uint64_t k = 1; k < count; k++)
@@ -108,7 +109,7 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* Reallocates one set of parameter arrays after another, so that at most one set is allocated twice. */
+/* Enlarges the memory of one set of parameter arrays after another, so that at most one set exists twice at a time. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -131,7 +132,8 @@ uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussia
     return m->stride && wide < UINT32_MAX && (!taken->most || needed <= taken->most) ? wide : least;
 }
 
-/* Makes room for `gaussians` Gaussians. The model must not be quantised. Waits for the stream. */
+/* Makes room for `gaussians` Gaussians in device memory, and waits for the stream. The Gaussians must not be
+   quantised. */
 int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream_t stream, fxs_message *why)
 {
     if (gaussians <= m->stride)
@@ -208,7 +210,7 @@ int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cuda
 {
     if (!from->masters || from->count > m->stride)
         free_masters(m, taken);
-    m->count = 0;                  /* makes model_reserve drop the old contents */
+    m->count = 0;                  /* With count 0, model_reserve drops the old contents. */
     int error = model_reserve(m, taken, from->count, stream, why);
     if (!error && from->masters)
         error = reserve_masters(m, taken, why);
@@ -262,7 +264,7 @@ cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t 
                                            (const uint32_t *)values[0], values[1], (int)count, 0, 32, stream);
 }
 
-/* Inclusive prefix sums in place; *last: the total. Waits for the stream. */
+/* Replaces `numbers` by their inclusive prefix sums, and sets *last to the total. Waits for the stream. */
 int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint64_t *last, cudaStream_t stream,
            fxs_message *why)
 {
@@ -272,7 +274,8 @@ int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint6
     return check(why, error, cudaStreamSynchronize(stream));
 }
 
-/* to[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is the plane k. */
+/* Gathers planes (one float per Gaussian): to[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is the plane
+   k. */
 __global__ void gather_planes(const float *from, size_t stride, float *to, const uint32_t *sources, uint32_t count,
                               uint32_t kept)
 {
@@ -296,7 +299,8 @@ cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources
     return error;
 }
 
-/* Replaces the Gaussians by copies of sources[0..count). Only the first `kept` keep Adam's moments. */
+/* Replaces the Gaussians by copies of the Gaussians sources[0..count). Only the first `kept` copies keep the moments of
+   Adam. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
@@ -309,7 +313,7 @@ cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, ui
     return error ? error : cudaMemsetAsync(m->views, 0, count * sizeof(float), stream);
 }
 
-/* staying: Gaussians not removed; grown: Gaussians to be cloned or split */
+/* `staying` counts the Gaussians that are not removed, `grown` those to be cloned or split. */
 struct fate_counts {
     uint32_t staying, grown;
 };
@@ -346,7 +350,8 @@ __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *in
 
 enum { IS_CLONE, IS_FIRST_CHILD, IS_SECOND_CHILD };
 
-/* Upper 32 bits: 1 if the Gaussian stays. Lower 32 bits: number of new Gaussians made from it. */
+/* Sets a number for each Gaussian. Its upper 32 bits are 1 if the Gaussian stays; its lower 32 bits are the number of
+   new Gaussians made from it. */
 __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbers)
 {
     const uint32_t i = gaussian_of_thread();
@@ -411,8 +416,8 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Lets only the `room` Gaussians with the largest gradients be cloned or split. Of equal gradients, the lower index
-   wins. */
+/* Lets only as many Gaussians be cloned or split as fit into memory: the `room` Gaussians with the largest gradients.
+   Of equal gradients, the lower index wins. */
 int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint32_t grown, uint32_t room,
           cudaStream_t stream, fxs_message *why)
 {
@@ -498,9 +503,10 @@ int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs
 }
 
 struct relocate_memory {
-    uint64_t *sums, *dead;         /* prefix sums of the chances of being drawn, and of the number of dead (faint)
-                                      Gaussians */
-    uint32_t *times, *sources;     /* times: draws of each Gaussian, or DEAD; sources: the Gaussian of each draw */
+    uint64_t *sums, *dead;         /* `sums` holds prefix sums of the Gaussians' chances of being drawn; `dead` holds
+                                      prefix sums that count the dead (faint) Gaussians. */
+    uint32_t *times, *sources;     /* `times` holds how often each Gaussian is drawn, or DEAD; `sources` holds the
+                                      Gaussian of each draw. */
     void *scratch;
     size_t scratch_bytes;
 };
@@ -554,7 +560,7 @@ __global__ void share_places(fxs_fit_model m, const uint32_t *times)
     forget(&m, i);
 }
 
-/* Replaces each dead (faint) Gaussian by a copy of the Gaussian drawn for it. */
+/* Replaces each dead (faint) Gaussian by a copy of the Gaussian that was drawn at random for it. */
 __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_t *times, const uint32_t *sources)
 {
     const uint32_t i = gaussian_of_thread();

@@ -90,7 +90,8 @@ __global__ void __launch_bounds__(POSE_THREADS)
         out[k] = gain_sum(parts[k], values);
 }
 
-/* parts: room for FXS_FIT_POSE floats per FXS_FIT_PART Gaussians. */
+/* Computes the loss gradient by a camera's pose. `parts` is scratch memory: FXS_FIT_POSE floats for every FXS_FIT_PART
+   Gaussians. */
 cudaError_t launch_by_pose(const step_buffers *b, const device_model *m, const float *planes,
                            const fxs_fit_camera *given, const posed_camera *posed, int degree, float *parts,
                            float out[FXS_FIT_POSE], cudaStream_t stream)

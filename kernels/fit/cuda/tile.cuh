@@ -1,5 +1,5 @@
-/* Blends the splats of each tile, and converts gradients of pixels to gradients of splats (backward). A block of
- * threads per tile of 16x16 pixels, half a warp per block of 4x4 pixels, a thread per pixel. */
+/* Blends the splats of each tile, and converts gradients of pixels to gradients of splats (the backward pass). A block
+ * of threads processes a tile of 16x16 pixels. Half a warp processes a block of 4x4 pixels, a thread one pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
@@ -7,24 +7,27 @@
 
 namespace {
 
-const uint32_t HALF = WARP / 2;    /* half a warp: the 16 pixels of a 4x4 block */
+const uint32_t HALF = WARP / 2;    /* threads in half a warp, for the 16 pixels of a 4x4 block */
 const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;
 const uint32_t GROUP = HALF / 2;
-const uint32_t BACKWARD_PAIRS = 448;   /* capacity in pairs of splat and 4x4 block; enough for 28 splats */
+const uint32_t BACKWARD_PAIRS = 448;   /* capacity in pairs of a splat and a 4x4-pixel block; enough for at least 28
+                                          splats */
 
 template <uint32_t Splats>
 struct tile_splats {
-    float4 shape[Splats];          /* ux, uy, vy and offset of each splat */
-    float4 colour[Splats];         /* limit and colour of each splat */
-    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* normalised coordinates u and v of each splat at
-                                                                       the first pixel of each 4x4 block */
-    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* bit set of the splats that may touch each 4x4 block */
+    float4 shape[Splats];          /* ux, uy and vy of each splat (which map pixels to u and v), and its offset (-log2
+                                      of its highest alpha) */
+    float4 colour[Splats];         /* each splat's cut-off level, then its red, green and blue */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* normalised coordinates u and v (of the splat's
+                                                                       ellipse) at the first pixel of each 4x4 block */
+    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* for each 4x4-pixel block, a bit set of the splats that may
+                                                         touch it */
 };
 
 struct tile_place {
     uint32_t block, lane;
     float along, down;
-    int32_t left, top;             /* first pixel of the tile */
+    int32_t left, top;             /* coordinates of the tile's first pixel */
     int32_t x, y;
     bool is_inside;
 };
@@ -81,7 +84,8 @@ __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fx
     return s.radius2 < 0 ? (1u << FXS_FIT_BLOCKS) - 1 : blocks;
 }
 
-/* Transposes bit sets of 4x4 blocks per splat to bit sets of splats per block. Called by whole warps. */
+/* Turns each splat's bit set of touched 4x4-pixel blocks into each block's bit set of touching splats. All threads of a
+   warp must call it. */
 template <uint32_t Splats>
 __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
 {
@@ -96,7 +100,8 @@ __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
         to->words[lane][threadIdx.x / WARP] = own;
 }
 
-/* Calls put(index, splat) for each splat that may touch the half-warp's 4x4 block. */
+/* Calls put(index, splat) for each splat that may touch the 4x4-pixel block of this half of the warp. Returns their
+   number. */
 template <uint32_t Splats, class Put>
 __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile_place &p, Put put)
 {
@@ -119,7 +124,7 @@ __device__ inline uint32_t most_of_halves(uint32_t count)
     return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
 }
 
-/* Makes entries beyond a list's end valid indices. */
+/* Fills the splat lists with index 0, so that entries beyond a list's end are valid indices too. */
 template <uint32_t Splats>
 __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
 {
@@ -127,7 +132,8 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* Computes level = u^2 + v^2 + offset of a splat at the thread's pixel, with normalised coordinates u and v. */
+/* Computes a splat's level at the thread's pixel, where alpha is 2^-level: u^2 + v^2 + offset, with normalised
+   coordinates u and v. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {
@@ -139,7 +145,7 @@ __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, c
 
 struct blend_shared : tile_splats<BLEND_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
-    uint32_t taken[BLEND_SPLATS];  /* bit set of the 4x4 blocks that each splat changes */
+    uint32_t taken[BLEND_SPLATS];  /* for each splat, a bit set of the 4x4-pixel blocks that it changes */
     uint32_t needed;
 };
 
@@ -162,7 +168,8 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     return takes;
 }
 
-/* Records which of 32 splats changed the 4x4 block. taken: bit i is set if splat i changed the thread's pixel. */
+/* Records which of 32 splats changed the 4x4-pixel block. Bit i of `taken` is set if splat i changed the thread's
+   pixel. */
 __device__ inline void note_taken(blend_shared *s, const uint8_t *list, const tile_place &p, uint32_t taken)
 {
     for (uint32_t apart = HALF / 2; apart; apart /= 2)
@@ -253,11 +260,12 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* bit set of the 4x4 blocks and first pair of each
-                                                                        splat */
+    /* `blocks` is the bit set of the 4x4-pixel blocks that each splat changes. `pairs` numbers the first pair of each
+       splat and such a block. */
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
     float4 gradient[FXS_FIT_PIXELS];
-    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* + 2 avoids bank conflicts */
+    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* The row length HALF + 2 avoids bank conflicts. */
     float sums[BACKWARD_PAIRS][FXS_FIT_SUMS];
 };
 
@@ -266,7 +274,7 @@ struct backward_pixel {
     float red, green, blue;
 };
 
-/* Returns h = -alpha dL/dalpha and the weight of a splat at the thread's pixel. */
+/* Returns two numbers of a splat at the thread's pixel: h = -alpha dL/dalpha, with loss L, and the blending weight. */
 __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     backward_pixel *pixel)
 {
@@ -279,11 +287,11 @@ __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, co
     return make_float2(h, weight);
 }
 
-/* One of two lanes that share the 16 pixels of a 4x4 block for a splat. */
+/* Two threads share the 16 pixels of a 4x4 block, to sum a splat's gradients. This is the state of each thread. */
 struct backward_lane {
     const float2 *staged;
     const float4 *gradient;
-    uint32_t parity;               /* 0: even pixels; 1: odd pixels */
+    uint32_t parity;               /* 0: the thread sums even pixels; 1: odd pixels */
     float along[2], down[4], v[4];
     float corner_u;
 };
@@ -363,8 +371,8 @@ __device__ inline void backward_batch(backward_shared *s, const tile_place &p, b
     }
 }
 
-/* Numbers the pairs of splat and 4x4 block, as far as they fit. s->splats: number of splats that fit. All threads must
-   call. */
+/* Numbers the pairs of a splat and a 4x4-pixel block that it changes, as far as they fit into shared memory. s->splats:
+   number of splats that fit. All threads of the block must call. */
 __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
 {
     const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);
@@ -446,7 +454,7 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
         add_blocks(s, here, b.sums);
         __syncthreads();
     }
-    /* zeroes the sums of list entries without any effect */
+    /* Zeroes the gradient sums of splats behind the last one that changes a pixel of the tile. */
     for (uint32_t i = needed * FXS_FIT_SUMS + threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS)
         b.sums[(size_t)b.slots[start + i / FXS_FIT_SUMS] * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0;
 }

@@ -1,4 +1,4 @@
-/* Update of the Gaussians: sums each Gaussian's gradients over its tiles, converts them to gradients of its parameters,
+/* Updates the Gaussians: sums each Gaussian's gradients over its tiles, converts them to gradients of its parameters,
  * and takes a step of Adam. */
 #ifndef FXS_CUDA_FIT_UPDATE_CUH
 #define FXS_CUDA_FIT_UPDATE_CUH
@@ -19,7 +19,7 @@ const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
 const uint32_t GATHER_WARPS = GATHER_THREADS / WARP;
 const uint32_t TILES_AT_ONCE = 64;
 
-/* Missing tiles add 0, which changes no sum that starts at 0. */
+/* Sums a gradient over at most FEW_TILES tiles. Tiles that are missing add 0, which does not change the result. */
 __device__ inline float sum_few(const float *sums, uint32_t tiles)
 {
     float numbers[FEW_TILES], total = 0;
@@ -32,7 +32,8 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* Each of the first FXS_FIT_SUMS threads returns a sum. */
+/* Sums FXS_FIT_SUMS gradients over many tiles with several threads. Each of the first FXS_FIT_SUMS threads returns the
+   sum for one gradient. */
 template <uint32_t Threads, uint32_t Tiles, class Sync>
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
@@ -96,14 +97,16 @@ __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b,
         planes[(size_t)row * m.stride + gaussian] = shared.totals[row][column];
 }
 
-/* Writes planes of m->stride floats: FXS_FIT_SUMS gradient sums, then 1 for visible Gaussians, else 0. */
+/* Sums each Gaussian's gradients over its tiles. Writes planes of m->stride floats: FXS_FIT_SUMS gradient sums, then 1
+   for visible Gaussians, else 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
     return launch_early(gather_view, LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream, *b,
                         *m, planes);
 }
 
-/* A Gaussian's gradient from one view. The gradient by the SH is the SH basis times g, the gradient by the colour. */
+/* The gradient by a Gaussian's parameters from one view. The gradient by the SH coefficients is the SH basis times g,
+   the gradient by the colour. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
@@ -117,7 +120,7 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* A gradient that is not finite or too large counts as 0. */
+/* Computes a Gaussian's gradient from one view. A gradient that is not finite or too large counts as 0. */
 template <int Degree>
 __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
                                           const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
@@ -162,7 +165,8 @@ __device__ inline float *number_at(float *planes, const device_model &m, int pla
     return planes + (size_t)plane * m.stride + i;
 }
 
-/* Streaming stores keep Adam's moments out of the cache, as nothing reads them soon. */
+/* Makes a step of Adam for one parameter of a Gaussian. Streaming stores keep the moments out of the cache, as nothing
+   reads them soon. */
 __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, real number, real mean, real square,
                                 const device_model &m, float *to, uint32_t i)
 {
@@ -172,7 +176,8 @@ __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, 
     *number_at(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
 }
 
-/* All loads precede the first store, so that many are in flight. */
+/* Makes a step of Adam for `Count` parameters of a Gaussian. All loads precede the first store, so that many loads are
+   in flight. */
 template <int Count, class Gradient>
 __device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
                                  Gradient gradient_of)
@@ -189,7 +194,8 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         move_one(adam, first + k, gradient_of(first + k), number[k], mean[k], square[k], m, to, i);
 }
 
-/* After the gradient sums are read, the colour gradient and the view direction overwrite them. */
+/* Arrays of one float per Gaussian that hold the colour gradient and the view direction. These overwrite gradient sums
+   already read. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
@@ -201,7 +207,8 @@ struct batch_views {
 
 const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;
 
-/* Parameters and moments of a block's Gaussians are in shared memory, as they exceed a thread's registers. */
+/* Parameters and Adam's moments of a thread block's Gaussians. They are in shared memory, as they exceed the registers
+   of a thread. */
 template <int Degree>
 struct shape_rows {
     float parameters[FXS_FIT_SH + 3 * SH_COUNT(Degree)][SHAPE_THREADS];
@@ -263,7 +270,7 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
     }
 }
 
-/* Updates all parameters except SH above degree 0. */
+/* Updates all parameters of the Gaussians except spherical harmonics above degree 0. */
 template <int Degree, bool IsPosed>
 __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
@@ -340,7 +347,8 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
         update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
-/* grid.chunks is in device memory. */
+/* Quantises all parameters of the Gaussians except spherical harmonics above degree 0. The array grid.chunks is in
+   device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -389,8 +397,8 @@ cudaError_t launch_quantise_sh(const device_model *m, const fxs_fit_grid *grid, 
     return cudaGetLastError();
 }
 
-/* Updates the model from the gradient sums of `count` views, in order. posed, grid: may be null. The second stream
-   updates SH above degree 0. */
+/* Updates the Gaussians from the gradient sums of `count` views, in the order of the views. `posed` and `grid` may be
+   null. A second stream updates SH above degree 0. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
                           const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
                           const fxs_fit_adam *adam, const fxs_fit_grid *grid, cudaStream_t stream,
@@ -432,7 +440,7 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
     return cudaGetLastError();
 }
 
-/* cameras.of is in device memory. */
+/* Raises scales of Gaussians to their lower limit. The array cameras.of is in device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART)
     smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras, int divisor)
 {

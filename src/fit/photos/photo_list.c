@@ -1,5 +1,6 @@
-/* Finds a set's camera file, images, masks and points, reads the cameras, and holds out photographs for testing. Image
- * names in camera files often differ from the files; settle_name tries other slashes, cases and endings. */
+/* Finds the camera file, images, masks and points of a set of photographs. Reads the cameras, and holds out photographs
+ * for testing. Image names in camera files often differ from the names of the files; settle_name tries other slashes,
+ * cases and endings. */
 #include "photo_list.h"
 
 #include <ctype.h>
@@ -75,7 +76,7 @@ static int colmap_name(const char *name)
     return 0;
 }
 
-/* Looks for the folder `images` beside the COLMAP model and in the two folders above. */
+/* Looks for the image folder, named `images`: first in the COLMAP model's folder, then in the two folders above. */
 static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
 {
     char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
@@ -99,7 +100,8 @@ static void find_points(fxs_photo_list *list, const char *const *names, size_t c
     *list->points = 0;
 }
 
-/* Any file of a COLMAP model may be named; its images file becomes the camera file. */
+/* Finds the files of a COLMAP model after the user named any file of it. The model's images file becomes the camera
+   file. */
 static int find_colmap(fxs_photo_list *list, fxs_message *message)
 {
     static const char *const binary[] = {"points3D.bin"}, *const plain[] = {"points3D.txt"};
@@ -154,10 +156,10 @@ static int compare_images(const void *a, const void *b)
     return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
 }
 
-#define FAR 65536.0                 /* scene units; floats are 1/128 apart there */
+#define FAR 65536.0                 /* limit of coordinates in scene units, where floats are 1/128 apart */
 #define FAR_OF_EXTENT 16
 
-/* Cameras in geographic coordinates are too far from the origin for single precision. */
+/* Checks that the cameras are not too far from the origin for single precision, as in geographic coordinates. */
 static int check_place(const fxs_view_list *views)
 {
     double far = 0, extent = 0;
@@ -188,8 +190,8 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return check_place(views);
 }
 
-/* n = 0 holds out no view. Otherwise views that the file marks for testing are held out or, without marks, every n-th
-   view. */
+/* Chooses the photographs that are held out for testing; n = 0 holds out none. Otherwise these are the views that the
+   camera file marks for testing or, without marks, every n-th view. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;
@@ -218,8 +220,8 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
                                list->cameras, count);
 }
 
-/* Looks for an image, also with common endings. An absolute path often comes from another machine, so its last part is
-   also tried. */
+/* Looks for an image file under its name and with common endings. An absolute path often comes from another machine, so
+   its last part is tried too. */
 static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
 {
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
@@ -250,7 +252,8 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Tries other spellings of an image's name: / for \, the ending in the other case, and Windows paths without drive. */
+/* Corrects the name of a view's image if no such file exists: tries / for \, the ending in the other case, and Windows
+   paths without drive. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
     char path[FXS_PHOTO_PATH], own[8] = "";
@@ -282,7 +285,8 @@ static void settle_names(const fxs_photo_list *list, fxs_view_list *views)
         qsort(views->views, views->count, sizeof *views->views, compare_images);
 }
 
-/* The folder `masks` is next to the folder `images`, or else in the images' folder. */
+/* Looks for a folder of masks, named `masks`: next to the image folder if that is named `images`, else in the image
+   folder. */
 static void find_masks(fxs_photo_list *list)
 {
     char folder[FXS_PHOTO_PATH];
@@ -345,7 +349,8 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
         return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
     if (!find_image(list, view->image, path))
-        join(path, list->images, view->image);   /* opening this path gives the error message */
+        join(path, list->images, view->image);   /* The file does not exist; opening this path later gives the error
+                                                    message. */
     return 0;
 }
 

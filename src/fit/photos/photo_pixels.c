@@ -1,5 +1,5 @@
-/* Prepares a photograph row by row: composes it over the background, resamples it bilinearly to undo lens distortion,
- * and adds it to weighted sums for the smaller picture (box filter). Colours are integers. */
+/* Prepares a photograph for a fit, row by row. Composes it over the background, resamples it bilinearly to undo lens
+ * distortion, and adds it to weighted sums for the smaller picture (box filter). Colours are integers. */
 #include "photo_pixels.h"
 
 #include <math.h>
@@ -10,14 +10,14 @@
 #include "src/base/try_internal.h"
 #include "src/image/photograph.h"
 
-/* Intermediate colours are 0 to 255 * 255. */
-#define POSITION_BITS 8            /* fractional bits of a position between two pixels */
+/* Colours between the steps of preparing a photograph are 0 to 255 * 255. */
+#define POSITION_BITS 8            /* number of fractional bits of a position between two pixels */
 
 typedef struct picture {
     const uint8_t *rgba;
     int width, height;
     const uint8_t *background;
-    const uint8_t *counts;         /* a byte per pixel, 0: ignored; null: all count */
+    const uint8_t *counts;         /* mask of the picture: a byte per pixel, 0: ignored; null: all pixels count */
 } picture;
 
 static int same_proportion(const fxs_view *view, int width, int height)
@@ -57,7 +57,7 @@ static int is_turned(const fxs_listed_view *listed, int width, int height, int o
            same_proportion(&listed->view, height, width);
 }
 
-/* Rotates a photograph upright, for EXIF orientations 5 to 8. Returns null if memory runs out. */
+/* Turns a photograph upright, for EXIF orientations 5 to 8. Returns null if memory runs out. */
 static uint8_t *turned(const uint8_t *rgba, int width, int height, int orientation)
 {
     uint8_t *out = malloc(4 * (size_t)width * (size_t)height), *to = out;
@@ -100,7 +100,8 @@ static void plain_row(const picture *p, int y, uint16_t *row)
             row[c] = (uint16_t)on_background(p, rgba, c);
 }
 
-/* Returns the first of the two pixels around a coordinate; *part: distance from its centre in 1/256 pixels. */
+/* Returns the first of the two pixels around a coordinate, for interpolation. *part is the distance from this pixel's
+   centre, in 1/256 pixels. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);
@@ -110,7 +111,8 @@ static int between(double at, int size, uint32_t *part)
     return fixed >> POSITION_BITS;
 }
 
-/* Interpolates bilinearly. Returns true if all contributing pixels count. */
+/* Interpolates a colour bilinearly between pixels of a photograph. Returns true if the mask allows all of these
+   pixels. */
 static int sample(const picture *p, const double at[2], uint16_t out[3])
 {
     uint32_t part[2];
@@ -144,8 +146,8 @@ static void bent_row(const picture *p, const fxs_lens *lens, const fxs_view *pho
     }
 }
 
-/* Sums a row's pixels for each column of the smaller picture, weighted by overlap. A complete pixel has weight
-   `width`. */
+/* Sums the pixels of a photograph's row for each column of the smaller picture, weighted by overlap. A pixel wholly in
+   one column has weight `width`. */
 static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums)
 {
     memset(sums, 0, 3 * (size_t)width * sizeof *sums);
@@ -172,7 +174,7 @@ static void add_row(uint64_t *sums, const uint64_t *columns, size_t values, int 
         sums[i] += columns[i] * (uint64_t)covered;
 }
 
-/* Divides sums by the area, rounding half up. */
+/* Finishes a row of the smaller picture: divides sums of colours by the area, rounding half up. */
 static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *out)
 {
     const uint64_t whole = area * 255;
@@ -214,7 +216,8 @@ static void work_free(work *w)
     free(w->sums);
 }
 
-/* pinhole null: no distortion. mask null: all pixels count; else it is 1 everywhere on entry. */
+/* Averages a photograph down to width * height pixels, and undoes lens distortion unless `pinhole` is null. If `mask`
+   is null, all pixels count; else the mask must be 1 everywhere on entry. */
 static void average(const picture *p, const fxs_lens *lens, const fxs_view *photograph,
                     const fxs_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
 {

@@ -1,4 +1,4 @@
-/* Readers of initial points: COLMAP (binary and text), Bundler, .ply; and random points. */
+/* Reads the initial points of a fit from COLMAP (binary and text), Bundler or .ply files, or makes random points. */
 #include "photo_points.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #include "src/fit/random.h"
 
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
-#define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */
+#define FARTHEST 134217728.0       /* limit of coordinates: 2^27 scene units, as in the renderer */
 #define RANDOM_POINTS 100000
 #define RANDOM_STEP UINT64_MAX
 #define GREY 128
@@ -48,8 +48,8 @@ static int read_binary(fxs_photo_points *p, const fxs_text *text, fxs_message *m
         fxs_colmap_take_doubles(&in, position, 3);
         for (int i = 0; i < 3; i++)
             colour[i] = (double)fxs_colmap_take(&in, 1);
-        fxs_colmap_take(&in, 8);   /* skips the reprojection error */
-        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* skips the images that see the point */
+        fxs_colmap_take(&in, 8);   /* skips the point's reprojection error */
+        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* skips the list of images that see the point */
         if (!in.short_of)
             FXS_TRY(add_point(p, text->path, position, colour, message));
     }
@@ -60,7 +60,7 @@ static int read_plain(fxs_photo_points *p, const fxs_text *text, fxs_message *me
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[7];          /* id, position, colour of a point */
+        double values[7];          /* id, position and colour of a point */
         if (!fxs_colmap_numbers(&line, values, 7))
             return fxs_fail(message, "%s: point %zu: not a number, a position and a colour", text->path, p->count);
         FXS_TRY(add_point(p, text->path, values + 1, values + 4, message));
@@ -81,7 +81,7 @@ int fxs_photo_points_colmap(fxs_photo_points *p, const char *path, fxs_message *
 
 enum { LINES_OF_CAMERA = 5 };
 
-/* A point has three lines: position, colour, and the views that see it. */
+/* Reads the points of a Bundler file. A point has three lines: position, colour, and the views that see it. */
 static int read_bundler(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
 {
     char *rest = fxs_text_begin(text), *line = fxs_colmap_entry(&rest);
@@ -117,7 +117,8 @@ typedef struct ply {
     fxs_ply_header header;
 } ply;
 
-/* *full: value of full brightness of colours; 0: no colour. */
+/* Finds the columns of positions and colours in a .ply file. *full: value of full brightness of colours; 0: the file
+   has no colours. */
 static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], double *full, fxs_message *message)
 {
     static const char *const names[3] = {"x", "y", "z"};
@@ -147,7 +148,7 @@ static int read_vertex(ply *p, const fxs_ply_element *vertex, const int columns[
     return fxs_ply_end_row(&p->bytes, encoding);
 }
 
-/* points null: only finds the brightest colour. */
+/* Reads the points of a .ply file. With null `points`, only finds the brightest colour. */
 static int read_vertices(fxs_photo_points *points, ply *p, const fxs_ply_element *vertex, const int columns[6],
                          double full, double *brightest, fxs_message *message)
 {
@@ -167,7 +168,8 @@ static int read_vertices(fxs_photo_points *points, ply *p, const fxs_ply_element
     return points ? 0 : fxs_bytes_seek(&p->bytes, start);
 }
 
-/* Float colours are 0 to 1, in some files 0 to 255. */
+/* Reads the points of a .ply file. Its float colours are 0 to 1, in some files 0 to 255; the brightest colour
+   decides. */
 static int read_ply(fxs_photo_points *points, ply *p, fxs_message *message)
 {
     int columns[6];

@@ -1,20 +1,21 @@
-/* Initial points of a fit: from COLMAP, Bundler or a .ply, or random. */
+/* Initial points of a fit: read from COLMAP, Bundler or .ply files, or random. */
 #ifndef FXS_FIT_PHOTO_POINTS_H
 #define FXS_FIT_PHOTO_POINTS_H
 
 #include <fixsplat/fit.h>
 
 typedef struct fxs_photo_points {
-    fxs_fit_point *points;         /* freed by the caller */
+    fxs_fit_point *points;         /* the points; freed by the caller */
     size_t count, capacity;
 } fxs_photo_points;
 
-/* Return 0, or an error and a message. Coordinates that are not finite or beyond 2^27 units are errors. */
+/* Read points from files of COLMAP, Bundler or .ply. Return 0, or an error and a message. Coordinates that are not
+   finite or beyond 2^27 scene units are errors. */
 int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_bundler(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);
 
-/* Makes 100,000 random grey points in the cube with this middle and half side. */
+/* Makes 100,000 random grey points in the cube with the centre `middle` and half the side `half`. */
 int fxs_photo_points_random(fxs_photo_points *points, const double middle[3], double half, uint64_t seed,
                             fxs_message *message);
 

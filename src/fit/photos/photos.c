@@ -1,5 +1,5 @@
-/* Reads a set of photographs (photos.h): pixels in batches on the thread pool, then the points. Sets without points
- * start with random ones in a cube around the cameras. */
+/* Reads a set of photographs (photos.h): first the pixels, in batches on the thread pool, then the initial points. Sets
+ * without points start with random ones in a cube around the cameras. */
 #include <fixsplat/fit.h>
 
 #include <math.h>
@@ -19,9 +19,10 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* random points of synthetic scenes: half side of their cube (Kerbl et al. 2023) */
-#define OF_CAMERAS 3               /* random points of other scenes: side of their cube / side of the cameras' bounding
-                                      box */
+#define BLENDER_HALF 1.3           /* half the side of the cube of random points in synthetic scenes (Kerbl et al.
+                                      2023) */
+#define OF_CAMERAS 3               /* side of the cube of random points in other scenes, relative to the side of the
+                                      cameras' bounding box */
 
 typedef struct result {
     fxs_photo_pixels photo;

@@ -1,12 +1,10 @@
 /* Refines the levels of detail of a packed scene. The leaves of its tree are chunks of 256 Gaussians; a node is one
- * merged chunk for two children. Leaves have level 0, a node one more than its higher child. The cover of level L is
- * the coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each cover are
- * fitted to pictures of the leaves.
- *
- * The error of a node in a view is measured in the picture of the cover of its level: the squared difference from
- * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
- * a node is the node's error minus its children's errors, times (distance / focal length)^2 as in src/core/cut.c,
- * averaged over the views that see the node. */
+ * merged chunk that stands for two children. Leaves have level 0, a node one more than its higher child. The cover of
+ * level L is the coarsest set of chunks up to level L that stands for all leaves. From the leaves up, the nodes of each
+ * cover are fitted to pictures of the leaves. The error of a node in a view is measured in the picture of the cover of
+ * its level: the squared difference from the picture of the leaves, distributed at each pixel by the blending weights
+ * of the Gaussians. The gain of replacing a node by its children is the node's error minus its children's errors. It is
+ * multiplied by (distance / focal length)^2 as in src/core/cut.c, and averaged over the views that see the node. */
 #include <fixsplat/fit.h>
 
 #include <math.h>
@@ -30,24 +28,29 @@
 #include "src/fit/random.h"
 #include "refine_views.h"
 
-#define LOGIT_MOST 7.0f                /* larger logits of opacity have practically no gradient */
-#define LARGE 3                        /* covers with more than 1/LARGE of the Gaussians are fitted to large pictures */
-#define LAST 0.1                       /* last learning rate relative to the first */
+#define LOGIT_MOST 7.0f                /* logits of opacity are clamped to this; larger ones have practically no
+                                          gradient */
+#define LARGE 3                        /* covers (sets of chunks of one level of detail) with more than 1/LARGE of the
+                                          Gaussians are fitted to large pictures */
+#define LAST 0.1                       /* last learning rate, relative to the first */
 
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
-    uint8_t *levels;                   /* level of each chunk: leaves, then nodes */
-    uint32_t *parents;                 /* parent of each chunk; 0: none */
+    uint8_t *levels;                   /* level of detail of each chunk: leaves first, then nodes */
+    uint32_t *parents;                 /* parent node of each chunk; 0: none */
     uint32_t chunks, leaves;
     int highest;
     const fxs_refine_options *options;
     fxs_refine_views views;
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
-    float *errors;                     /* error of each node and view, pixels * colours^2; below 0: not visible */
-    fxs_fit_model model;               /* Gaussians of the cover (the chosen chunks): its nodes, then its leaves */
-    uint32_t *cover, *starts;          /* chunks of the cover; first Gaussian of each chunk */
+    float *errors;                     /* error of each node of the tree in each view, as squared colour differences
+                                          summed over pixels; below 0: not visible */
+    fxs_fit_model model;               /* Gaussians of the cover (the chunks chosen for a level of detail): nodes first,
+                                          then leaves */
+    uint32_t *cover, *starts;          /* chunks of the cover (those chosen for a level of detail), and the first
+                                          Gaussian of each */
     uint32_t cover_count, cover_nodes;
     uint32_t order[FXS_REFINE_VIEWS];
     fxs_message *message;
@@ -161,7 +164,8 @@ static int read_cover(refiner *r)
     return 0;
 }
 
-/* New nodes of a cover start as the merge of their refined children. */
+/* Merges the refined children of each node of a level again. The results are the Gaussians of the node, before it is
+   refined too. */
 static void merge_again(refiner *r, int level)
 {
     for (uint32_t i = 0; i < r->cover_nodes; i++)
@@ -199,7 +203,8 @@ static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
                                                      : 0.001f);
 }
 
-/* Visits all views in a random order, then in another random order (Fisher and Yates). */
+/* Returns the view of step `number`. Steps visit all views in a random order, then again in another random order
+   (Fisher and Yates). */
 static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t number)
 {
     const uint32_t count = r->views.count, at = number % count;
@@ -264,7 +269,7 @@ static int measure_cover(refiner *r, int level)
     return error;
 }
 
-/* Returns the squared distance from a camera to a chunk's bounding box, plus (size of the box / 8)^2. */
+/* Returns the squared distance from a camera to a chunk's bounding box, plus 1/64 of the box's squared diagonal. */
 static double square_distance(const refiner *r, uint32_t number, const float eye[3])
 {
     fxs_chunk chunk;
@@ -352,7 +357,7 @@ static void find_origin(const fxs_scene *scene, double origin[3])
     fxs_origin_of(origin, places, FXS_ORIGIN_SAMPLE);
 }
 
-/* Moves a scene far from the origin near 0 and refines it there, because steps use floats. */
+/* Refines a scene far from the origin: moves it near 0 and refines it there, because steps use floats. */
 static int refine_far(void *data, size_t bytes, const fxs_refine_options *options, const double origin[3],
                       fxs_message *message)
 {

@@ -1,5 +1,6 @@
-/* Views for refining levels of detail. Without given cameras, views look from a spiral about the up axis, a golden
- * angle apart (Vogel 1979), at several distances. Closer cameras look at points farther from the middle. */
+/* Chooses views of a packed scene for refining its levels of detail. Without given cameras, views look from a spiral
+ * about the up axis, a golden angle apart (Vogel 1979), at several distances. Closer cameras look at points farther
+ * from the scene's middle. */
 #include "refine_views.h"
 
 #include <math.h>
@@ -17,15 +18,16 @@
 #include "src/fit/fit_internal.h"
 #include "src/fit/random.h"
 
-enum { LEAST = 720, MOST = 1920 };     /* longer side of a large picture in pixels */
+enum { LEAST = 720, MOST = 1920 };     /* limits of the longer side of a large picture, in pixels */
 enum { FOV = 50, PARTS = 6 };
 
-#define LOWEST (-0.3)                  /* sines of the elevation angles */
+#define LOWEST (-0.3)                  /* lowest and highest sine of the cameras' elevation angles */
 #define HIGHEST 0.95
-#define TURN_COSINE (-0.7373688780783197)   /* golden angle, 2.39996 radians */
+#define TURN_COSINE (-0.7373688780783197)   /* cosine of the golden angle, 2.39996 radians */
 #define TURN_SINE 0.6754902942615238
 
-#define FEW 1048576.0                  /* up to this many Gaussians, pictures have size LEAST */
+#define FEW 1048576.0                  /* For scenes with up to this number of Gaussians, large pictures have the longer
+                                          side LEAST. */
 static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
 
 static void read_box(const void *data, double low[3], double high[3])
@@ -49,7 +51,8 @@ static double random_between(uint32_t view, uint32_t axis)
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
 }
 
-/* Scenes with more Gaussians need larger pictures to stay sharp. */
+/* Returns the longer side of a scene's pictures in pixels. Scenes with more Gaussians need larger pictures to stay
+   sharp. */
 static int longer_of(const fxs_scene *scene, int size)
 {
     const double longer = LEAST * sqrt(scene->count / FEW);

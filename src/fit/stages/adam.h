@@ -1,4 +1,5 @@
-/* Adam's step (Kingma and Ba 2015) for LANES parameters, and the gradients of the regularisers. */
+/* A step of the Adam optimiser (Kingma and Ba 2015) for LANES parameters at once. Also the gradients of the loss terms
+ * that penalise opacity and scale. */
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H
 
@@ -33,8 +34,9 @@ static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, re
     return least(gradient + adam->by_scale * exp_e(ln_scale) / unit, all(FXS_FIT_FARTHEST_GRADIENT));
 }
 
-/* |dL/dcentre| for densification. `centre`: gradient per pixel of a sum L over pixels and channels. Result: gradient of
-   the mean L per half side of the picture. */
+/* Returns the length of the loss gradient by a Gaussian's centre in the picture, which decides on densification.
+   `centre` is the gradient per pixel of a sum over pixels and channels. The result is the gradient of the mean instead,
+   per half the side of the picture. */
 static inline real centre_gradient(const fxs_fit_camera *camera, const real centre[2])
 {
     const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));

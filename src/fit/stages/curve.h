@@ -1,11 +1,11 @@
-/* The place of a Gaussian's centre on a Morton curve. Compiled for the CPU and for CUDA. */
+/* Computes the place of a Gaussian's centre on a Morton curve. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_CURVE_H
 #define FXS_FIT_CURVE_H
 
 #include "planes.h"
 
-/* Fixed order of a sum over all Gaussians: number i is added to partial sum i % CURVE_SUMS. Then the partial sums are
-   added in order. */
+/* Number of partial sums in a sum over all Gaussians. To fix the order of addition, number i is added to partial sum i
+   % CURVE_SUMS. Then the partial sums are added in order. */
 enum { CURVE_SUMS = 1024 };
 
 typedef struct curve {
@@ -43,13 +43,15 @@ static inline uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x09249249;
 }
 
-/* Morton code of a centre. Coordinates become x / (1 + |x|), so that distant centres share the outer cells. */
+/* Returns the Morton code of a Gaussian's centre. Coordinates x become x / (1 + |x|), so that distant centres share the
+   outer cells. */
 static inline uint32_t code_of(const fxs_fit_model *m, const curve *of, size_t i)
 {
     uint32_t code = 0;
     for (int k = 0; k < 3; k++) {
         const float x = (plane(m, FXS_FIT_POSITION + k)[i] - of->middle[k]) / of->spread, y = x / (1.0f + fabsf(x));
-        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* NaN gives 0 */
+        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* A coordinate that is NaN goes to
+                                                                                      cell 0. */
     }
     return code;
 }

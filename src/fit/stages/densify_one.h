@@ -5,7 +5,7 @@
 #include "distant.h"
 #include "planes.h"
 
-#define SPLIT_SHARE 0.707106781f    /* a child's longest sigma relative to its parent's */
+#define SPLIT_SHARE 0.707106781f    /* a child's largest sigma after a split, relative to the parent's */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {
@@ -13,9 +13,10 @@ static inline float largest_scale(const fxs_fit_model *m, size_t i)
     return exp_e(fmaxf(fmaxf(x, y), z));
 }
 
-/* Turns a Gaussian into one of two children on its longest axis; side: 1 or -1. A sigma s becomes s k, with k = 1 - (1
-   - 1 / sqrt(2)) (s / longest)^2. The centre moves by s sqrt(1 - k^2) along each axis, which keeps the variance. The
-   opacity o becomes 1 - (1 - o)^(1 / sqrt(2)). Formulas: Brush, pull request 479. */
+/* Turns a Gaussian into a child of a split along its longest axis, which gives two children; `side`, 1 or -1, chooses
+   the child. A sigma s becomes s k, with k = 1 - (1 - 1 / sqrt(2)) (s / longest)^2 and the longest sigma. The centre
+   moves by s sqrt(1 - k^2) along each axis, which keeps the variance. The opacity o becomes 1 - (1 - o)^(1 / sqrt(2)).
+   Formulas: Brush, pull request 479. */
 static inline void set_child(fxs_fit_model *m, size_t i, float side)
 {
     float q[4], r[3][3], at[3], length = 0;
@@ -59,7 +60,8 @@ static inline int has_rotation(const fxs_fit_model *m, size_t i)
     return square > 1e-20f;
 }
 
-/* Returns a Gaussian's largest scale; beyond the scene's radius as an angle. */
+/* Returns a Gaussian's largest scale. Beyond the scene's radius the scale is divided by the relative distance, so that
+   it measures an angle. */
 static inline float looked_at_scale(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return largest_scale(m, i) / unit_at(&d->far, m->parameters + i, m->stride);

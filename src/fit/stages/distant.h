@@ -1,11 +1,11 @@
-/* Beyond the scene's radius, sizes are measured as angles. Compiled for the CPU and for CUDA. */
+/* Measures the sizes of Gaussians beyond the scene's radius as angles. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_DISTANT_H
 #define FXS_FIT_DISTANT_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Returns the unit of sizes for LANES Gaussians: 1 within the radius, beyond it |position - middle| / radius. */
+/* Returns the unit of sizes of LANES Gaussians: 1 within the scene's radius, |position - middle| / radius beyond it. */
 static inline real unit_at(const fxs_fit_far *far, const float *at, size_t stride)
 {
     real square = all(0);

@@ -1,6 +1,6 @@
-/* Exposures of photographs. Before comparison with a photograph, a colour I of the picture becomes I M + m, with a 3x3
- * matrix M and a row m. An affine exposure fits these 12 numbers (Inria's code, 2024). Otherwise three numbers e, r, b
- * are fitted: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e + b), and m is 0. */
+/* Exposures of photographs. Before a rendered picture is compared with a photograph, each colour I becomes I M + m,
+ * with a 3x3 matrix M and a row vector m. An affine exposure fits these 12 numbers (Inria's code, 2024). Otherwise
+ * three numbers e, r, b are fitted: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e + b), and m is 0. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
@@ -11,14 +11,15 @@ static inline int gain_numbers(int is_affine)
     return is_affine ? FXS_FIT_GAIN : 3;
 }
 
-/* Returns number k of the neutral exposure, which changes no colour. */
+/* Returns number k of the neutral exposure, which changes no colour of the picture. */
 static inline float gain_neutral(int is_affine, int k)
 {
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;
 }
 
-/* Returns the factor of Adam's step for number k. Off M's diagonal 1/4, so that brighter photographs do not become
-   greyer. For m 1/32, because its gradients in black areas are very large. */
+/* Returns the factor of Adam's step for number k of an exposure, a colour matrix M and an offset m. The factor is 1/4
+   off M's diagonal, so that brighter photographs do not become greyer. It is 1/32 for m, because its gradients in black
+   areas are very large. */
 static inline float gain_unit(int is_affine, int k)
 {
     return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
@@ -36,21 +37,22 @@ static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float f
     factors[8] = exp_2_minus(-(e + b));
 }
 
-/* Returns a channel of the exposed colour I M + m, with colour I, matrix M and offset m. */
+/* Applies an exposure to a colour: returns a channel of I M + m, with colour I, matrix M and offset m. */
 static inline float exposed(const float factors[FXS_FIT_GAIN], const float colour[3], int channel)
 {
     const float *m = factors + channel;
     return ((colour[0] * m[0] + colour[1] * m[3]) + colour[2] * m[6]) + m[9];
 }
 
-/* Returns the gradient by a channel of the colour, from the gradient by the exposed colour. */
+/* Returns the loss gradient by a channel of the rendered colour, from the gradient by the colour with exposure. */
 static inline float gradient_before(const float factors[FXS_FIT_GAIN], const float gradient[3], int channel)
 {
     const float *m = factors + 3 * channel;
     return (gradient[0] * m[0] + gradient[1] * m[1]) + gradient[2] * m[2];
 }
 
-/* Fixed order of a sum: number i is added to part i % GAIN_PARTS. Then the parts are added in order. */
+/* Number of partial sums in a sum over pixels or photographs. To fix the order of addition, number i is added to part i
+   % GAIN_PARTS. Then the parts are added in order. */
 enum { GAIN_PARTS = 64, GAIN_STEP = sizeof(fxs_fit_gain) / sizeof(float) };
 
 static inline double gain_part(const float *numbers, size_t step, size_t count, size_t part)
@@ -82,10 +84,11 @@ static inline int gain_needs(int is_affine, int k)
     return is_affine || (k < 9 && k % 4 == 0);
 }
 
-/* Computes the gradient by an exposure from means over all pixels and channels. With a = I M + m, mean 3 k + c is of
-   dL/da_c a_k, and mean 9 + c is of dL/da_c. Affine: the gradient by W and w, where a step maps a to a + a W + w.
-   Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with red, green
-   and blue the means of dL/da_c a_c. */
+/* Computes the loss gradient by an exposure (matrix M, offset m) from means over all pixels and channels. With the
+   exposed colour a = I M + m, mean 3 k + c is of dL/da_c a_k, and mean 9 + c is of dL/da_c. For an affine exposure, a
+   step maps a to a + a W + w; the result is the gradient by W and w. Else, with red, green and blue the means of
+   dL/da_c a_c, the result is: dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue -
+   green). */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];
@@ -98,7 +101,8 @@ static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], 
     gradient[2] = 0.693147181f * (blue - green);
 }
 
-/* Returns number k of an exposure after a step. An affine exposure M, m becomes M + M W, m + m W + w. */
+/* Returns number k of an exposure after an optimiser step. A step (W, w) changes an affine exposure (M, m) to (M + M W,
+   m + m W + w). */
 static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const float step[FXS_FIT_GAIN], int k)
 {
     const float *of_row = gain->at + k / 3 * 3, *by = step + k % 3;
@@ -108,9 +112,9 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
     return k < 9 ? moved : moved + by[9];
 }
 
-/* Adam's step, with one second moment for the squared length of the gradient. Moments are divided by the moments of a
-   constant gradient of 1. decay: share of the difference from the neutral exposure to subtract (decoupled weight decay,
-   Loshchilov and Hutter 2019). */
+/* Makes a step of Adam for an exposure, with one second moment for the squared length of the gradient. Moments are
+   divided by the moments of a constant gradient of 1, as bias correction. decay: share of the difference from the
+   neutral exposure to subtract (decoupled weight decay, Loshchilov and Hutter 2019). */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

@@ -1,23 +1,26 @@
-/* Projects LANES Gaussians to the picture, and converts gradients of the projections to gradients of the parameters.
- * Derivatives: Kerbl et al. 2023, appendix A; Jacobian: Zwicker et al. 2002. */
+/* Projects LANES Gaussians to the picture, and converts loss gradients by the projections to gradients by the
+ * Gaussians' parameters. Derivatives: Kerbl et al. 2023, appendix A; Jacobian: Zwicker et al. 2002. */
 #ifndef FXS_FIT_GAUSSIAN_H
 #define FXS_FIT_GAUSSIAN_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Values of the projection that the gradients need again. The covariance in the picture is T T^t + 0.3 I, with T = V S,
-   V = M R and M = J W. J: Jacobian; W: world to camera; R: rotation; S: scales. Row i of M is f / z (W_i - slope_i
-   W_2). */
+/* Numbers of a Gaussian's projection that its gradients need again. The covariance in the picture is T T^t + 0.3 I,
+   with T = V S, V = M R and M = J W. J is the Jacobian, W maps world to camera, R is the Gaussian's rotation, and S its
+   scales. Row i of M is f / z (W_i - slope_i W_2), with focal length f and depth z. */
 typedef struct shape {
-    real offset[3];                /* position - eye; orthographic camera: view direction */
+    real offset[3];                /* vector from the eye to the Gaussian's centre; for an orthographic camera the view
+                                      direction */
     real in_camera[3], inverse_z;
-    real slope[2], cut_slope[2];   /* x / z, y / z; cut_slope: clamped for the Jacobian */
-    real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / |quaternion|; unit: normalised quaternion */
+    real slope[2], cut_slope[2];   /* x / z and y / z of the centre in the camera; cut_slope: the same, clamped for the
+                                      Jacobian */
+    real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / length of the Gaussian's quaternion; unit:
+                                                        normalised quaternion */
     real scale[3], v[2][3], t[2][3];
     real ux, uy, vy, a, b, c;
-    real share;                    /* determinant of the covariance / determinant without dilation; 1 if not
-                                      antialiased */
+    real share;                    /* determinant of the covariance in the picture, relative to the determinant without
+                                      dilation; 1 if not antialiased */
 } shape;
 
 static inline real dot3(const real *a, const real *b)
@@ -35,7 +38,7 @@ static inline void rotation_of(const real q[4], real r[3][3])
     r[2][0] = xz - wy, r[2][1] = yz + wx, r[2][2] = 1.0f - (xx + yy);
 }
 
-/* Returns e^-logit, with the logit clamped to -80..80. */
+/* Returns e^-logit for a logit of opacity, clamped to -80..80. */
 static inline real exp_of_minus(real logit)
 {
     return exp_e(-least(most(logit, all(-80)), all(80)));
@@ -74,7 +77,8 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
             s->t[i][j] = s->v[i][j] * s->scale[j];
         }
     }
-    /* det = |T_0 x T_1|^2 + 0.3 (A + C) + 0.09, without cancellation; A, C: squared lengths of T_0, T_1 */
+    /* The determinant of the covariance T T^t + 0.3 I, without cancellation: |T_0 x T_1|^2 + 0.3 (A + C) + 0.09. T_0
+       and T_1 are the rows of T, and A and C their squared lengths. */
     const real a = dot3(s->t[0], s->t[0]), b = dot3(s->t[0], s->t[1]), c = dot3(s->t[1], s->t[1]);
     const real cross[3] = {s->t[0][1] * s->t[1][2] - s->t[0][2] * s->t[1][1],
                            s->t[0][2] * s->t[1][0] - s->t[0][0] * s->t[1][2],
@@ -92,7 +96,7 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
 
 #define SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-/* Real spherical harmonics of degrees 1 to 3, with the signs of Inria's files. */
+/* Computes the real spherical harmonics of degrees 1 to 3, with the signs of Inria's files. */
 static inline void basis_of(const real d[3], int degree, real b[15])
 {
     const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -117,7 +121,7 @@ static inline void basis_of(const real d[3], int degree, real b[15])
     b[14] = -0.590043590f * x * (xx - 3.0f * yy);
 }
 
-/* Computes the derivatives by x, y and z of the sum of weight times SH basis. */
+/* Computes the derivatives by x, y and z of a weighted sum of spherical harmonics. */
 static inline void add_basis_gradient(const real d[3], int degree, const real w[15], real out[3])
 {
     const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -151,7 +155,8 @@ static inline void add_basis_gradient(const real d[3], int degree, const real w[
 }
 
 typedef struct look {
-    real inverse_length, direction[3], basis[15], colour[3];   /* colour: before clamping at 0 */
+    real inverse_length, direction[3], basis[15], colour[3];   /* colour: the Gaussian's colour from this direction,
+                                                                  before clamping at 0 */
 } look;
 
 static inline void find_look(look *l, const real offset[3], int degree, const float *at, size_t stride)
@@ -169,7 +174,8 @@ static inline void find_look(look *l, const real offset[3], int degree, const fl
             l->colour[c] += l->basis[k] * load(at + (FXS_FIT_SH + 3 * k + c) * (ptrdiff_t)stride);
 }
 
-/* g: gradient by the colour before clamping. along: gradient by the position through the view direction. */
+/* Computes two loss gradients from the gradient by a Gaussian's colour. g: by the colour before clamping at 0. along:
+   by the position, because it changes the view direction of the spherical harmonics. */
 static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
                                    real g[3], real along[3])
 {
@@ -190,8 +196,9 @@ static inline void colour_gradient(const look *l, int degree, const float *at, s
         along[i] = (by_direction[i] - l->direction[i] * radial) * l->inverse_length;
 }
 
-/* dL/dT = 2 G T with G = -U^t (sum of h (u, v) (u, v)^t / 2) U. U^t U is the inverse of the covariance. The splats' u
-   and v are scaled by FXS_FIT_UNIT. */
+/* Computes the loss gradient by the matrix T, where T T^t is a Gaussian's covariance in the picture. dL/dT = 2 G T with
+   G = -U^t (sum of h (u, v) (u, v)^t / 2) U. U^t U is the inverse of the covariance, and h = -alpha dL/dalpha. A
+   splat's u and v are scaled by FXS_FIT_UNIT. */
 static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
@@ -206,13 +213,11 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
     }
 }
 
-/* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det). Here n = T_0 x T_1, sharp = |n|^2,
-   and det = sharp + e (A + C) + e^2, with the dilation e and the squared lengths A, C of T_0, T_1. dL/dln(o) = -sum of
-   h, and
-
-       d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
-                                   = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
-
+/* Adds the loss gradient by the antialiasing factor of the opacity, sqrt(sharp / det). T T^t + e is the covariance in
+   the picture, with the dilation e. T has the rows T_0, T_1 with the squared lengths A, C. Here n = T_0 x T_1, sharp =
+   |n|^2, and det = sharp + e (A + C) + e^2. With h = -alpha dL/dalpha and opacity o, dL/dln(o) = -sum of h, and
+     d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
+     = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T).
    For visible splats sharp / det is above 2^-16, so nothing overflows. */
 static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
@@ -277,8 +282,9 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* Computes all gradients except by the SH, which is l->basis times g. by_centre: dL/dcentre in pixels. by_position:
-   dL/dposition at constant colour. */
+/* Computes the loss gradients by a Gaussian's parameters except the SH coefficients. Their gradient is the SH basis
+   l->basis times g, the gradient by the colour. by_centre: dL/dcentre in pixels. by_position: dL/dposition at constant
+   colour. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])
@@ -286,7 +292,8 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     shape s;
     real by_t[2][3], along[3];
     find_shape(&s, camera, at, stride);
-    /* dL/dcentre = -sum of h U^t (u, v), with h = -alpha dL/dalpha and U^t U the inverse covariance */
+    /* Loss gradient by the splat's centre: -sum of h U^t (u, v), with h = -alpha dL/dalpha, normalised coordinates u
+       and v, and U^t U the inverse covariance. */
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);
@@ -299,7 +306,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
         gradient[FXS_FIT_COLOUR + i] = 0.282094792f * g[i];
     }
-    /* dL/dlogit = -(sum of h / o) o (1 - o), with h = -alpha dL/dalpha and opacity o */
+    /* Loss gradient by the logit of the opacity o: -(sum of h / o) o (1 - o), with h = -alpha dL/dalpha. */
     const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     gradient[FXS_FIT_OPACITY] = -sums[FXS_FIT_SUM] * (1.0f - opacity);
 }
@@ -315,9 +322,9 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
             gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
 }
 
-/* One Gaussian's share of the gradient by the camera's pose. out[0..2]: dL/dposition. out[3..5]: dL/dtheta for a
-   rotation of the Gaussian by theta about the eye, which changes position - eye and the quaternion q, by dq = (0,
-   theta) q / 2. */
+/* Computes one Gaussian's share of the loss gradient by the camera's pose. out[0..2]: dL/dposition. out[3..5]:
+   dL/dtheta for a rotation of the Gaussian by theta about the eye. This rotation changes position - eye, and the
+   quaternion q by dq = (0, theta) q / 2. */
 static inline void find_pose_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                       const real sums[FXS_FIT_SUMS], real out[FXS_FIT_POSE])
 {

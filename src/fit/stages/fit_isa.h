@@ -1,4 +1,4 @@
-/* The stages of a step (fit_stage.h) for the instruction set ISA, with LANES floats per vector. */
+/* The stages of a fitting step (fit_stage.h), compiled for the instruction set ISA with LANES floats per vector. */
 #include "adam.h"
 #include "loss.h"
 #include "noise.h"
@@ -52,7 +52,8 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     for (int i = 0; i < LANES; i++)
         depths[i] = splats[i].depth;
     const mask seen = below(all(0), load(depths));
-    if (!any(seen))                /* for hidden splats only the depth is set */
+    if (!any(seen))                /* Returns early if no splat of the vector is visible; hidden splats have no valid
+                                      field except the depth. */
         return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
@@ -99,7 +100,7 @@ static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
 
 enum { STRIP = 256 };
 
-/* Converts a row of the photograph to 0..1. Columns outside the photograph are 0. */
+/* Converts a row of the photograph from bytes to 0..1. Columns outside the photograph become 0. */
 static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
 {
     for (int32_t i = 0; i < count; i++) {
@@ -172,7 +173,8 @@ static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
     return both(inside, below(all(0), load(counts)));
 }
 
-/* Sums a row as 16 sums of every 16th number, then as a binary tree. */
+/* Adds numbers of a row to 16 partial sums: the number in column x to sum x % 16. sum_of then adds these as a binary
+   tree. */
 static inline void add_to(float sums[16], int32_t x, real value)
 {
     store(sums + x % 16, load(sums + x % 16) + value);

@@ -1,5 +1,5 @@
-/* Arithmetic on vectors of LANES floats, or on single floats in plain C if LANES is undefined. For an instruction set,
- * define the macros that kernels/fit/fit_avx2.c defines. All operations are IEEE single precision, so all instruction
+/* Arithmetic on vectors of LANES floats, or on single floats in plain C if LANES is undefined. For a new instruction
+ * set, define the same macros as kernels/fit/fit_avx2.c. All operations are IEEE single precision, so all instruction
  * sets give the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
@@ -63,7 +63,7 @@ static inline whole shifted_left(whole x, int bits)
     return (whole)((uint32_t)x << bits);
 }
 
-/* Returns first, first + 1, ... in the lanes. */
+/* Returns a vector of the numbers first, first + 1, and so on. */
 static inline real numbers_from(int first)
 {
     return (real)first;
@@ -108,7 +108,7 @@ static inline real all(float x)
     return x - (real){0};
 }
 
-/* Rounds towards 0; x must be in -2^31..2^31 - 1. */
+/* Rounds each number x of a vector towards 0; x must be in -2^31..2^31 - 1. */
 static inline whole real_to_whole(real x)
 {
     return __builtin_convertvector(x, whole);
@@ -144,7 +144,7 @@ static inline mask either(mask a, mask b)
     return (mask)(a | b);
 }
 
-/* Returns x in the lanes of the mask, else 0. */
+/* Returns x in the lanes where the mask is set, 0 in the other lanes. */
 static inline real keep(mask which, real x)
 {
     return choose(which, x, all(0));
@@ -191,8 +191,8 @@ static inline real absolute(real x)
     return real_of(bits_of(x) & 0x7fffffff);
 }
 
-/* Returns 2^-x for x in -127..126. Rounding splits off the integer part; a polynomial computes the rest, -1/2..1/2.
-   Relative error: 2e-7 plus rounding. */
+/* Returns 2^-x for x in -127..126. Rounding splits off the integer part of x; a polynomial computes the power of the
+   rest, -1/2..1/2. Relative error: 2e-7 plus rounding. */
 static inline real exp_2_minus(real x)
 {
     const real n = 12582912.0f - x;
@@ -211,8 +211,8 @@ static inline real exp_e(real x)
     return exp_2_minus(x * -1.44269504f);
 }
 
-/* Returns ln x for normal x above 0. x = 2^n m, m in sqrt(1/2)..sqrt(2), ln m = 2 (s + s^3 / 3 + ... + s^9 / 9), s = (m
-   - 1) / (m + 1). Relative error: 1e-8 plus rounding. */
+/* Returns ln x for normal x above 0. With x = 2^n m, m in sqrt(1/2)..sqrt(2) and s = (m - 1) / (m + 1): ln m = 2 (s +
+   s^3 / 3 + ... + s^9 / 9). Relative error: 1e-8 plus rounding. */
 static inline real ln(real x)
 {
     const whole n = (bits_of(x) - 0x3f3504f3) >> 23;

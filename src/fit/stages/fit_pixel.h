@@ -1,4 +1,4 @@
-/* The arithmetic of one splat at one pixel, in blending and in the backward pass, for LANES pixels. */
+/* Arithmetic of one splat (a projected Gaussian) at LANES pixels, in blending and in the backward pass. */
 #ifndef FXS_FIT_PIXEL_H
 #define FXS_FIT_PIXEL_H
 
@@ -10,7 +10,8 @@ static inline mask takes_of(real level, real limit, real transmittance)
     return both(at_most(level, limit), at_most(all(FXS_FIT_CLOSED), transmittance));
 }
 
-/* Returns the weight, transmittance times alpha; 0 outside of the mask. */
+/* Returns a splat's blending weight, transmittance times alpha, in the lanes of the mask `takes`; 0 in the other
+   lanes. */
 static inline real weight_of(mask takes, real level, real transmittance)
 {
     return keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * transmittance);
@@ -23,14 +24,14 @@ static inline real odds_of(real alpha)
 }
 #endif
 
-/* A pixel in the backward pass, behind some splats. `behind`: dL/dcolour times the colour of everything further
-   back. */
+/* A pixel in the backward pass, after some splats from near to far. `behind` is the colour of everything further back
+   times dL/dcolour. */
 typedef struct passed_pixel {
     real transmittance, behind;
 } passed_pixel;
 
-/* Returns h = -alpha dL/dalpha, with dL/dalpha = T (c . g) - behind / (1 - alpha). T: transmittance; c: the splat's
-   colour; g: dL/dcolour; of_colour: c . g. */
+/* Passes a splat in the backward pass. Returns h = -alpha dL/dalpha, with dL/dalpha = T (c . g) - behind / (1 - alpha).
+   T: transmittance; c: the splat's colour; g: dL/dcolour of the pixel; of_colour: c . g. */
 static inline real pass_splat(mask takes, real level, real of_colour, passed_pixel *p, real *weight)
 {
     const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST));

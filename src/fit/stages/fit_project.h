@@ -1,4 +1,4 @@
-/* Projects LANES Gaussians to splats. */
+/* Projects LANES Gaussians to splats (Gaussians in the picture). */
 #ifndef FXS_FIT_PROJECT_H
 #define FXS_FIT_PROJECT_H
 
@@ -7,23 +7,25 @@
 
 enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_TILES = 14, SPLAT_NUMBERS };
 
-/* Returns half the side of the square cut-off, 3 sigma_max. With covariance (A, B; B, C) and m = (A + C) / 2,
-   sigma_max^2 = m + sqrt(((A - C) / 2)^2 + B^2). */
+/* Returns half the side of a splat's square cut-off, 3 sigma_max. The covariance in the picture is (A, B; B, C). With m
+   = (A + C) / 2, sigma_max^2 = m + sqrt(((A - C) / 2)^2 + B^2). */
 static inline real square_of(const shape *s)
 {
     const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
     return 3.0f * root(middle + root(half * half + s->b * s->b));
 }
 
-/* Returns the lanes with visible splats; without any, writes nothing. Sets colours to 0. */
+/* Projects LANES Gaussians to splats without colour (colours are 0). Returns the mask of visible splats; if none is
+   visible, writes nothing. */
 static inline mask find_splat(const fxs_fit_camera *camera, const float *at, size_t stride,
                               real numbers[SPLAT_NUMBERS])
 {
     shape s;
     find_shape(&s, camera, at, stride);
-    /* -log2 o = log2(1 + e^-x), with opacity o and logit x */
+    /* The offset of a splat's level is -log2 of its opacity o: log2(1 + e^-x), with the logit x. */
     real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
-    if (camera->is_antialiased)    /* antialiasing: opacity / sqrt(share) */
+    if (camera->is_antialiased)    /* antialiasing divides the opacity by sqrt(share), the factor by which dilation
+                                      enlarges the area of a splat */
         offset += 0.721347520f * ln(least(s.share, all(1e30f)));
     const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
     const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));
@@ -36,7 +38,7 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
     seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
     if (!any(seen))
         return seen;
-    seen = both(seen, below(s.ux, all(1e6f)));     /* excludes NaN and extreme values */
+    seen = both(seen, below(s.ux, all(1e6f)));     /* excludes splats with NaN or extreme values */
     ellipses e;
     e.x = x;
     e.y = y;
@@ -54,7 +56,8 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
     return seen;
 }
 
-/* A splat with a NaN or too large colour gets limit -1, so that no pixel takes it. */
+/* Computes the colours of LANES splats. A splat with a NaN or too large colour gets the cut-off level -1, so that it
+   changes no pixel. */
 static inline void find_colours(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, real *limit,
                                 real colour[3])
 {

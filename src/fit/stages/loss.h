@@ -1,7 +1,7 @@
-/* The loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with the picture a and the
- * photograph b. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. Where the mask excludes a
- * pixel, a = b = 0 and the gradient is 0. With exposures, a counts as min(a, 1) where b is white, with gradient 0 if a
- * > 1. */
+/* The loss between a rendered picture and a photograph: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 -
+ * SSIM(a, b)), with the picture a and the photograph b. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros
+ * beyond the edges. Where the mask excludes a pixel, a = b = 0 and the gradient is 0. If exposures are fitted, a counts
+ * as min(a, 1) where b is white, with gradient 0 if a > 1. */
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 
@@ -9,7 +9,7 @@
 
 #define FXS_FIT_WINDOW 11
 
-/* True if the photograph is saturated and the picture is brighter. */
+/* Returns true where the photograph's value b is white (saturated) and the picture's value a is brighter. */
 static inline mask is_beyond_white(real a, real b)
 {
     return both(below(all(1), a), at_most(all(1), b));
@@ -32,10 +32,11 @@ static inline real window_sum(const float *at, ptrdiff_t step)
 }
 
 typedef struct similarity {
-    real value, by_mean, by_square, by_product;   /* SSIM, and its derivatives by the means of a, a^2 and ab */
+    real value, by_mean, by_square, by_product;   /* value: SSIM; by_...: its derivatives by the window means of a, a^2
+                                                     and ab */
 } similarity;
 
-/* Computes SSIM from window sums of a, b, a^2, b^2 and ab. */
+/* Computes SSIM of picture a and photograph b from weighted window sums of a, b, a^2, b^2 and ab. */
 static inline similarity similarity_of(real mean_a, real mean_b, real aa, real bb, real ab)
 {
     const real c1 = all(0.0001f), c2 = all(0.0009f);
@@ -52,7 +53,8 @@ static inline similarity similarity_of(real mean_a, real mean_b, real aa, real b
     return s;
 }
 
-/* Returns 0.8 sign(a - b) - 0.2 (by_mean + 2 a by_square + b by_product), with window sums of SSIM's derivatives. */
+/* Returns the loss gradient by a pixel a of the picture, with pixel b of the photograph: 0.8 sign(a - b) - 0.2 (by_mean
+   + 2 a by_square + b by_product). The by_... are window sums of SSIM's derivatives. */
 static inline real gradient_of(real a, real b, real by_mean, real by_square, real by_product)
 {
     const real similar = (by_mean + 2.0f * a * by_square) + b * by_product;

@@ -1,4 +1,4 @@
-/* Random displacements of Gaussians (Kheradmand et al. 2024). Random numbers come from a counter of 32 bits, so that
+/* Random displacements of Gaussians (Kheradmand et al. 2024). Random numbers are hashes of a 32-bit counter, so that
  * vector lanes can compute them. */
 #ifndef FXS_FIT_NOISE_H
 #define FXS_FIT_NOISE_H
@@ -12,7 +12,7 @@ typedef uint32_t bits;
 typedef uint32_t bits __attribute__((vector_size(4 * LANES)));
 #endif
 
-/* Mixes 32 bits (finaliser of MurmurHash3). */
+/* Hashes 32 bits (final mix of MurmurHash3). */
 static inline bits mix_32(bits x)
 {
     x = (x ^ x >> 16) * 0x85ebca6bu;
@@ -20,7 +20,7 @@ static inline bits mix_32(bits x)
     return x ^ x >> 16;
 }
 
-/* Approximately normal with deviation 1: the sum of twelve uniform 16-bit numbers, minus 6. */
+/* Returns approximately normal random numbers with deviation 1: the sum of twelve uniform 16-bit numbers, minus 6. */
 static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
 {
     bits sum = index & 0u;
@@ -45,7 +45,7 @@ static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t strid
                         (1.0f + exp_e(least(100.0f * (opacity - 0.005f), all(80))));
     const bits numbers = (bits)real_to_whole(numbers_from(0)) + index;
     const real xi[3] = {normal(noise, numbers, 0), normal(noise, numbers, 1), normal(noise, numbers, 2)};
-    /* R S^2 R^t xi, with rotation R, scales S and random xi */
+    /* Displacement by the covariance: R S^2 R^t xi, with rotation R, scales S and random vector xi. */
     for (int j = 0; j < 3; j++) {
         const real scale = exp_e(load(at + (FXS_FIT_SCALE + j) * (ptrdiff_t)stride));
         along[j] = scale * scale * ((r[0][j] * xi[0] + r[1][j] * xi[1]) + r[2][j] * xi[2]);

@@ -1,4 +1,4 @@
-/* Access to the parameters of a single Gaussian. */
+/* Access to the parameters of a single Gaussian, which are in planes (arrays with a float for each Gaussian). */
 #ifndef FXS_FIT_PLANES_H
 #define FXS_FIT_PLANES_H
 

@@ -1,12 +1,13 @@
-/* Poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about itself; the
- * last three shift it along its uncorrected axes. R is the rotation of the normalised quaternion (1, a / 2), W the
- * given rotation. A point x is at R (W (x - eye) - shift) in the camera's frame. */
+/* Pose corrections of the photographs' cameras, six numbers each. The first three, a, rotate the camera about itself;
+ * the last three shift it along its uncorrected axes. R is the rotation of the normalised quaternion (1, a / 2), and W
+ * the given rotation of the camera. A point x is at R (W (x - eye) - shift) in the corrected camera's frame. */
 #ifndef FXS_FIT_POSE_H
 #define FXS_FIT_POSE_H
 
 #include "adam.h"
 
-/* Corrects a camera: its rotation becomes R W, its eye becomes eye + W^t shift. */
+/* Corrects a camera's pose. Its rotation W becomes R W, its eye becomes eye + W^t shift, with the correction's rotation
+   R and shift. */
 static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
 {
     const float x = 0.5f * pose->at[0], y = 0.5f * pose->at[1], z = 0.5f * pose->at[2];
@@ -22,9 +23,10 @@ static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
     }
 }
 
-/* Gradient by a pose from the sums over Gaussians. dL/dshift = -W dL/dposition. Rotating the camera to exp(omega) R W
-   equals rotating the scene by (R W)^t omega about the eye. So dL/domega = R W dL/dtheta, and omega = (da + a / 2 x da)
-   / (1 + |a / 2|^2). */
+/* Computes the loss gradient by a pose correction from sums over all Gaussians. The correction is a rotation vector a,
+   with matrix R, and a shift; W is the given rotation of the camera. dL/dshift = -W dL/dposition. Rotating the camera
+   to exp(omega) R W equals rotating the scene by (R W)^t omega about the eye. So dL/domega = R W dL/dtheta, and omega =
+   (da + a / 2 x da) / (1 + |a / 2|^2). */
 static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose *pose, const float sums[FXS_FIT_POSE],
                                  float gradient[FXS_FIT_POSE])
 {
@@ -44,9 +46,9 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
     }
 }
 
-/* Adam's step. sums: means over pixels and channels, summed over Gaussians. rate: radians; shifts use rate * depth,
-   which moves the picture about as far. Rotation and shift have one second moment each. Moments are divided by the
-   moments of a constant gradient of 1. */
+/* Makes a step of Adam for a pose correction. sums: gradients as means over pixels and channels, summed over Gaussians.
+   rate: in radians; shifts use rate * depth, which moves the picture about as far. Rotation and shift have one second
+   moment each. Moments are divided by the moments of a constant gradient of 1, as bias correction. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

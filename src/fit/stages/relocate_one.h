@@ -1,14 +1,14 @@
-/* Relocation of one Gaussian to the place of another. Compiled for the CPU and for CUDA. */
+/* Moves one faint Gaussian to the place of another. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_RELOCATE_ONE_H
 #define FXS_FIT_RELOCATE_ONE_H
 
 #include "planes.h"
 #include "src/fit/random.h"
 
-enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are clamped */
-#define DEAD UINT32_MAX            /* marks a faint Gaussian instead of a number of draws */
+enum { SHARING = 51 };             /* largest number of Gaussians that share one place; larger counts are clamped */
+#define DEAD UINT32_MAX            /* marks a faint Gaussian, in place of the number of times that it is drawn */
 
-/* Returns the chance of being drawn: opacity in Q24, 0 up to least_opacity. */
+/* Returns a Gaussian's weight in random draws: its opacity in Q24, or 0 for opacities up to least_opacity. */
 static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)
 {
     const float opacity = opacity_at(m, i);
@@ -28,7 +28,8 @@ static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
     return (uint32_t)first;
 }
 
-/* Returns the Gaussian of draw k from prefix sums of chances. Streams 0 and 1 use different random numbers. */
+/* Returns the Gaussian of the random draw k, from prefix sums of the Gaussians' weights. Streams 0 and 1 use different
+   random numbers. */
 static inline uint32_t drawn(const fxs_fit_relocate *r, uint64_t stream, uint64_t k, const uint64_t *sums, size_t count)
 {
     return find(sums, count, fxs_fit_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);
@@ -39,7 +40,7 @@ static inline int is_dead(const fxs_fit_model *m, const fxs_fit_relocate *r, siz
     return !(opacity_at(m, i) > r->opacity);
 }
 
-/* x^(1 / n) for 0 < x <= 1, by Newton's method from above. */
+/* Returns x^(1 / n) for 0 < x <= 1, by Newton's method from above. */
 static inline double root_of(double x, int n)
 {
     double y = 1;
@@ -52,9 +53,9 @@ static inline double root_of(double x, int n)
     return y;
 }
 
-/* Distributes opacity o and scale s over N = times + 1 Gaussians at one place (Kheradmand et al. 2024). The opacity
-   becomes o' = 1 - (1 - o)^(1 / N), so that together they are as opaque as before. The scale becomes s o / sum of C(N,
-   k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N. */
+/* Divides a Gaussian of opacity o and scale s into N = times + 1 equal Gaussians at one place (Kheradmand et al. 2024).
+   The opacity becomes o' = 1 - (1 - o)^(1 / N), so that together they are as opaque as before. The scale becomes s o /
+   sum of C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N. */
 static inline void share(fxs_fit_model *m, size_t i, uint32_t times)
 {
     const int n = times + 1 < SHARING ? (int)times + 1 : SHARING;

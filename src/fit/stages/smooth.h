@@ -1,15 +1,16 @@
-/* Limits each scale from below by the pixel size of the sharpest photograph that sees the Gaussian. This is the 3D
- * smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
+/* Raises each scale to a lower limit, in proportion to a pixel's size in the sharpest photograph that sees the
+ * Gaussian. This is the 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), used as a bound. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 
 #include "fit_gaussian.h"
 
 #define FXS_FIT_SMOOTH 0.447213595f    /* sqrt(0.2) pixels */
-#define FXS_FIT_BESIDE 0.15f       /* centres up to this part of the picture's size outside count as seen */
+#define FXS_FIT_BESIDE 0.15f       /* A centre outside a picture counts as seen up to this share of the picture's size
+                                      away. */
 
-/* Returns min(least_so_far, depth / focal) if the camera sees the place, else least_so_far. depth / focal: size of a
-   pixel. */
+/* Returns the smaller of least_so_far and depth / focal length (the size of a pixel there) if the camera sees the
+   place. Else returns least_so_far. */
 static inline real finest_of(const fxs_fit_camera *c, const real place[3], real least_so_far)
 {
     const int32_t size[2] = {c->width, c->height};
@@ -29,8 +30,8 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* scale = max(scale, sqrt(0.2) divisor min(depth / focal)), the minimum taken over cameras that see the centre. Unseen
-   Gaussians keep their scales. */
+/* Raises the scales of LANES Gaussians to sqrt(0.2) `divisor` min(depth / focal length). The minimum is taken over
+   cameras that see the centre. Gaussians that no camera sees keep their scales. */
 static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
 {
     const real farthest = all(FXS_FIT_FARTHEST_PLACE);

@@ -1,16 +1,18 @@
-/* The tiles of 16x16 pixels that the ellipses of LANES splats touch, row by row. */
+/* Finds the tiles of 16x16 pixels that the ellipses of LANES splats touch, row by row. */
 #ifndef FXS_FIT_SPAN_H
 #define FXS_FIT_SPAN_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Ellipses of LANES splats. radius2: squared radius in u and v; first, end: rows of tiles, empty for hidden splats. */
+/* Ellipses of LANES splats. radius2: squared radius in the normalised coordinates u and v. first, end: rows of tiles
+   that an ellipse touches; none for hidden splats. */
 typedef struct ellipses {
     real x, y, ux, uy, vy, radius2, half_y, tip, first, end;
 } ellipses;
 
-/* Returns the tile of a pixel that may be outside of the picture, clamped to 0..most_of. */
+/* Returns the number of the tile with a pixel coordinate, which may be outside of the picture; clamped to
+   0..most_of. */
 static inline real tile_at(real pixel, int32_t most_of)
 {
     const real tile = least(most(pixel * (1.0f / FXS_FIT_TILE), all(0)), all((float)most_of));
@@ -23,8 +25,9 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
     e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
 }
 
-/* Finds columns first..end of a row of tiles. With u = r cos, v = r sin: x = (u - uy y) / ux, y = v / vy. x is largest
-   at the y of the rightmost point, clamped to the row. Adds a margin of 0.01 pixels. */
+/* Finds the columns first..end of tiles that ellipses touch in a row of tiles. With u = r cos and v = r sin, the
+   outline is x = (u - uy y) / ux, y = v / vy. x is largest at the y of the rightmost point, clamped to the row. Adds a
+   margin of 0.01 pixels. */
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);
@@ -35,7 +38,7 @@ static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e,
         const real half = root(most(e->radius2 - v * v, all(0)));
         reach[i] = choose(is_square, e->half_y + 0.5f, (i ? half - along : half + along) / e->ux + 0.01f);
     }
-    /* a pixel's centre is half a pixel from its sides */
+    /* Adds half a pixel to coordinates, because a pixel's centre is half a pixel from its sides. */
     *first = tile_at((e->x - reach[0]) + 0.5f, camera->tiles_x);
     *end = keep(below(row, e->end), tile_at((e->x + reach[1]) + (FXS_FIT_TILE - 0.5f), camera->tiles_x));
 }

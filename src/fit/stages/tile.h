@@ -1,17 +1,17 @@
-/* Blending and backward pass for one tile: from a list of splats to pixels, and from gradients of pixels to sums per
- * splat. */
+/* Blends the splats of a tile to pixels, and sums the gradients of the tile's pixels for each splat (the backward
+ * pass). */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
 #include "fit_pixel.h"
 
 enum {
-    PLACES = 16,                   /* pixels of a 4x4 block */
+    PLACES = 16,                   /* number of pixels in a 4x4 block */
     BATCH = 16,
     EARLY = 8
 };
 
-/* Normalised coordinates u and v of a splat at the first pixel of each 4x4 block. */
+/* Normalised coordinates u and v of a splat at the first pixel of each 4x4-pixel block of a tile. */
 typedef struct corners {
     float u[FXS_FIT_BLOCKS], v[FXS_FIT_BLOCKS];
 } corners;
@@ -28,7 +28,7 @@ static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t to
     }
 }
 
-/* Returns the bit set of 4x4 blocks that the splat's ellipse may touch. */
+/* Returns the bit set of the 4x4-pixel blocks of a tile that the splat's ellipse may touch. */
 static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
 {
     const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
@@ -67,7 +67,7 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-/* Returns the bit set of 4x4 blocks that the splat changes. */
+/* Blends a splat into a tile. Returns the bit set of the 4x4-pixel blocks that the splat changes. */
 static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
@@ -91,7 +91,8 @@ static inline int is_open(const fxs_fit_tile *tile)
     return 0;
 }
 
-/* Blends a list until all pixels are opaque. Returns the number of entries up to the last one that changed a pixel. */
+/* Blends a tile's list of splats until all pixels are opaque. Returns the number of list entries up to the last one
+   that changed a pixel. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, float light, fxs_fit_tile *tile)
 {
@@ -142,7 +143,8 @@ static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient
     sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
-/* Sums 16 numbers as a binary tree: numbers p and p + 8 first, then p + 4, p + 2 and p + 1. */
+/* Computes gradient sums of 16 numbers each, as binary trees: numbers p and p + 8 are added first, then p + 4, p + 2
+   and p + 1. */
 #if LANES == 1
 static inline void add_places(const float (*rows)[PLACES], float *sums)
 {

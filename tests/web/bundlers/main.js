@@ -1,4 +1,5 @@
-// A program that uses the package, for the projects of bundlers.mjs. Stores the results in `globalThis.result`.
+// A web program that uses the npm package. bundlers.mjs builds it with several bundlers. Its results are stored in
+// `globalThis.result`.
 import { load, Screen, setAssets } from '@LOAD@'
 import '@VIEWER@'
 

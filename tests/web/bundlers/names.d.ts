@@ -1,4 +1,4 @@
-// Declares names that the code in the documentation assumes.
+// Declares names that the TypeScript code in the documentation uses without a declaration.
 declare const canvas: HTMLCanvasElement
 declare const camera: import('fixsplat').Camera
 declare const scene: import('fixsplat').Scene

@@ -1,4 +1,4 @@
-// Servers for bundlers.mjs: a file server of a folder, and a proxy before a server program.
+// Servers for bundlers.mjs: one serves the files of a folder; the other is a proxy in front of another server program.
 import { spawn } from 'node:child_process'
 import { existsSync, readFileSync, statSync } from 'node:fs'
 import { createServer, request as ask } from 'node:http'
