@@ -1,10 +1,11 @@
-/* Writes part files of a packed scene, and merges all parts into an .fxs file. */
+/* Writes part files (pieces of a packed scene), and merges all parts into an .fxs file. */
 #ifndef FXS_PART_FILE_H
 #define FXS_PART_FILE_H
 
 #include <fixsplat/pack.h>
 
-/* Returns 1 if a file begins like a part, else 0; or an error and a message. */
+/* Returns 1 if a file begins like a part file (a piece of a packed scene), else 0. Returns an error and a message if
+   the file cannot be read. */
 int fxs_part_file_is(const char *path, fxs_message *message);
 
 /* Fills in the checksums of a part made by fxs_pack_part, and writes the part. Returns 0, or FXS_ERR_FILE or
@@ -12,7 +13,7 @@ int fxs_part_file_is(const char *path, fxs_message *message);
 int fxs_part_file_write(const char *path, const fxs_packed_scene *part, fxs_message *message);
 
 typedef struct fxs_part_merge {
-    int tree;                    /* 1: parts without levels of detail are an error */
+    int tree;                    /* 1 refuses part files without levels of detail */
     int (*change)(void *argument, void *header, fxs_message *message);
     void *argument;
     fxs_progress progress;
