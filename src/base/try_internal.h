@@ -1,4 +1,4 @@
-/* Returns from the calling function if a call fails with a negative FXS_ERR_*. */
+/* A macro that returns from the calling function if a call fails with a negative FXS_ERR_*. */
 #ifndef FXS_TRY_INTERNAL_H
 #define FXS_TRY_INTERNAL_H
 

@@ -7,7 +7,7 @@
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28 };
 
-/* Largest values that all readers accept. exp(20) is slightly larger than this scale. */
+/* Largest scale and position that all readers of .splat accept. The scale is slightly smaller than exp(20). */
 static const double largest_scale = 4.85e8, largest_position = 134217728;
 
 typedef struct splat_writer {
