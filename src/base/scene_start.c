@@ -19,7 +19,7 @@ static double sign_of(double x)
 }
 
 /* Folds the lower half of the octahedron |x| + |y| + |z| = 1 outwards, as a part of the octahedral map. The function is
- * its own inverse. */
+   its own inverse. */
 static void fold(double *x, double *y)
 {
     const double old = *x;
@@ -28,7 +28,7 @@ static void fold(double *x, double *y)
 }
 
 /* Codes an up direction by the octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for
- * Independent Unit Vectors). */
+   Independent Unit Vectors). */
 static uint32_t code_of_up(const double up[3])
 {
     const double sum = fabs(up[0]) + fabs(up[1]) + fabs(up[2]);

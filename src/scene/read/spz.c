@@ -112,7 +112,7 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
 }
 
 /* Sets the coordinate system of the file. Codes above 8 exchange y and z, but versions of the reference library
- * disagree on how. */
+   disagree on how. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
     const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
@@ -212,7 +212,7 @@ static int refill(gzip *g)
 }
 
 /* Decompresses up to `size` bytes, in pieces, because zlib counts bytes in 32 bits. *status becomes zlib's last
- * status. */
+   status. */
 static int inflate_some(gzip *g, int *status, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
@@ -475,7 +475,7 @@ static float position(const fxs_spz *spz, const uint8_t *bytes)
 }
 
 /* Decodes a quaternion from x, y, z of 8 bits each, with w = sqrt(1 - x^2 - y^2 - z^2). Uses doubles, because the
- * difference may be small. */
+   difference may be small. */
 static void decode_first_three(double q[4], const uint8_t *bytes)
 {
     double rest = 1;
@@ -487,7 +487,7 @@ static void decode_first_three(double q[4], const uint8_t *bytes)
 }
 
 /* Decodes a quaternion x, y, z, w from its three smallest components. Bits 31 and 30 are the index of the largest
- * component, which is not stored. Other components have a sign and 9 bits each. */
+   component, which is not stored. Other components have a sign and 9 bits each. */
 static void decode_smallest_three(double q[4], uint32_t word)
 {
     uint32_t largest = word >> 30;
