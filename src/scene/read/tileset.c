@@ -1,9 +1,10 @@
 /* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles. Contents are .glb and .gltf
    files or other tilesets. Draws the finest contents. From tiles refined by ADD, all contents are drawn. From tiles
    refined by REPLACE, contents are drawn if no descendant has contents. Ignores bounding volumes and geometric errors.
+
    A tileset is z up and its contents are y up. The Gaussians get the axes that a content read alone would have. A
-   tileset on the globe is moved to the frame of its first tile there, because floats resolve only half a metre at the
-   Earth's radius. */
+   tileset on the globe is moved to the frame of its first tile there. Otherwise, floats resolve only half a metre at
+   the Earth's radius. */
 #include <fixsplat/internal/allocator.h>
 
 #include <string.h>
