@@ -40,8 +40,8 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-/* Divides the GPU's time of a frame among the stages, in proportion to the stages' own times. Those cannot be added,
-   because the stages of two eyes overlap. */
+/* Divides the GPU's time of a frame among the stages of rendering, in proportion to the stages' times. The stages of
+   two eyes overlap, so their times cannot be added. */
 static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
     static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};

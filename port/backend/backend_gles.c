@@ -43,8 +43,8 @@ static const kind faster = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev
 static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
-/* Number of frames in which FASTER compares the ways LISTS and FETCH. For each way, one frame warms up and one is
-   measured. */
+/* Number of first frames that compare the two ways to draw, by tile lists and by framebuffer fetch. For each way, one
+   frame warms up and one is measured. */
 enum { MEASURED = 4 };
 
 typedef struct gl_backend {

@@ -16,7 +16,7 @@ typedef struct fxs_processor {
     size_t max_memory;             /* most bytes of working memory; 0: no limit */
 } fxs_processor;
 
-/* Starts the threads and chooses the fastest kernels for this processor. The functions that draw pixels come from
+/* Starts the threads and chooses the fastest functions for this processor. Functions that draw pixels come from
    `drawing`. After an error, nothing needs to be closed. */
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
                        fxs_message *why);

@@ -35,7 +35,8 @@ static void frame_box(fxs_turntable *t, const int64_t half_q32[3], int32_t width
     const int64_t x = half_q32[0], z = half_q32[2], radius = x > z ? x + z / 16 * 7 : z + x / 16 * 7;
     const int64_t tall = times_q30(half_q32[1], COS_18_Q30) + times_q30(radius, SIN_18_Q30);
     const int32_t high = height / 32 < width ? height : 32 * width;
-    /* distance that lets the box fill 95 % of the picture: half its size times 2.25 = 1 / (0.95 tan 25 degrees) */
+    /* camera distance at which the box fills 95 % of the picture: half the box's size times 2.25 = 1 / (0.95 tan 25
+       degrees) */
     const int64_t far_y = tall / 8 * 18 + 1, far_x = radius / 8 * 18 / width * high + 1;
     const int64_t distance = radius / 4 + (far_x > far_y ? far_x : far_y);
     const int32_t rotation_q30[9] = {1 << 30, 0, 0, 0, COS_18_Q30, -SIN_18_Q30, 0, SIN_18_Q30, COS_18_Q30};
@@ -58,7 +59,7 @@ int fxs_turntable_open(fxs_turntable *t, const void *data, size_t bytes, int32_t
     for (int i = 0; i < 3; i++) {
         const int64_t low = (int64_t)fxs_little_64((uint64_t)header->inner_low_q32[i]);
         const int64_t high = (int64_t)fxs_little_64((uint64_t)header->inner_high_q32[i]);
-        /* the box lies within 2^24 units, which leaves room for the camera's distance */
+        /* the scene must lie within 2^24 units, which leaves room for the camera's distance */
         const int64_t most = (int64_t)1 << 56;
         if (low > high || low < -most || high > most)
             return FXS_ERR_SCENE;

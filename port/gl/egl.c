@@ -45,8 +45,8 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
-/* Makes the EGL context current in this thread. Releases it first, because EGL ignores a call for the context that it
-   believes to be current. */
+/* Makes the EGL context current in this thread. First makes no context current, because EGL ignores a call for a
+   context that it believes to be current. */
 int fxs_egl_use(void *egl)
 {
     const fxs_egl *e = egl;

@@ -1,4 +1,4 @@
-/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew. */
+/* Serves files with libmicrohttpd, on the library's internal thread. Each request opens its file anew. */
 #include "server.h"
 
 #include "gzip.h"
@@ -294,7 +294,8 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
     (void)body;
     if (strcmp(method, "GET") && strcmp(method, "HEAD"))
         return send_words(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET and HEAD\n", "Allow", "GET, HEAD");
-    if (!*state) {   /* the first call by libmicrohttpd for a request must not send a response */
+    /* libmicrohttpd calls this function several times for a request; the first call must not send a response */
+    if (!*state) {
         *state = server;
         return MHD_YES;
     }

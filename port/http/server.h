@@ -22,7 +22,7 @@ typedef struct fxs_http_file {
 
 /* What a server serves. The struct must stay in place until the server is closed. */
 typedef struct fxs_http_site {
-    /* folder of served files; names may have letters, digits and . _ -, and no part begins with a dot */
+    /* folder of files to serve; their names have only letters, digits and . _ -, and no part begins with a dot */
     const char *folder;
     const fxs_http_file *files;
     int file_count;

@@ -1,4 +1,4 @@
-/* Files, folders, links, descriptors and terminals on POSIX systems. */
+/* Files, folders, links, file descriptors and terminals on POSIX systems. */
 #define _XOPEN_SOURCE 700   /* declares realpath */
 
 #include "src/base/files_internal.h"
@@ -204,7 +204,8 @@ static int open_name(const char *name, int flags, const char *path, FILE **file,
     *file = NULL;
     if (stat(name, &status) != 0)
         return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))   /* checked before open, because opening a device may have effects */
+    /* the kind of file is checked before open, because opening a device may have effects */
+    if (!S_ISREG(status.st_mode))
         return fxs_fail(message, "%s: not a regular file", path);
     /* O_NONBLOCK: open does not wait for the writer of a pipe */
     int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);

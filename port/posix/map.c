@@ -17,7 +17,7 @@
    and without a lock. */
 enum { RANGES = 64 };
 static struct range {
-    /* first address, and end of the range. end = 0: nothing is mapped. end is set last and cleared first. */
+    /* first address and end of a mapped range; end = 0: nothing is mapped. end is set last and cleared first. */
     uintptr_t start, end;
     int lost;
     int taken;

@@ -173,7 +173,7 @@ static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_o
     return finish(s, error, s->packed.data, s->packed.bytes, opened, message);
 }
 
-/* Options of a program for opening a scene, and the file options that they point to. */
+/* Options of a program for opening a scene, and the options for the scene's file that they point to. */
 typedef struct open_options {
     fxs_open_options open;
     fxs_scene_file_options file;

@@ -144,7 +144,7 @@ static int remove_left(const char *name)
 {
     struct stat own, there;
     const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY;
-    /* opened for writing, because flock() over NFS requires write access */
+    /* the file is opened for writing, because flock() over NFS requires write access */
     int descriptor = open(name, O_WRONLY | flags);
     if (descriptor < 0 && errno == EACCES)
         descriptor = open(name, O_RDONLY | flags);

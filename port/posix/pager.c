@@ -28,7 +28,7 @@ enum {
     KEPT_SHARE = 8, KEPT_MOST = 256,
     HEAD_PIECE = 1 << 20,
     READ_MOST = 1 << 20,
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* least and most chunks of 256 Gaussians in a batch, which is read at once */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* least and most chunks of 256 Gaussians that are read together in a batch */
     BATCH_APART = 64,
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
     ROOM_LEAST = 256,
@@ -37,10 +37,11 @@ enum {
     PAUSE_MS = 100, PAUSE_MOST = 20
 };
 
-/* A place of the pool, with room for a chunk of Gaussians. Places whose chunks may be evicted form a linked list in the
-   order of last use. */
+/* A place of the pool, with room for a chunk of 256 Gaussians. Places whose chunks may be evicted form a linked list in
+   the order of last use. */
 typedef struct place {
-    uint32_t chunk;   /* index of the chunk in this place; FXS_NOTHING: the place is free or being filled */
+    /* index of the chunk (256 Gaussians) in this place; FXS_NOTHING: the place is free or being filled */
+    uint32_t chunk;
     uint32_t drawn;
     uint32_t newer, older;
 } place;
@@ -58,16 +59,17 @@ struct fxs_pager {
     char *name;
     unsigned char *head, *tree, *pool, *stage;
     size_t memory, stage_bytes;
-    uint32_t chunks, room, kept;       /* kept: number of coarse chunks that are never evicted from the pool */
+    uint32_t chunks, room, kept;   /* kept: number of coarse chunks of Gaussians that are never evicted from the pool */
 
-    /* The following fields are for the caller's thread only, up to the lock. */
+    /* The fields from here to the lock are for the caller's thread only. */
     uint32_t *places;                  /* index of each chunk's place in the pool; FXS_NOTHING: not in the pool */
     uint32_t *asked;
     place *in_pool;
     uint32_t newest, oldest, there;
     uint32_t turn;
     int has_asked;
-    uint32_t *wanted, wanted_count;    /* chunks that the current frames need but the pool lacks, most needed first */
+    /* chunks of Gaussians that the current frames need but the pool lacks, most needed first */
+    uint32_t *wanted, wanted_count;
 
     pthread_mutex_t lock;              /* mutex that guards all fields below */
     pthread_cond_t work, done;
@@ -199,8 +201,8 @@ static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *
     return result;
 }
 
-/* Notes a successful read. After TRIES failures in a row, chunks counted as lost may be read again. The caller holds
-   the lock. */
+/* Notes a successful read of chunks of Gaussians. After TRIES failures in a row, chunks that counted as lost may be
+   read again. The caller holds the lock. */
 static void note_success(fxs_pager *p)
 {
     if (p->failures >= TRIES) {
@@ -210,7 +212,7 @@ static void note_success(fxs_pager *p)
     p->failures = 0;
 }
 
-/* Notes which chunks of Gaussians a batch has read, for the next turn. The caller holds the lock. */
+/* Notes which chunks of Gaussians a batch has read, for the next call of fxs_pager_turn. The caller holds the lock. */
 static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const uint8_t *good, int unread)
 {
     if (!unread)
@@ -229,7 +231,8 @@ static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const u
     }
 }
 
-/* Takes chunks from the queue and assigns free places of the pool to them, for one batch. The caller holds the lock. */
+/* Takes chunks of Gaussians from the queue for a batch, and assigns free places of the pool to them. The caller holds
+   the lock. */
 static uint32_t take_batch(fxs_pager *p, arrival *list)
 {
     uint32_t count = 0;
@@ -551,7 +554,8 @@ void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int the
     }
 }
 
-/* Fills the queue of chunks to read: first those that frames need, then the coarsest. The caller holds the lock. */
+/* Fills the queue of chunks of Gaussians to read: first those that frames need, then the coarsest. The caller holds the
+   lock. */
 static void fill_queue(fxs_pager *p)
 {
     const uint32_t leaves = p->scene.chunk_count;

@@ -8,7 +8,7 @@
 typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
-    uint32_t jobs, next;                   /* next: index of the next job, incremented atomically */
+    uint32_t jobs, next;                   /* next: index of the batch's next job, incremented atomically */
     uint32_t helpers;
     struct batch *after;
 } batch;

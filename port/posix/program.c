@@ -202,7 +202,8 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
         close_pipe(ends);
         return -1;
     }
-    /* Signals are blocked, so that this process cannot end before the guard can end the program. */
+    /* Signals are blocked from here, so that this process cannot end before the guard process can end the started
+       program. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = start(arguments, ends[1], fileno(log), &before, &child);

@@ -20,7 +20,7 @@ wchar_t *win32_whole_path(const char *path);
 char *win32_narrow(const wchar_t *text);
 wchar_t *win32_wide(const char *text);
 
-/* Replaces the arguments of main by those of the command line in UTF-8, with wildcards expanded. */
+/* Replaces main's arguments by the words of the command line in UTF-8, with wildcards expanded. */
 void win32_arguments(int *argc, char ***argv);
 
 /* Sets errno to the value that corresponds to GetLastError. Returns -1. */

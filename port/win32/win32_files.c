@@ -31,7 +31,7 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
     *facts = (fxs_file_facts){0};
     if (GetFileType(handle) != FILE_TYPE_DISK || !GetFileInformationByHandle(handle, &about))
         return GetFileType(handle) == FILE_TYPE_UNKNOWN ? FXS_FILE_NONE : FXS_FILE_OTHER;
-    const FILETIME modified = about.ftLastWriteTime;       /* time in units of 100 ns */
+    const FILETIME modified = about.ftLastWriteTime;       /* time of modification in units of 100 ns */
     *facts = (fxs_file_facts){(uint64_t)about.nFileSizeHigh << 32 | about.nFileSizeLow, about.dwVolumeSerialNumber,
                               (uint64_t)about.nFileIndexHigh << 32 | about.nFileIndexLow,
                               100 * ((uint64_t)modified.dwHighDateTime << 32 | modified.dwLowDateTime)};

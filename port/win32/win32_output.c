@@ -53,8 +53,8 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* Creates a file that no other process can open. Windows deletes the file when the handle is closed, unless it is
-   unmarked before. */
+/* Creates a file that no other process can open. Windows deletes the file when its handle is closed, unless the mark
+   for deletion is removed before. */
 static HANDLE create_named(const char *name)
 {
     wchar_t *wide = win32_path(name);

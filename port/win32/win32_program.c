@@ -200,7 +200,7 @@ void fxs_program_become(const char *path, char **argv)
     arguments[0] = program;
     for (size_t i = 1; i < count; i++)
         arguments[i] = argv[i];
-    /* Ctrl-C must end only the started program. A setting to ignore Ctrl-C is not used, because the program would
+    /* The started program handles Ctrl-C. Ctrl-C is not ignored by a setting of this process, because the program would
        inherit it. */
     SetConsoleCtrlHandler(leave_it, TRUE);
     const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
@@ -208,7 +208,8 @@ void fxs_program_become(const char *path, char **argv)
     free(arguments);
     free(program);
     if (!error) {
-        bind_to_this(process, 1);          /* 1: a browser that the program has started lives on */
+        /* 1: a browser that the started program has opened lives on when this process ends */
+        bind_to_this(process, 1);
         exit((int)wait_for(process));
     }
 }

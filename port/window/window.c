@@ -9,7 +9,7 @@
 
 #include "src/base/os_calls.h"
 
-#ifndef SDL_HINT_VIDEODRIVER        /* SDL before 2.0.22 lacks this name */
+#ifndef SDL_HINT_VIDEODRIVER        /* SDL before 2.0.22 does not define this macro */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
 #endif
 

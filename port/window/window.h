@@ -27,8 +27,9 @@ enum { FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;
     int key;                    /* key event: character on the key in lower case, FXS_KEY_ENTER or FXS_KEY_ESCAPE */
-    int left, other;   /* mouse motion: 1 if the left button is down; 1 if the middle or right one is down */
-    double dx, dy;   /* mouse motion in pixels, y down; for the wheel, steps in dy, positive away from the user */
+    int left, other;   /* mouse motion event: 1 if the left button is down; 1 if the middle or right one is down */
+    /* mouse motion event: motion in pixels, y down; wheel event: steps in dy, positive away from the user */
+    double dx, dy;
     double x, y;
     int count;                  /* click event: number of clicks; 2: a double click */
     const char *path;           /* drop event: path of the dropped file, valid until the next event */

@@ -1,5 +1,5 @@
-/* A worker thread, which runs jobs while the window stays responsive. Only the window's thread may call these
- * functions, except fxs_worker_stopped and fxs_worker_tell. */
+/* A worker thread, which runs jobs in the background while the window stays responsive. Only the window's thread may
+ * call these functions, except fxs_worker_stopped and fxs_worker_tell. */
 #ifndef FXS_WORKER_H
 #define FXS_WORKER_H
 

@@ -11,7 +11,7 @@ enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 
 typedef struct fxs_byte_reader {
     const fxs_scene_source *source;
-    const char *fault;          /* why the last read or seek failed, for a message */
+    const char *fault;          /* reason why the last read or seek failed */
     uint64_t offset;            /* file offset of the end of the buffered bytes */
     size_t begin, end;
     uint8_t buffer[FXS_BYTE_READER_BUFFER];

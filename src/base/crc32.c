@@ -8,7 +8,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
     for (uint32_t b = 0; b < 256; b++) {
         uint32_t crc = b;
         for (int bit = 0; bit < 8; bit++)
-            /* avoids the operator ?:, which gcc 12 for ARM miscompiles here */
+            /* The operator ?: is avoided, because gcc 12 for ARM miscompiles it here. */
             crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);
         after[0][b] = crc;
     }

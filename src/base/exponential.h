@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* upper bits of ln 2, so few that the product with an integer up to 2^20 is exact */
+/* upper bits of ln 2; the product with an integer up to 2^20 is exact */
 #define FXS_LN_2_HIGH 0x1.62e42fee00000p-1
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 

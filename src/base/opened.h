@@ -1,4 +1,4 @@
-/* Two callbacks: one learns of every opened file, one of every output. A program thus never overwrites its inputs. */
+/* Callbacks that learn of every opened file and of every output. With them, a program never overwrites its inputs. */
 #ifndef FXS_OPENED_H
 #define FXS_OPENED_H
 

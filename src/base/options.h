@@ -9,7 +9,7 @@
    defaults stay. Returns 0, or FXS_ERR_STRUCT and a message with the struct's name. */
 int fxs_options_read(void *all, size_t bytes, const void *given, const char *name, fxs_message *message);
 
-/* Calls fxs_options_read with the size and the name of a struct type. */
+/* Calls fxs_options_read for a struct, with the size and name of the struct's type. */
 #define FXS_OPTIONS_READ(type, all, given, message) fxs_options_read(all, sizeof(type), given, #type, message)
 
 #endif

@@ -1,4 +1,4 @@
-/* Runs all jobs on the calling thread, for callers without a thread pool. The function is of type fxs_run_fn. */
+/* Runs all jobs on the calling thread, for callers without a thread pool. The function has the type fxs_run_fn. */
 #ifndef FXS_RUN_H
 #define FXS_RUN_H
 

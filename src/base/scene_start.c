@@ -18,7 +18,7 @@ static double sign_of(double x)
     return x < 0 ? -1 : 1;
 }
 
-/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 outwards, as a part of the octahedral map. The function is
+/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 outwards, a step of the octahedral map. The function is
    its own inverse. */
 static void fold(double *x, double *y)
 {

@@ -137,7 +137,7 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     return 0;
 }
 
-static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a hash (Fowler, Noll, Vo) */
+static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* computes an FNV-1a hash (Fowler, Noll, Vo) */
 {
     for (const unsigned char *byte = bytes; size > 0; size--, byte++)
         so_far = (so_far ^ *byte) * 0x100000001b3u;

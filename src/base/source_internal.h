@@ -1,5 +1,5 @@
-/* Sources of a scene's bytes: a file, memory or callbacks. Functions with a message return 0, or an error and the
-   message. */
+/* Sources of a scene's bytes: a file, memory or a program's callbacks. Functions with a message return 0, or an error
+   and the message. */
 #ifndef FXS_SOURCE_INTERNAL_H
 #define FXS_SOURCE_INTERNAL_H
 

@@ -11,7 +11,7 @@ typedef struct fxs_tilt {
     double x, y, roll;
 } fxs_tilt;
 
-/* Computes cos and sin of roll * pi/2, by the same polynomials as the renderer. */
+/* Computes the cosine and sine of a rotation's roll * pi/2, by the same polynomials as the renderer. */
 static inline void fxs_tilt_roll(double roll, double *cosine, double *sine)
 {
     const double square = roll * roll;

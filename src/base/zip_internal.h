@@ -11,8 +11,8 @@ typedef struct fxs_zip fxs_zip;
    FXS_ERR_UNSUPPORTED in a build without libzip. */
 int fxs_zip_open(const fxs_scene_source *source, fxs_zip **zip, fxs_message *message);
 
-/* Finds the folder of the archive with the entry `name`. Later names are relative to that folder, or to the top level
-   if it contains `name`. Returns 0, or an error and a message. */
+/* Finds the folder in the archive with the file `name`. Later names are relative to that folder, or to the top level if
+   it contains `name`. Returns 0, or an error and a message. */
 int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message);
 
 /* Loads a zip entry. Free the text with fxs_text_let_go. Returns 0, or an error and a message. */
@@ -26,7 +26,7 @@ typedef struct fxs_zip_entry {
     size_t size;
 } fxs_zip_entry;
 
-/* Writes zip entries uncompressed and dated 1980, so that the bytes depend only on the entries. */
+/* Writes a zip archive, uncompressed and with all entries dated 1980, so that its bytes depend only on the entries. */
 int fxs_zip_write(fxs_output *output, const fxs_zip_entry *entries, uint32_t count, fxs_message *message);
 
 #endif

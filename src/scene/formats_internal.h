@@ -18,8 +18,8 @@ typedef struct fxs_writer {
 
 typedef struct fxs_format_row {
     fxs_scene_format about;
-    const fxs_reader *reader;   /* null if the format cannot be read */
-    const fxs_writer *writer;   /* null if the format cannot be written */
+    const fxs_reader *reader;   /* reader of the format; null: the format cannot be read */
+    const fxs_writer *writer;   /* writer of the format; null: the format cannot be written */
 } fxs_format_row;
 
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message);
@@ -28,8 +28,8 @@ int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row *
    format. */
 const fxs_format_row *fxs_format_to_write(const char *name, const char *path);
 
-/* Returns the file name number `number` that stands for a whole folder, such as tileset.json. Returns null after the
-   last name. The name ends at a space or a zero. */
+/* Returns the name of the index file of a scene that fills a whole folder, such as tileset.json. number: 0 for the
+   first name. Returns null after the last name. The name ends at a space or a zero. */
 const char *fxs_format_index_name(int number);
 
 extern const fxs_reader fxs_read_fxs, fxs_read_compressed_ply, fxs_read_ply, fxs_read_ksplat, fxs_read_spz,

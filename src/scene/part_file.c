@@ -175,7 +175,7 @@ static int load_heads(merger *m, part *p)
     if (!p->heads)
         return fxs_fail_memory(m->message, p->path, bytes);
     FXS_TRY(read_at(m, p, p->layout.scene, p->heads, bytes));
-    /* uses the header as first read, because the file may have changed since */
+    /* The file may have changed between two reads, so the first header, which was checked, replaces the second. */
     memcpy(p->heads, &p->scene, sizeof p->scene);
     fxs_part_header_turn(&head);
     if (head_checksum(&m->table, &p->layout, &head, p->heads) != p->head.head_checksum)

@@ -1,4 +1,4 @@
-/* Functions and memory that each board provides to the program. */
+/* Functions and memory that each board provides to the firmware program. */
 #ifndef FXS_FIRMWARE_H
 #define FXS_FIRMWARE_H
 

@@ -1,4 +1,4 @@
-/* Cortex-M: vector table, start-up code and clock. */
+/* Start of a Cortex-M processor: vector table, start-up code and clock. */
 #include "firmware.h"
 
 #include <stdint.h>

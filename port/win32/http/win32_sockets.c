@@ -47,7 +47,7 @@ static IP_ADAPTER_ADDRESSES *list_adapters(void)
     const ULONG without = GAA_FLAG_SKIP_ANYCAST | GAA_FLAG_SKIP_MULTICAST | GAA_FLAG_SKIP_DNS_SERVER;
     ULONG room = 1 << 14, result;
     IP_ADAPTER_ADDRESSES *all = NULL;
-    do {   /* tries again if the list of network adapters has grown since the last call */
+    do {   /* the call is repeated if the list of network adapters has grown since the last call */
         free(all);
         all = malloc(room);
         result = all ? GetAdaptersAddresses(AF_UNSPEC, without, NULL, all, &room) : ERROR_SUCCESS;

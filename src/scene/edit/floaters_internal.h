@@ -6,7 +6,7 @@
 
 typedef struct fxs_floater {
     float position[3];
-    float end[3];                 /* vector from the centre along the longest axis, one sigma long */
+    float end[3];                 /* vector from the Gaussian's centre along its longest axis, one sigma long */
     int16_t level;
     uint8_t opaque, floats;
 } fxs_floater;

@@ -24,7 +24,8 @@ typedef struct part {
     double inner[3];
     int moves;
     double middle[3];
-    double shift[3];   /* translation of a file's Gaussians: world position = rows * file position + shift */
+    /* translation of a file's Gaussians: world position = M * file position + shift, with the matrix M in `rows` */
+    double shift[3];
     int is_moved, is_turned, is_tinted;
 } part;
 

@@ -1,5 +1,5 @@
-/* Reads PlayCanvas's compressed .ply: 32-bit words that code Gaussians relative to the bounds of their chunk of 256.
-   Layout: gsplat-compressed-data.js of the engine. */
+/* Reads PlayCanvas's compressed .ply. Its 32-bit words code Gaussians relative to the bounds of their chunk of 256
+   Gaussians. Layout: gsplat-compressed-data.js of PlayCanvas's engine. */
 #include <fixsplat/internal/allocator.h>
 
 #include "ply_header.h"

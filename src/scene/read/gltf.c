@@ -61,7 +61,7 @@ typedef struct buffer_view {
     const char *fault;
 } buffer_view;
 
-enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* Types of numbers: glTF's componentType minus 5120. */
+enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* types of numbers: glTF's componentType minus 5120 */
 
 typedef struct accessor {
     range bytes;                 /* place of the elements in a buffer; buffer null: all elements are 0 */
@@ -177,7 +177,7 @@ static int make_list(gltf *g, const cJSON *root, int which)
 
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))     /* an array has room for the next power of two */
+    if (count & (count - 1))     /* the array has room for the next power of two of items */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -239,7 +239,8 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     return result;
 }
 
-/* Opens a glTF buffer. A buffer without bytes, the fallback of a compressed buffer, stays empty. */
+/* Opens a glTF buffer. A buffer that stands for the uncompressed form of compressed data has no bytes and stays
+   empty. */
 static int open_buffer(gltf *g, int index)
 {
     const cJSON *item = g->lists[BUFFERS].items[index];
@@ -1082,7 +1083,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* closes .spz data before the buffers that the data are read from */
+        fxs_spz_close(g->splats[i].opened);   /* .spz data are closed before the buffers that they are read from */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);

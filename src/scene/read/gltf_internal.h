@@ -9,7 +9,7 @@
 int fxs_gltf_open(void *reader, const fxs_scene_source *source, double frame[3][4], fxs_scene_file_info *info,
                   fxs_message *message);
 
-/* Frees decompressed data of a glTF reader that is not being read. Returns 0 if nothing was freed. */
+/* Frees the decompressed data of a glTF reader that are not being read. Returns 0 if nothing was freed. */
 int fxs_gltf_drop(void *reader);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct section {
     uint32_t centre_size;
     int sh_degree;
     uint32_t row_size;
-    /* coding of positions at compression levels 1 and 2: position = (code - range) step + centre */
+    /* coding of positions in a bucket at compression levels 1 and 2: position = (code - range) step + bucket centre */
     double range, step;
     uint64_t lengths, centres, rows, end;
 } section;

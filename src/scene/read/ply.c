@@ -133,8 +133,8 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
     return 0;
 }
 
-/* Finds properties of type ushort, which are read as 16-bit floats, because some programs store floats so. Colours are
-   an exception. */
+/* Finds properties of type ushort. They are read as 16-bit floats, because some programs store floats in this type.
+   Colours are an exception. */
 static void find_halves(ply_reader *reader)
 {
     for (int i = reader->vertex->first; i < reader->vertex->end; i++) {
@@ -290,8 +290,8 @@ static int is_fine(const ply_reader *reader)
     return reader->header.encoding == FXS_PLY_ASCII;
 }
 
-/* Chooses the origin of the Gaussians from a sample. info->coarse becomes the largest spacing of floats that exceeds
-   the size of a sampled Gaussian. */
+/* Chooses the origin of the Gaussians from a sample. info->coarse becomes the largest distance between neighbouring
+   floats that exceeds the size of the Gaussian there. */
 static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_ply_element *vertex = reader->vertex;

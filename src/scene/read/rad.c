@@ -447,8 +447,8 @@ static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message 
 }
 
 /* Decodes the opacity of a Gaussian. Returns ln A, where A is the opacity of a tree node above 1, else 1. Codes above 1
-   mean D = min(4 code - 3, 5) and A = e^((D^2 - 1) / e). Spark then draws 1 - (1 - e^(-z^2/2))^A. Gaussians of this
-   renderer are at most opaque, so the node is enlarged by A^(1/3) instead. */
+   mean D = min(4 code - 3, 5) and A = e^((D^2 - 1) / e). At z sigmas from the centre, Spark then draws the opacity 1 -
+   (1 - e^(-z^2/2))^A. Gaussians of this renderer are at most opaque, so the node is enlarged by A^(1/3) instead. */
 static double decode_opacity(const rad_reader *r, size_t row, float *opacity)
 {
     const double code = value_of(r, FXS_RAD_ALPHA, 0, row), d = fmin(4 * code - 3, 5);

@@ -27,6 +27,6 @@ typedef struct fxs_rad_encoding {
 extern const fxs_rad_property fxs_rad_properties[FXS_RAD_PROPERTIES];
 extern const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS];
 
-#define FXS_RAD_E 2.718281828459045    /* e, which the coding of opacities above 1 uses */
+#define FXS_RAD_E 2.718281828459045    /* Euler's number e, which the coding of opacities above 1 uses */
 
 #endif

@@ -1,5 +1,5 @@
-/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate), all floats, a row per Gaussian.
-   Positions are rotated by half a turn about z, because y is up in glTF. */
+/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate). All numbers are floats, and each Gaussian has
+   a row. Positions are rotated by half a turn about z, because y is up in glTF. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

@@ -42,7 +42,8 @@ typedef struct builder {
     uint32_t nodes;
     uint32_t *parents;             /* index of each node's parent; NONE: the node is the root */
     uint32_t *firsts, *children;   /* node i has the children children[firsts[i]] to children[firsts[i + 1] - 1] */
-    float *weights, *sizes;        /* size of a node: two sigmas of the longest axis times Spark's dilation D */
+    /* size of a node: two sigmas of the longest axis times Spark's dilation D (fxs_rad_dilation) */
+    float *weights, *sizes;
     uint32_t *reps;
     moments *moments;
     sums sums[FXS_LEVEL_SET];

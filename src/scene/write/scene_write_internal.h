@@ -6,7 +6,8 @@
 #include "src/base/output_internal.h"
 #include "src/scene/formats_internal.h"
 
-#define FXS_HELD_SH_ONE 4096       /* fixed-point 1: held SH coefficients are multiples of 1/4096, within +-8 */
+/* fixed-point 1: SH coefficients of Gaussians in memory are multiples of 1/4096, within +-8 */
+#define FXS_HELD_SH_ONE 4096
 
 typedef struct fxs_held_gaussian {
     float position[3], scale[3], dc[3];
@@ -18,7 +19,7 @@ typedef struct fxs_held {
     fxs_output output;
     fxs_held_gaussian *gaussians;
     int16_t *sh;                   /* SH coefficients in the order of fxs_gaussian */
-    uint32_t *order;               /* indices of the held Gaussians in spatial order, or null */
+    uint32_t *order;               /* indices of the Gaussians in memory, in spatial order; or null */
     uint32_t count, next;
     uint32_t coefficients;
 } fxs_held;
@@ -33,7 +34,7 @@ int fxs_held_open(fxs_held *held, const char *path, const fxs_scene_write_option
 
 int fxs_held_put(fxs_held *held, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
-/* Sorts the held Gaussians into groups of 256 neighbours. Returns 1, or 0 and the error in held->output. */
+/* Sorts the Gaussians in memory into groups of 256 neighbours. Returns 1, or 0 and the error in held->output. */
 int fxs_held_order(fxs_held *held);
 
 int fxs_held_close(fxs_held *held, fxs_message *message);

@@ -1,4 +1,4 @@
-/* Writes .splat: records of 32 bytes. Clamps scales to 4.85e8 and positions to 2^27. */
+/* Writes .splat files: a record of 32 bytes for each Gaussian. Clamps scales to 4.85e8 and positions to 2^27. */
 #include <math.h>
 
 #include "scene_write_internal.h"

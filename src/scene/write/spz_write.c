@@ -200,8 +200,8 @@ static int spz_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
 }
 
 /* Chooses the number of fractional bits of positions, which have 24 bits with sign. `most` is the largest number that
-   fits all positions. Up to 12, fitting 99 % of the positions is enough. A fine file uses `most`, up to 24. Other files
-   use `most` - 8, but at least 12 if `most` is 12 or more. */
+   fits all positions. Up to 12, fitting 99 % of the positions is enough. A file with the option `fine` uses `most`, up
+   to 24. Other files use `most` - 8, but at least 12 if `most` is 12 or more. */
 static void choose_bits(spz_writer *w)
 {
     uint32_t beyond = 0;
@@ -223,7 +223,7 @@ static void place(spz_writer *w, size_t index)
     memcpy(g.scale, w->placements[index].scale, sizeof g.scale);
     w->clamped.position += (uint32_t)fxs_bring_in(&g, w->clamped.reach);
     held = g;
-    fxs_hold_scales(&held);            /* does not report clamping of an axis that is too thin to be seen */
+    fxs_hold_scales(&held);            /* clamping an axis that is too thin to be seen is not reported as a loss */
     for (int i = 0; i < 3; i++) {
         const double x = ldexp(i ? -g.position[i] : g.position[i], w->fractional_bits);
         const uint32_t bits = (uint32_t)code(x, -POSITION_MAX, POSITION_MAX);
