@@ -1,4 +1,5 @@
-/* Stubs of a back end that was built without its library. ABSENT is the error message. */
+/* Functions of a back end (a way to render) that was built without its library. Each fails with the error message
+   ABSENT. */
 #ifndef FXS_ABSENT_H
 #define FXS_ABSENT_H
 

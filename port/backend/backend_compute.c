@@ -105,7 +105,7 @@ static int grow_scenes(compute_backend *b, fxs_message *why)
     return 0;
 }
 
-/* Finds a scene on the device. Uploads a new or changed scene first. */
+/* Finds a scene's copy in the device's memory. Uploads a new or changed scene first. */
 static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *place, fxs_message *why)
 {
     for (*place = 0; *place < b->scene_count; ++*place)
@@ -125,7 +125,8 @@ static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *plac
     return 0;
 }
 
-/* Takes addresses in a second loop, because an upload may move the array. */
+/* Finds the device's copies of all scenes of a frame. A second loop takes their addresses, because an upload may move
+   the array of scenes. */
 static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     uint32_t place = 0;

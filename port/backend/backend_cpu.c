@@ -1,4 +1,4 @@
-/* Back end that runs every stage on the processor. */
+/* Back end that runs all stages of a frame on the processor (no GPU). */
 #include <stdio.h>
 #include <stdlib.h>
 

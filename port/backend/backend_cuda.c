@@ -12,7 +12,7 @@
 
 #ifdef FXS_WITH_CUDA
 
-#define EYES 2u                    /* two slots render both eyes of a stereo frame concurrently */
+#define EYES 2u                    /* number of frames that CUDA renders concurrently: the two eyes of a stereo frame */
 
 typedef struct cuda_backend {
     fxs_cuda *cuda;
@@ -40,7 +40,8 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-/* Divides the device time of a frame in proportion to the stages' times, because the stages of two eyes overlap. */
+/* Divides the GPU's time of a frame among the stages of rendering, in proportion to the stages' times. The stages of
+   two eyes overlap, so their times cannot be added. */
 static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
     static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};

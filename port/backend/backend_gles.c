@@ -1,6 +1,6 @@
-/* OpenGL back ends. The processor makes the tile lists; OpenGL draws the pixels, from tile lists or by framebuffer
- * fetch. Both ways give identical pixels. The back ends gles and osmesa time both ways in their first frames and
- * then use the faster. */
+/* OpenGL back ends. The processor lists the Gaussians of each tile; OpenGL draws the pixels, from tile lists or by
+ * framebuffer fetch. Both ways give identical pixels. The back ends gles and osmesa time both ways in their first
+ * frames and then use the faster. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +31,7 @@ typedef int fxs_gl_load_fn;
 enum way { LISTS, FETCH, FASTER };
 
 typedef struct kind {
-    const char *name, *without;                /* without: error message of a build without the library */
+    const char *name, *without;                /* error message of a build without the library */
     enum way way;
     int (*open)(void **port, fxs_message *why);
     fxs_gl_load_fn *load;
@@ -43,7 +43,8 @@ static const kind faster = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev
 static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
 static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
-/* Frames that FASTER draws first: one to warm up and one to measure, for each of LISTS and FETCH. */
+/* Number of first frames that compare the two ways to draw, by tile lists and by framebuffer fetch. For each way, one
+   frame warms up and one is measured. */
 enum { MEASURED = 4 };
 
 typedef struct gl_backend {
@@ -54,7 +55,7 @@ typedef struct gl_backend {
     int processor_open;
     unsigned frames;
     uint64_t times[2];
-    char lost[512];                /* why framebuffer fetch is unavailable; empty: available */
+    char lost[512];                /* reason why framebuffer fetch is unavailable; empty: it is available */
 } gl_backend;
 
 #ifdef FXS_WITH_GLES
@@ -192,7 +193,7 @@ static int is_of_device(int error)
     return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
 }
 
-/* If framebuffer fetch fails, draws this frame and all later frames from tile lists. */
+/* Renders a frame. If framebuffer fetch fails, this frame and all later frames are drawn from tile lists. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     gl_backend *b = self;

@@ -1,4 +1,4 @@
-/* Chooses the engine of a fit: the stages for this processor's instruction sets, or CUDA. */
+/* Chooses what runs a fit of a scene: the fitting stages for this processor's instruction sets, or CUDA. */
 #include <fixsplat/backend.h>
 #include <fixsplat/internal/message.h>
 

@@ -1,4 +1,4 @@
-/* Chooses the first view of a scene without cameras. */
+/* Chooses the first view of an opened scene that has no cameras. */
 #include <string.h>
 
 #include <fixsplat/renderer.h>
@@ -7,7 +7,7 @@
 #include "src/base/try_internal.h"
 #include "src/camera/first_view.h"
 
-/* Chooses with threads on all processors. */
+/* Chooses the first view of a scene, with threads on all processors. */
 static int choose(const fxs_object *objects, uint32_t count, double box[2][3], const double up[3],
                   fxs_first_choice *first, fxs_message *message)
 {

@@ -1,4 +1,4 @@
-/* Chooses the packing kernels for this processor's instruction sets. */
+/* Chooses the functions that pack scenes, for this processor's instruction sets. */
 #include "src/pack/pack_stage.h"
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>

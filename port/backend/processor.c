@@ -1,5 +1,5 @@
-/* Renders and picks on the processor. Owns the context, the thread pool, and working memory that grows as frames
- * need it. */
+/* Renders frames and picks Gaussians on the processor. Owns the rendering context, the thread pool, and working memory
+ * that grows as frames need it. */
 #include "processor_internal.h"
 
 #include <inttypes.h>

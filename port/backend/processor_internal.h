@@ -1,4 +1,4 @@
-/* Context, threads and working memory of back ends that use the processor. */
+/* Rendering context, threads and working memory of back ends that use the processor. */
 #ifndef FXS_PROCESSOR_INTERNAL_H
 #define FXS_PROCESSOR_INTERNAL_H
 
@@ -10,14 +10,14 @@
 typedef struct fxs_processor {
     fxs_context context;
     fxs_kernels kernels;
-    fxs_pool *pool;                /* null: one thread */
+    fxs_pool *pool;                /* thread pool; null: only the calling thread works */
     void *memory, *allocation;
     size_t memory_bytes;
-    size_t max_memory;             /* 0: no limit */
+    size_t max_memory;             /* most bytes of working memory; 0: no limit */
 } fxs_processor;
 
-/* Starts the threads and chooses the fastest kernels. Takes the draw functions from `drawing`. After an error,
-   nothing needs to be closed. */
+/* Starts the threads and chooses the fastest functions for this processor. Functions that draw pixels come from
+   `drawing`. After an error, nothing needs to be closed. */
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
                        fxs_message *why);
 

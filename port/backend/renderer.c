@@ -1,4 +1,5 @@
-/* Implements fxs_renderer by the chosen back end. The processor picks for a back end without a pick function. */
+/* Implements fxs_renderer by the chosen back end. If a back end cannot pick the Gaussian at a pixel, the processor
+   does. */
 #include <fixsplat/renderer.h>
 
 #include <stdio.h>
@@ -13,7 +14,7 @@ struct fxs_renderer {
     const fxs_backend *backend;
     void *self;
     fxs_backend_options picking;
-    void *picker;                  /* null until the first pick */
+    void *picker;                  /* processor's state for picking Gaussians; null until the first pick */
 };
 
 static int unknown(const char *name, fxs_message *message)

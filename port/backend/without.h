@@ -1,4 +1,4 @@
-/* Error message of a back end that was built without the headers of some Debian packages. */
+/* Error message of a back end (a way to render) that was built without the headers of some Debian packages. */
 #ifndef FXS_WITHOUT_H
 #define FXS_WITHOUT_H
 

@@ -8,7 +8,7 @@ enum {
 };
 enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-#define WAKE_MILLISECONDS 120      /* wait after the commands RESET and SLEEP_OUT */
+#define WAKE_MILLISECONDS 120      /* time to wait after the commands RESET and SLEEP_OUT */
 
 static void send(const fxs_ili9341 *panel, uint8_t command, const uint8_t *data, size_t count)
 {
@@ -32,8 +32,8 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
         {POWER_2, 1, {0x10}},
         {VCOM_1, 2, {0x3e, 0x28}},
         {VCOM_2, 1, {0x86}},
-        {FRAME_RATE, 2, {0x00, 0x18}},     /* frame rate 79 Hz */
-        {PIXEL_FORMAT, 1, {0x55}},         /* 16 bits per pixel */
+        {FRAME_RATE, 2, {0x00, 0x18}},     /* frame rate: 79 frames a second */
+        {PIXEL_FORMAT, 1, {0x55}},         /* pixel format: 16 bits per pixel */
     };
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
     const uint8_t access = (uint8_t)(BGR | (upright ? MIRROR_X : TRANSPOSE));

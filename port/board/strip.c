@@ -1,4 +1,5 @@
-/* Renders a picture in strips: blends tile by tile to the strip's pixels, and calls rows_done for each full strip. */
+/* Renders a picture in strips of rows. Blends tile by tile to the strip's pixels, and calls rows_done for each full
+   strip. */
 #include <fixsplat/board.h>
 
 #include <fixsplat/internal/stage.h>

@@ -1,5 +1,5 @@
-/* Opens a context of OpenGL ES 3 through EGL without a window: on the first EGL device that works, then on Mesa's
- * surfaceless platform, then on the default display. libEGL and libGLESv2 are loaded at run time. */
+/* Opens a context of OpenGL ES 3 through EGL without a window. Tries the EGL devices in order, then Mesa's surfaceless
+ * platform, then the default display. libEGL and libGLESv2 are loaded at run time. */
 #include <fixsplat/gl.h>
 #include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/internal/message.h>
@@ -22,7 +22,7 @@ typedef struct fxs_egl {
     EGLContext context;
 } fxs_egl;
 
-/* dlsym returns a data pointer; POSIX allows its use as a function pointer. */
+/* Finds a function of a loaded library. dlsym returns a data pointer; POSIX allows its use as a function pointer. */
 static function *symbol(void *library, const char *name)
 {
     function *found = 0;
@@ -45,7 +45,8 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
-/* Releases the context first, because EGL ignores a call for the context that it believes to be current. */
+/* Makes the EGL context current in this thread. First makes no context current, because EGL ignores a call for a
+   context that it believes to be current. */
 int fxs_egl_use(void *egl)
 {
     const fxs_egl *e = egl;
@@ -144,6 +145,6 @@ void fxs_egl_close(void *egl)
             CALL(EGLDESTROYSURFACE, eglDestroySurface)(e->display, e->surface);
         CALL(EGLDESTROYCONTEXT, eglDestroyContext)(e->display, e->context);
     }
-    /* The libraries stay loaded, because unloading can crash drivers. */
+    /* The loaded libraries stay in memory, because unloading them can crash drivers. */
     free(e);
 }

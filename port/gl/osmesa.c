@@ -74,6 +74,6 @@ void fxs_osmesa_close(void *osmesa)
     fxs_osmesa *o = osmesa;
     if (o && o->context)
         ((void (*)(OSMesaContext))symbol(o, "OSMesaDestroyContext"))(o->context);
-    /* The library stays loaded, because unloading can crash drivers. */
+    /* The loaded libOSMesa stays in memory, because unloading it can crash drivers. */
     free(o);
 }

@@ -78,7 +78,7 @@ struct MHD_Response *fxs_http_gzip(fxs_http_gzipped **list, const char *name, co
     if (!*is_new)
         return place ? place->response : NULL;
     if (place->response)
-        MHD_destroy_response(place->response);   /* libmicrohttpd keeps a response while it is being sent */
+        MHD_destroy_response(place->response);   /* libmicrohttpd keeps the old response until it has been sent */
     place->response = compress_file(descriptor, size);
     strcpy(place->tag, tag);
     return place->response;

@@ -1,4 +1,5 @@
-/* Caches files compressed with gzip. A file is compressed at its first request and again when its ETag changes. */
+/* Caches gzip-compressed copies of served files. A file is compressed at its first request, and again when its ETag
+   changes. */
 #ifndef FXS_HTTP_GZIP_H
 #define FXS_HTTP_GZIP_H
 
@@ -15,8 +16,8 @@ enum { FXS_HTTP_HAS_GZIP = 1 };
 enum { FXS_HTTP_HAS_GZIP = 0 };
 #endif
 
-/* Returns the compressed response, which the cache owns; null on failure. *is_new = 1: the response has no headers
-   yet. */
+/* Returns an HTTP response with the compressed file, or null on failure. The cache owns the response. *is_new = 1: the
+   response has no headers yet. */
 struct MHD_Response *fxs_http_gzip(fxs_http_gzipped **list, const char *name, const char *tag, int descriptor,
                                    size_t size, int *is_new);
 void fxs_http_gzip_free(fxs_http_gzipped *list);

@@ -1,4 +1,4 @@
-/* Serves files with libmicrohttpd, on its internal thread. Each request opens its file anew. */
+/* Serves files with libmicrohttpd, on the library's internal thread. Each request opens its file anew. */
 #include "server.h"
 
 #include "gzip.h"
@@ -15,10 +15,11 @@
 
 #include "src/base/os_calls.h"
 
-/* timeouts of a connection in seconds, without a request and during a response */
+/* Timeouts of a connection in seconds: while it waits for a request, and during a response. */
 enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };
-enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* most connections in all and per client address; a
-                                                                connection takes two of the usual 1024 descriptors */
+/* Largest numbers of connections: in all, and from one client address. A connection takes two of the usual 1024 file
+   descriptors. */
+enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };
 enum { GZIP_LEAST = 1 << 10, GZIP_MOST = 1 << 23, PEM_BYTES_MOST = 1 << 20 };
 
 struct fxs_http_server {
@@ -33,8 +34,8 @@ struct fxs_http_server {
     char said[256];
 };
 
-/* Returns 1 if all parts of a name consist of letters, digits, . _ and -, without a dot at the start. Such a name
-   cannot leave the folder. */
+/* Returns 1 if all parts of a requested name consist of letters, digits, . _ and -, without a dot at the start. Such a
+   name cannot lead out of the served folder. */
 static int is_inside(const char *name)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
@@ -81,7 +82,7 @@ static int open_named(const fxs_http_site *site, const char *name, fxs_file_fact
     return descriptor;
 }
 
-/* Returns the target of a short address ("/" is the first, "/1" the second); null: no such address. */
+/* Returns the target of a short URL path: "/" is the first, "/1" the second. Returns null for any other path. */
 static const char *start_of(const fxs_http_site *site, const char *name)
 {
     char shorter[16] = "/";
@@ -93,7 +94,7 @@ static const char *start_of(const fxs_http_site *site, const char *name)
 
 typedef struct kind {
     const char *ending, *type;
-    int shrinks;                            /* 1: files of this type are worth compressing */
+    int shrinks;                            /* 1 if files of this type are worth compressing */
 } kind;
 
 static const kind *kind_of(const char *name)
@@ -112,7 +113,8 @@ static const kind *kind_of(const char *name)
     return k;
 }
 
-/* Leaves an address with an escaped zero unchanged, because unescaping would cut off the text after the zero. */
+/* Decodes %XX in the path of a URL. Leaves a path with %00 unchanged, because a zero would cut off the text after
+   it. */
 static size_t unescape(void *self, struct MHD_Connection *connection, char *text)
 {
     (void)self;
@@ -143,7 +145,7 @@ static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned s
     return done;
 }
 
-/* `text` must be a string constant. */
+/* Sends a response with the text `text`, which must be a string constant. */
 static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned status, const char *text,
                                   const char *header, const char *value)
 {
@@ -165,8 +167,8 @@ static const char *take_digits(const char *text, uint64_t *value)
     return *text >= '0' && *text <= '9' && !errno ? end : 0;
 }
 
-/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the range; 0 for the
-   whole file; -1 if the file has no such bytes. */
+/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the range of bytes; 0 if
+   the whole file must be sent; -1 if the file has no such bytes. */
 static int take_range(const char *range, uint64_t size, uint64_t *first, uint64_t *length)
 {
     uint64_t from = 0, last = UINT64_MAX;
@@ -219,7 +221,7 @@ static enum MHD_Result send_gzipped(fxs_http_server *server, struct MHD_Connecti
     return MHD_queue_response(connection, MHD_HTTP_OK, response);
 }
 
-/* Takes ownership of the descriptor. */
+/* Sends a file, or a range of its bytes. Closes the descriptor when all is sent. */
 static enum MHD_Result send_file(fxs_http_server *server, struct MHD_Connection *connection, const char *name,
                                  int descriptor, const fxs_file_facts *facts)
 {
@@ -270,8 +272,8 @@ static int is_name(const char *host, size_t length, const char *name, const char
            !strncasecmp(host + first, behind, length - first);
 }
 
-/* Prevents DNS rebinding. Accepts numeric addresses, localhost, options.host and, unless the server is local, this
-   machine's names. */
+/* Returns 1 for an allowed Host header, to prevent DNS rebinding. Accepts numeric addresses, localhost, options.host
+   and, unless the server is local, this machine's names. */
 static int is_own_host(const fxs_http_server *server, const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;
@@ -292,7 +294,8 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
     (void)body;
     if (strcmp(method, "GET") && strcmp(method, "HEAD"))
         return send_words(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET and HEAD\n", "Allow", "GET, HEAD");
-    if (!*state) {   /* libmicrohttpd's first call for a request must not send a response */
+    /* libmicrohttpd calls this function several times for a request; the first call must not send a response */
+    if (!*state) {
         *state = server;
         return MHD_YES;
     }
@@ -489,7 +492,7 @@ typedef struct telling {
     void *self;
 } telling;
 
-/* Skips link-local IPv6 addresses, which URLs cannot name. */
+/* Reports the URL of one address of this machine. Skips link-local IPv6 addresses, which URLs cannot contain. */
 static void tell_interface(void *self, const fxs_http_address *a)
 {
     const telling *t = self;

@@ -22,8 +22,8 @@ static void remove_guest(fxs_http_waiting *w, guest *g)
     w->count--;
 }
 
-/* Shuts the socket down, so that the server finds the connection closed. On Windows, the timeout of 1 second closes
-   it instead. */
+/* Ends a waiting connection. Shuts its socket down, so that the server finds the connection closed. On Windows, the
+   timeout of 1 second closes the connection instead. */
 static void end_guest(const guest *g)
 {
     shutdown(MHD_get_connection_info(g->connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd, FXS_HTTP_BOTH_WAYS);

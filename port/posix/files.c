@@ -1,4 +1,4 @@
-/* Files, folders, links, descriptors and terminals on POSIX systems. */
+/* Files, folders, links, file descriptors and terminals on POSIX systems. */
 #define _XOPEN_SOURCE 700   /* declares realpath */
 
 #include "src/base/files_internal.h"
@@ -96,7 +96,7 @@ void fxs_file_unlink(const char *name)
         unlink(name);
 }
 
-/* The descriptor stays open, so the lock lasts until the process ends. Child programs do not inherit the lock. */
+/* Locks a file until the process ends, by a descriptor that stays open. Child programs do not inherit the lock. */
 int fxs_file_lock(const char *path)
 {
     const int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
@@ -204,10 +204,11 @@ static int open_name(const char *name, int flags, const char *path, FILE **file,
     *file = NULL;
     if (stat(name, &status) != 0)
         return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))   /* must precede open, because opening a device may have effects */
+    /* the kind of file is checked before open, because opening a device may have effects */
+    if (!S_ISREG(status.st_mode))
         return fxs_fail(message, "%s: not a regular file", path);
-    int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* O_NONBLOCK: does not wait for the
-                                                                                 writer of a pipe */
+    /* O_NONBLOCK: open does not wait for the writer of a pipe */
+    int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);
     FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
     if (!stream) {
         const int error = fxs_fail_errno(message, path, errno);
@@ -230,7 +231,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
     return open_name(path, 0, path, file, facts, message);
 }
 
-/* Returns the real path of a file's folder, for free(); null on failure. */
+/* Returns the real path (without symbolic links) of a file's folder, or null on failure. The caller calls free(). */
 static char *real_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -252,7 +253,8 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Fails if `path` lies outside the folder of `first`. The caller frees *real. */
+/* Stores the real path (without symbolic links) of `path` in *real. Fails if it lies outside the folder of the file
+   `first`. The caller frees *real. */
 static int follow_within(const char *first, const char *path, char **real, fxs_message *message)
 {
     char *folder = real_folder(first);

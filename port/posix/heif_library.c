@@ -1,4 +1,4 @@
-/* Loads libheif with dlopen at the first use. */
+/* Loads libheif (a decoder of HEIF photographs) with dlopen at the first use. */
 #ifdef FXS_WITH_HEIF
 
 #include "src/image/heif_library.h"

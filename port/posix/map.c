@@ -1,5 +1,5 @@
-/* Maps files read-only. A file that is cut short while mapped gives zeros instead of SIGBUS, and fxs_map_check reports
-   it. */
+/* Maps files into memory, read-only. A mapped file that is cut short gives zeros instead of SIGBUS, and fxs_map_check
+   reports the loss. */
 #define _DEFAULT_SOURCE            /* MAP_ANONYMOUS */
 #include <fixsplat/system.h>
 
@@ -13,11 +13,12 @@
 
 #include "src/base/opened.h"
 
-/* The SIGBUS handler searches the mapped ranges at any time. All fields are therefore accessed atomically and
-   without a lock. */
+/* Address ranges of mapped files. The SIGBUS handler may search them at any time, so all fields are accessed atomically
+   and without a lock. */
 enum { RANGES = 64 };
 static struct range {
-    uintptr_t start, end;          /* end = 0: nothing is mapped. end is set last and cleared first. */
+    /* first address and end of a mapped range; end = 0: nothing is mapped. end is set last and cleared first. */
+    uintptr_t start, end;
     int lost;
     int taken;
 } ranges[RANGES];
@@ -51,7 +52,7 @@ static void note_range(const fxs_mapping *mapping)
     __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
 }
 
-/* Replaces pages by zeros, from the page of the fault to the end of the mapped file. */
+/* Replaces the pages of a mapped file by zeros, from the page with the faulting address to the file's end. */
 static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {
@@ -78,8 +79,8 @@ static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, fault = info->si_code > 0;   /* si_code is not positive if another process sent the
-                                                             signal */
+    /* si_code is positive for a fault of this process, not for a signal that another process sent */
+    const int error = errno, fault = info->si_code > 0;
     if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
         handle_as_before(signal_number, info, context);
     errno = error;
@@ -99,8 +100,8 @@ void fxs_map_guard(void)
 static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     struct stat status;
-    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);   /* O_NONBLOCK: does not wait for the
-                                                                              writer of a FIFO */
+    /* O_NONBLOCK: open does not wait for the writer of a FIFO */
+    mapping->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (mapping->descriptor < 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     if (fstat(mapping->descriptor, &status) || !S_ISREG(status.st_mode) || status.st_size < 1 ||

@@ -1,5 +1,5 @@
-/* Opens scenes for rendering. Files in the packed format .fxs are mapped or read in part; all other formats are
- * packed. */
+/* Opens scenes for rendering. A file in the packed format .fxs is mapped into memory or read in part. Scenes in all
+ * other formats are converted to that format in memory. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -173,7 +173,7 @@ static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_o
     return finish(s, error, s->packed.data, s->packed.bytes, opened, message);
 }
 
-/* Reads the options of a program, and the options of the file that they point to. */
+/* Options of a program for opening a scene, and the options for the scene's file that they point to. */
 typedef struct open_options {
     fxs_open_options open;
     fxs_scene_file_options file;

@@ -22,10 +22,11 @@ enum { LINKS_MOST = 40,
        NAME_ROOM = 64,
        WRITERS_MOST = 100 };
 
-static fxs_output *under_way;   /* list of unfinished outputs, which the signal handler reads */
+static fxs_output *under_way;   /* list of unfinished outputs, read by the handler of signals that end the process */
 static char taken;
 
-/* Takes a spin lock. Signals are blocked while the lock is held, so the handler can wait for another thread. */
+/* Takes a spin lock and blocks signals while the lock is held. The signal handler can therefore wait for another
+   thread's lock. */
 static void enter(sigset_t *before)
 {
     sigset_t all;
@@ -53,7 +54,8 @@ static void forget(fxs_output *output)
     leave(&before);
 }
 
-/* Signal handler that removes the temporary files and ends the process. Keeps the lock, so that other threads wait. */
+/* Signal handler that removes the temporary files and ends the process. Keeps the spin lock, so that other threads
+   wait. */
 static void remove_and_end(int signal_number)
 {
     while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
@@ -136,13 +138,14 @@ static void name_temporary(fxs_output *output, int i)
              hash, i);
 }
 
-/* Removes a temporary file that an ended process left. Writers lock their temporary files, so a free lock means that
+/* Removes a temporary file that an earlier process left. Writers lock their temporary files, so a free lock means that
    the writer has ended. Returns 0 if no such file exists. */
 static int remove_left(const char *name)
 {
     struct stat own, there;
     const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY;
-    int descriptor = open(name, O_WRONLY | flags);             /* flock over NFS requires write access */
+    /* the file is opened for writing, because flock() over NFS requires write access */
+    int descriptor = open(name, O_WRONLY | flags);
     if (descriptor < 0 && errno == EACCES)
         descriptor = open(name, O_RDONLY | flags);
     if (descriptor < 0)
@@ -200,8 +203,8 @@ static int create_beside(fxs_output *output, const struct stat *old)
     return descriptor;
 }
 
-/* Returns 1 if a symbolic link such as /dev/stdout names standard output. Opening the link again would truncate the
-   file. */
+/* Returns 1 if a symbolic link such as /dev/stdout leads to standard output. Opening the link again would truncate the
+   file that standard output goes to. */
 static int is_standard_output(const char *path, const struct stat *status)
 {
     struct stat own, out;
@@ -256,13 +259,13 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     return error;
 }
 
-/* Some file systems do not support fsync, which is no error. */
+/* Writes a file to disk. Some file systems do not support fsync, which is no error. */
 static int sync_file(FILE *file)
 {
     return !fsync(fileno(file)) || errno == EINVAL || errno == EROFS ? 0 : -1;
 }
 
-/* Ignores a failure, because the file itself is complete. */
+/* Writes the folder of a renamed file to disk. Ignores a failure, because the file itself is complete. */
 static void sync_folder(fxs_output *output)
 {
     const size_t folder = folder_length(output->target);

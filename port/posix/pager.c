@@ -1,6 +1,6 @@
-/* Renders a packed scene that is larger than memory. A pool has places for some of the scene's chunks of 256
- * Gaussians. The caller's thread draws from the pool, while a reader thread fills free places. Only fxs_pager_turn,
- * called between frames, assigns a place to a chunk or evicts a chunk. */
+/* Renders a packed scene that is larger than memory. A pool has places for some of the scene's chunks of 256 Gaussians.
+ * The caller's thread draws from the pool, while a reader thread fills free places. Only fxs_pager_turn, called between
+ * frames, assigns a place to a chunk or evicts a chunk. */
 #include <fixsplat/pager.h>
 
 #include <pthread.h>
@@ -24,21 +24,24 @@
 
 enum {
     PLACES_LEAST = 16,
-    KEPT_SHARE = 8, KEPT_MOST = 256,   /* the coarsest chunks of Gaussians always stay: 1/8 of the pool, 256 at most */
+    /* the coarsest chunks (256 merged Gaussians each) always stay in the pool: 1/8 of it, 256 at most */
+    KEPT_SHARE = 8, KEPT_MOST = 256,
     HEAD_PIECE = 1 << 20,
     READ_MOST = 1 << 20,
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* least and most chunks of Gaussians that one batch reads */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* least and most chunks of 256 Gaussians that are read together in a batch */
     BATCH_APART = 64,
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
     ROOM_LEAST = 256,
-    TRIES = 3,                         /* failures of a chunk until it is lost; failed reads in a row until an error
-                                          is reported */
+    /* a chunk is lost after this many failed reads; an error is reported after this many failures in a row */
+    TRIES = 3,
     PAUSE_MS = 100, PAUSE_MOST = 20
 };
 
-/* A place of the pool. Chunks that may be evicted form a linked list in the order of last use. */
+/* A place of the pool, with room for a chunk of 256 Gaussians. Places whose chunks may be evicted form a linked list in
+   the order of last use. */
 typedef struct place {
-    uint32_t chunk;                    /* FXS_NOTHING: the place is free or being filled */
+    /* index of the chunk (256 Gaussians) in this place; FXS_NOTHING: the place is free or being filled */
+    uint32_t chunk;
     uint32_t drawn;
     uint32_t newer, older;
 } place;
@@ -56,18 +59,19 @@ struct fxs_pager {
     char *name;
     unsigned char *head, *tree, *pool, *stage;
     size_t memory, stage_bytes;
-    uint32_t chunks, room, kept;       /* kept: number of tree nodes that are never evicted */
+    uint32_t chunks, room, kept;   /* kept: number of coarse chunks of Gaussians that are never evicted from the pool */
 
-    /* Fields for the caller's thread only. */
-    uint32_t *places;                  /* place of each chunk of Gaussians in the pool; FXS_NOTHING: none */
+    /* The fields from here to the lock are for the caller's thread only. */
+    uint32_t *places;                  /* index of each chunk's place in the pool; FXS_NOTHING: not in the pool */
     uint32_t *asked;
     place *in_pool;
     uint32_t newest, oldest, there;
     uint32_t turn;
     int has_asked;
-    uint32_t *wanted, wanted_count;    /* chunks that the current frames lack, most needed first */
+    /* chunks of Gaussians that the current frames need but the pool lacks, most needed first */
+    uint32_t *wanted, wanted_count;
 
-    pthread_mutex_t lock;              /* guards all fields below */
+    pthread_mutex_t lock;              /* mutex that guards all fields below */
     pthread_cond_t work, done;
     pthread_t reader;
     int has_reader, stop, reading;
@@ -113,7 +117,7 @@ static void note_drawn(fxs_pager *p, uint32_t number)
     enter_ring(p, number);
 }
 
-/* The caller holds the lock. */
+/* Puts a chunk of Gaussians that was read into its place of the pool. The caller holds the lock. */
 static void settle(fxs_pager *p, arrival a)
 {
     p->in_pool[a.place] = (place){a.chunk, p->turn, FXS_NOTHING, FXS_NOTHING};
@@ -124,7 +128,8 @@ static void settle(fxs_pager *p, arrival a)
         enter_ring(p, a.place);
 }
 
-/* Evicts the least recently drawn chunk, except chunks of the current turn. The caller holds the lock. */
+/* Evicts the least recently drawn chunk of Gaussians from the pool, unless it was drawn in the current turn. The caller
+   holds the lock. */
 static int free_place(fxs_pager *p)
 {
     const uint32_t number = p->oldest;
@@ -175,7 +180,8 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Reads consecutive chunks of Gaussians. good[i] = 1: chunk i is valid. *unread = 1: the source failed. */
+/* Reads chunks of Gaussians that follow each other in the file. good[i] = 1: chunk i is valid. *unread = 1: the read
+   itself failed. */
 static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
@@ -195,7 +201,8 @@ static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *
     return result;
 }
 
-/* After TRIES failures in a row, a success gives lost chunks new attempts. The caller holds the lock. */
+/* Notes a successful read of chunks of Gaussians. After TRIES failures in a row, chunks that counted as lost may be
+   read again. The caller holds the lock. */
 static void note_success(fxs_pager *p)
 {
     if (p->failures >= TRIES) {
@@ -205,7 +212,7 @@ static void note_success(fxs_pager *p)
     p->failures = 0;
 }
 
-/* The caller holds the lock. */
+/* Notes which chunks of Gaussians a batch has read, for the next call of fxs_pager_turn. The caller holds the lock. */
 static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const uint8_t *good, int unread)
 {
     if (!unread)
@@ -224,7 +231,8 @@ static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const u
     }
 }
 
-/* The caller holds the lock. */
+/* Takes chunks of Gaussians from the queue for a batch, and assigns free places of the pool to them. The caller holds
+   the lock. */
 static uint32_t take_batch(fxs_pager *p, arrival *list)
 {
     uint32_t count = 0;
@@ -247,7 +255,8 @@ static void tell_arrived(fxs_pager *p)
     pthread_mutex_lock(&p->lock);
 }
 
-/* Releases the caller's lock during each read. Adapts batch_most to the time that the batch took. */
+/* Reads a batch of chunks of Gaussians. Releases the caller's lock during each read. Adapts batch_most to the time that
+   the batch took. */
 static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
 {
     const uint64_t start = fxs_clock(0);
@@ -314,7 +323,7 @@ static void *allocate(fxs_pager *p, uint64_t count, size_t size)
     return block;
 }
 
-/* Reads in pieces, so that a false size in a damaged file costs no physical memory. */
+/* Reads the scene's headers in pieces, so that a false size in a damaged file costs no physical memory. */
 static int read_head(fxs_pager *p, uint64_t offset, unsigned char *out, uint64_t size, fxs_message *message)
 {
     for (uint64_t done = 0; done < size;) {
@@ -545,7 +554,8 @@ void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int the
     }
 }
 
-/* Fills the queue of chunks to read: wanted chunks first, then the coarsest. The caller holds the lock. */
+/* Fills the queue of chunks of Gaussians to read: first those that frames need, then the coarsest. The caller holds the
+   lock. */
 static void fill_queue(fxs_pager *p)
 {
     const uint32_t leaves = p->scene.chunk_count;
@@ -566,7 +576,8 @@ static uint32_t left_in_queue(const fxs_pager *p)
     return p->queue_count - p->queue_next;
 }
 
-/* Limits the number of evicted chunks, because an evicted chunk may be wanted again soon. The caller holds the lock. */
+/* Evicts chunks of Gaussians to make room in the pool. Limits their number, because an evicted chunk may be needed
+   again soon. The caller holds the lock. */
 static void free_places(fxs_pager *p)
 {
     const uint32_t share = p->room / KEPT_SHARE > ROOM_LEAST ? p->room / KEPT_SHARE : ROOM_LEAST;

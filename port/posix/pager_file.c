@@ -1,5 +1,5 @@
-/* Reads parts of a scene from a file, as a source of the pager. Each read also checks that size and modification
- * time have not changed. */
+/* Reads parts of a scene from a file, for the pager, which renders scenes larger than memory. Each read also checks
+ * that size and modification time have not changed. */
 #include <fixsplat/pager.h>
 
 #include <errno.h>

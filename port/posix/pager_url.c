@@ -1,5 +1,5 @@
-/* Reads parts of a scene from a server by HTTP range requests (RFC 9110, section 14), as a source of the pager.
- * libcurl is loaded at the first use, because libcurl brings about thirty libraries. */
+/* Reads parts of a scene from a web server by HTTP range requests (RFC 9110, section 14), for the pager, which renders
+ * scenes larger than memory. libcurl is loaded at the first use, because libcurl brings about thirty libraries. */
 #include <fixsplat/pager.h>
 
 #include <string.h>
@@ -33,7 +33,7 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 
 #include "src/base/try_internal.h"
 
-/* A request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. */
+/* An HTTP request fails after SLOW_SECONDS with less than SLOW_RATE bytes a second. */
 enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144,
        VALIDATOR = 200 };
 
@@ -72,16 +72,17 @@ static void load_library(void)
                   find(library, "curl_easy_strerror", &lib.error) && !lib.global_init(CURL_GLOBAL_DEFAULT);
 }
 
-/* Headers of a response that identify the version of the file. */
+/* Headers of an HTTP response that identify the version of the file. */
 typedef struct validators {
-    char tag[VALIDATOR], modified[VALIDATOR];      /* values of the headers ETag and Last-Modified; empty: none */
+    /* values of the headers ETag and Last-Modified; empty: the response has no such header */
+    char tag[VALIDATOR], modified[VALIDATOR];
     uint64_t size;
 } validators;
 
 typedef struct paged_url {
     CURL *handle;
     char *url;
-    int cancelled;                     /* 1: the request is cancelled; accessed atomically */
+    int cancelled;                     /* 1 if the request is to be cancelled; accessed atomically */
     int is_open;
     validators file;
 
@@ -90,7 +91,7 @@ typedef struct paged_url {
     size_t size, got, headers;
     long status;
     int has_range, too_long;
-    uint64_t from, to;                 /* first and last byte of the response, from the header Content-Range */
+    uint64_t from, to;   /* first and last byte that the response contains, from the header Content-Range */
     validators said;
 } paged_url;
 
@@ -101,7 +102,7 @@ static int is_cancelled(void *argument, curl_off_t a, curl_off_t b, curl_off_t c
     return __atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE);
 }
 
-/* Accepts only the bytes of status 206. Any other content ends the request. */
+/* Receives bytes of an HTTP response. Accepts only status 206 (partial content). Any other content ends the request. */
 static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -128,7 +129,7 @@ static void take_value(const char *line, const char *name, char value[VALIDATOR]
         snprintf(value, VALIDATOR, "%.*s", (int)end, line);
 }
 
-/* After redirects, only the last response counts. */
+/* Receives a header line of an HTTP response. After redirects, only the headers of the last response count. */
 static size_t take_header(char *bytes, size_t size, size_t count, void *argument)
 {
     paged_url *u = argument;
@@ -152,7 +153,8 @@ static size_t take_header(char *bytes, size_t size, size_t count, void *argument
     return length;
 }
 
-/* Weak ETags are excluded, because they may stay the same when bytes change. */
+/* Returns the value for the header If-Range: an ETag or a date. Weak ETags are excluded, because they may stay the same
+   when bytes change. */
 static const char *validator_of(const paged_url *u)
 {
     return *u->file.tag == '"' ? u->file.tag : *u->file.tag ? "" : u->file.modified;
@@ -163,7 +165,8 @@ static int differ(const char *a, const char *b)
     return *a && *b && strcmp(a, b) != 0;
 }
 
-/* Compares only headers that are present: a response to If-Range may omit some (RFC 9110, 15.3.7). */
+/* Returns 1 if the file on the server has changed. Compares only headers that are present: a response to If-Range may
+   omit some (RFC 9110, 15.3.7). */
 static int has_changed(const paged_url *u)
 {
     return u->said.size != u->file.size || differ(u->said.tag, u->file.tag) ||

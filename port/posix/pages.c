@@ -17,7 +17,8 @@ void fxs_aligned_free(void *block)
     free(block);
 }
 
-/* glibc reports no error if the last growth of a memory stream fails, so fxs_print_end also checks text and size. */
+/* Opens a stream that prints to memory. glibc reports no error if the stream's last growth fails, so fxs_print_end also
+   checks text and size. */
 int fxs_print_begin(fxs_printed *printed)
 {
     *printed = (fxs_printed){.text = NULL};
@@ -35,7 +36,8 @@ int fxs_print_end(fxs_printed *printed)
     return -1;
 }
 
-/* Covers only complete large pages (2 MiB), so that no other block shares them. */
+/* Asks for large pages in a memory block. Only complete large pages (2 MiB) are included, so that no other block shares
+   them. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
 #ifdef MADV_HUGEPAGE

@@ -1,4 +1,4 @@
-/* Finds the user's state folder and a font of the system. */
+/* Finds this program's folder of user data, and a font of the system. */
 #include "src/base/os_calls.h"
 
 #include <stdlib.h>
@@ -17,7 +17,8 @@ static void make_folders(char *path)
     }
 }
 
-/* Ignores relative paths, as the XDG Base Directory Specification demands. */
+/* Stores the path of a file in this program's folder of user data. Ignores a relative path in XDG_STATE_HOME, as the
+   XDG Base Directory Specification demands. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
@@ -35,7 +36,7 @@ int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 
 int fxs_font_find(char *path, size_t room, fxs_message *message)
 {
-    /* Paths of Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
+    /* Paths of fonts on Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
     static const char *const fonts[] = {
         "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
         "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/DejaVuSans.ttf",

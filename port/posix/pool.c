@@ -1,4 +1,4 @@
-/* Thread pool. Each call of fxs_pool_run puts a batch of jobs in a list; the caller and all threads of the pool take
+/* Thread pool. Each call of fxs_pool_run puts a batch of jobs in a list. The caller and all threads of the pool take
    jobs by an atomic counter. */
 #include <fixsplat/system.h>
 
@@ -8,7 +8,7 @@
 typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
-    uint32_t jobs, next;                   /* next: index of the next job, incremented atomically */
+    uint32_t jobs, next;                   /* next: index of the batch's next job, incremented atomically */
     uint32_t helpers;
     struct batch *after;
 } batch;
@@ -30,7 +30,7 @@ static void append(fxs_pool *pool, batch *b)
     *end = b;
 }
 
-/* Runs jobs of the batch until none is left. Releases the lock while jobs run. */
+/* Runs jobs of a batch until none is left. Releases the pool's lock while jobs run. */
 static void work(fxs_pool *pool, batch *b)
 {
     pthread_mutex_unlock(&pool->lock);

@@ -1,4 +1,4 @@
-/* Starts programs with posix_spawnp, opens a browser, and handles requests to end (signals). */
+/* Starts programs with posix_spawnp, opens a browser, and handles signals that ask this process to end. */
 #include "src/base/os_calls.h"
 
 #include <dlfcn.h>
@@ -18,12 +18,12 @@
 
 extern char **environ;
 
-/* Opens a closed standard file in the wrong direction, so that no other file gets its descriptor and every use
-   fails. */
+/* Opens /dev/null in place of a closed standard file, so that no other file gets its descriptor. Reads and writes are
+   swapped, so that every use fails. */
 void fxs_program_begin(int *argc, char ***argv)
 {
     (void)argc, (void)argv;
-    signal(SIGXFSZ, SIG_IGN);          /* makes a write beyond the file size limit fail with an error */
+    signal(SIGXFSZ, SIG_IGN);          /* a write beyond the file size limit fails with an error instead of a signal */
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
         if (fcntl(i, F_GETFD) < 0)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -95,7 +95,8 @@ static int start(const char *const *arguments, int output, int log, const sigset
     return error;
 }
 
-/* Starts a guard process, which kills the program's group when this process ends, even by SIGKILL. */
+/* Starts a guard process. When this process ends, even by SIGKILL, the guard kills the started program and its
+   children. */
 static pid_t start_guard(const int life[2], pid_t group)
 {
     char byte;
@@ -115,7 +116,8 @@ static pid_t start_guard(const int life[2], pid_t group)
 
 static volatile sig_atomic_t running;
 
-/* Handles Ctrl-Z: stops the program and this process, and later continues the program. */
+/* Signal handler for Ctrl-Z: stops the started program and this process. When this process continues, continues the
+   program. */
 static void stop_both(int number)
 {
     const int error = errno;
@@ -200,7 +202,8 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
         close_pipe(ends);
         return -1;
     }
-    /* A signal that ends this process waits until the guard can end the program. */
+    /* Signals are blocked from here, so that this process cannot end before the guard process can end the started
+       program. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = start(arguments, ends[1], fileno(log), &before, &child);
@@ -215,7 +218,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
 
-/* A session of its own protects the browser from Ctrl-C. */
+/* Runs the browser in a session of its own, where Ctrl-C does not reach it. */
 static void run_browser(const char *address)
 {
     sigset_t none;
@@ -228,7 +231,8 @@ static void run_browser(const char *address)
     _exit(127);
 }
 
-/* Forks twice. The first child ends at once, so this process never has to wait for the browser. */
+/* Opens a browser, by forking twice. The first child ends at once, so this process never has to wait for the
+   browser. */
 int fxs_browse(const char *address)
 {
     if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY"))

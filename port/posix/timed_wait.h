@@ -1,4 +1,4 @@
-/* Waits for a condition variable until a time of fxs_clock. On Windows and macOS, setting the time of day changes
+/* Waits for a condition variable until a time of fxs_clock. On Windows and macOS, a change of the system's time changes
  * the length of the wait. */
 #ifndef TIMED_WAIT_H
 #define TIMED_WAIT_H
@@ -27,7 +27,7 @@ static inline void timed_condition_init(pthread_cond_t *condition)
 #endif
 }
 
-/* Like pthread_cond_timedwait. Returns 1 after a timeout, else 0. */
+/* Waits like pthread_cond_timedwait, until a time of fxs_clock. Returns 1 after a timeout, else 0. */
 static inline int timed_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64_t until)
 {
     uint64_t end = until;

@@ -6,11 +6,11 @@
 #include <string.h>
 #include <wctype.h>
 
-/* Placeholders for a quoted * and ?, which are not wildcards. Both characters are Unicode noncharacters. */
+/* Placeholders for quoted * and ?, which are not wildcards. Both placeholders are noncharacters of Unicode. */
 enum { QUOTED_STAR = 0xfdd0, QUOTED_QUESTION = 0xfdd1 };
 
-/* Copies a command line and replaces quoted * and ? by placeholders. closes: \" ends a quoted argument, as in "C:\a
-   folder\". Returns 1 if a quote stays open. */
+/* Copies a command line and replaces quoted * and ? by placeholders. closes: 1 if \" ends a quoted argument, as in
+   "C:\a folder\". Returns 1 if a quote stays open. */
 static int mark_quoted(wchar_t *to, const wchar_t *line, int closes)
 {
     int is_quoted = 0;
@@ -57,7 +57,7 @@ static void free_words(word_list *list)
     free(list->words);
 }
 
-/* Matches * with any characters and ? with one. Ignores case. */
+/* Returns 1 if a file name matches a pattern: * stands for any characters, ? for one. Case is ignored. */
 static int matches(const wchar_t *name, const wchar_t *pattern)
 {
     const wchar_t *star = NULL, *from = NULL;
@@ -91,7 +91,8 @@ typedef struct search {
     word_list found;
 } search;
 
-/* Puts ./ before a name that begins with -, so that the name is not read as an option. */
+/* Adds a file name that matches a wildcard to the arguments. Puts ./ before a name that begins with -, so that the name
+   is not read as an option. */
 static void take_name(void *search_, const char *text)
 {
     search *s = search_;
@@ -142,7 +143,8 @@ static wchar_t *unmarked(const wchar_t *word)
     return copy;
 }
 
-/* Keeps a word that begins with - or matches no file. */
+/* Adds a word of the command line to the arguments, with wildcards expanded. Keeps a word that begins with - or matches
+   no file. */
 static void take_word(word_list *list, const wchar_t *word)
 {
     search s = {.path = word};

@@ -1,4 +1,4 @@
-/* Files, folders, links, streams and descriptors on Windows. */
+/* Files, folders, links, streams and file descriptors on Windows. */
 #include "win32.h"
 
 #include <errno.h>
@@ -31,7 +31,7 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
     *facts = (fxs_file_facts){0};
     if (GetFileType(handle) != FILE_TYPE_DISK || !GetFileInformationByHandle(handle, &about))
         return GetFileType(handle) == FILE_TYPE_UNKNOWN ? FXS_FILE_NONE : FXS_FILE_OTHER;
-    const FILETIME modified = about.ftLastWriteTime;       /* in units of 100 ns */
+    const FILETIME modified = about.ftLastWriteTime;       /* time of modification in units of 100 ns */
     *facts = (fxs_file_facts){(uint64_t)about.nFileSizeHigh << 32 | about.nFileSizeLow, about.dwVolumeSerialNumber,
                               (uint64_t)about.nFileIndexHigh << 32 | about.nFileIndexLow,
                               100 * ((uint64_t)modified.dwHighDateTime << 32 | modified.dwLowDateTime)};
@@ -52,7 +52,7 @@ enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
     return look_at(win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS), facts);
 }
 
-/* Opens a file that is not a link; sets errno to ELOOP for a link. */
+/* Opens a file that is not a symbolic link. Sets errno to ELOOP for a link. */
 static HANDLE open_itself(const char *path, DWORD access, DWORD flags)
 {
     FILE_ATTRIBUTE_TAG_INFO about = {0};
@@ -108,7 +108,8 @@ char *fxs_path_whole(const char *path)
     wchar_t *wide = malloc(room * sizeof *wide);
     char *whole = NULL;
     if (wide && GetFinalPathNameByHandleW(handle, wide, room, 0)) {
-        const int is_shared = !wcsncmp(wide, L"\\\\?\\UNC\\", 8);        /* \\?\UNC\computer\... means \\computer\... */
+        /* a path \\?\UNC\computer\... means \\computer\... */
+        const int is_shared = !wcsncmp(wide, L"\\\\?\\UNC\\", 8);
         if (is_shared)
             wide[6] = L'\\';
         whole = win32_narrow(wide + (is_shared ? 6 : wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4));
@@ -179,7 +180,7 @@ int fxs_file_may_be_written(const char *path)
     return -1;
 }
 
-/* Makes a hard link, or copies the file to another drive, because symbolic links need administrator rights. */
+/* Makes a hard link to a file, or a copy on another drive, because symbolic links need administrator rights. */
 int fxs_file_link(const char *target, const char *name)
 {
     wchar_t *old = win32_path(target), *wide = win32_path(name);
@@ -191,7 +192,7 @@ int fxs_file_link(const char *target, const char *name)
     return result;
 }
 
-/* The handle is not shared and stays open, so the lock lasts until the process ends. */
+/* Locks a file until the process ends, by an unshared handle that stays open. */
 int fxs_file_lock(const char *path)
 {
     wchar_t *wide = win32_path(path);
@@ -284,7 +285,7 @@ static int open_checked(HANDLE handle, const char *path, FILE **file, fxs_file_f
     return *file ? 0 : fxs_fail_errno(message, path, errno);
 }
 
-/* Opens folders too, so that the error message can say that the path is a folder. */
+/* Opens a regular file. Folders are opened too, so that the error message can say that the path is a folder. */
 int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
     const char *fault = fxs_path_fault(path);
@@ -296,7 +297,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
                                           : open_checked(handle, path, file, facts, message);
 }
 
-/* Returns the absolute path of a file's folder, for free(); null and errno on failure. */
+/* Returns the absolute path of a file's folder, or null and errno on failure. The caller calls free(). */
 static char *whole_folder(const char *path)
 {
     const size_t length = strlen(path) - strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
@@ -317,7 +318,8 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
-/* Fails if the path lies outside the folder of `first`. The caller frees *whole. */
+/* Stores the absolute path of `path` in *whole. Fails if it lies outside the folder of the file `first`. The caller
+   frees *whole. */
 static int follow_within(const char *first, const char *path, char **whole, fxs_message *message)
 {
     char *folder = whole_folder(first);
@@ -363,7 +365,7 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* tmpfile of Windows writes to the root of the drive, so this function uses the temporary folder. */
+/* Opens a temporary file in the temporary folder. tmpfile of Windows would use the root of the drive. */
 FILE *fxs_stream_temporary(void)
 {
     static volatile LONG count;
@@ -385,7 +387,8 @@ FILE *fxs_stream_temporary(void)
     return NULL;
 }
 
-/* After a partial write, the C library reports no reason or EINVAL. Writing one more byte gives the real error. */
+/* Returns the errno of a failed write. After a partial write, the C library reports no reason or EINVAL. Writing one
+   more byte then gives the real error. */
 int fxs_stream_fault(FILE *file)
 {
     const int number = errno && errno != EINVAL ? errno : EIO;
@@ -403,11 +406,11 @@ int fxs_stream_empty(FILE *file)
     return _chsize(_fileno(file), 0);
 }
 
-/* Older consoles do not support escape codes, so 79 spaces erase the line. */
+/* Text that clears a line of the console: 79 spaces, because older consoles do not support escape codes. */
 #define TEN "          "
 const char fxs_erase_line[] = "\r" TEN TEN TEN TEN TEN TEN TEN "         \r";
 
-/* _isatty is also true for the null device. */
+/* Returns 1 if a file is a console. Does not use _isatty, which is also true for the null device. */
 int fxs_is_terminal(FILE *file)
 {
     DWORD mode;

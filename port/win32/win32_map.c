@@ -8,12 +8,12 @@
 
 #include "src/base/opened.h"
 
-/* Windows never truncates a mapped file, so a guard is not needed. */
+/* Does nothing: Windows never cuts a mapped file short, so mapped files need no guard. */
 void fxs_map_guard(void)
 {
 }
 
-/* A Windows handle fits into 32 bits. */
+/* Returns the handle of a mapped file, which is stored as an int. A Windows handle fits into 32 bits. */
 static HANDLE handle_of(const fxs_mapping *mapping)
 {
     return (HANDLE)(intptr_t)mapping->descriptor;

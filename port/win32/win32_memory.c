@@ -7,7 +7,7 @@
 
 #include "src/base/pages_internal.h"
 
-/* ticks * 10^9 / rate, in two parts to avoid overflow */
+/* Returns the time in nanoseconds: ticks * 10^9 / rate, computed in two parts to avoid overflow. */
 uint64_t fxs_clock(void *unused)
 {
     LARGE_INTEGER ticks, rate;
@@ -28,7 +28,7 @@ uint32_t fxs_processors(void)
     return n < 1 ? 1 : n > 64 ? 64 : n;
 }
 
-/* Does nothing, because large pages need a special privilege. */
+/* Does nothing, because large pages need a special privilege on Windows. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
     (void)block, (void)bytes;
@@ -44,7 +44,7 @@ void fxs_aligned_free(void *block)
     _aligned_free(block);
 }
 
-/* Uses a temporary file, because Windows has no memory streams. */
+/* Begins printing to memory. Uses a temporary file, because Windows has no memory streams. */
 int fxs_print_begin(fxs_printed *printed)
 {
     *printed = (fxs_printed){.file = fxs_stream_temporary()};

@@ -1,5 +1,4 @@
-/* Writes output files. Windows deletes an incomplete file when the process ends in any way, so signals need no
- * handling. */
+/* Writes output files. Windows deletes an incomplete file whenever the process ends, so signals need no handling. */
 #include "win32.h"
 
 #include <errno.h>
@@ -54,7 +53,8 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* Creates a file that no other process can open, marked for deletion. */
+/* Creates a file that no other process can open. Windows deletes the file when its handle is closed, unless the mark
+   for deletion is removed before. */
 static HANDLE create_named(const char *name)
 {
     wchar_t *wide = win32_path(name);
@@ -154,7 +154,8 @@ static int put_in_place(fxs_output *output)
     return error;
 }
 
-/* Returns EBUSY instead of EACCES if another program has the target open. */
+/* Returns the error of a failed replacement of the target file. Changes EACCES to EBUSY if another program has the
+   target open. */
 static int why_not_replaced(const fxs_output *output, int error)
 {
     const DWORD access = GENERIC_WRITE | DELETE;
@@ -168,7 +169,7 @@ static int why_not_replaced(const fxs_output *output, int error)
     return error;
 }
 
-/* Retries while a server or virus scanner briefly has the target open. */
+/* Gives a complete output its final name. Retries while a server or virus scanner briefly has the target file open. */
 static int put_when_free(fxs_output *output)
 {
     int error, tries = 0;

@@ -1,4 +1,4 @@
-/* Reads parts of a scene from a file, as a source of the pager. */
+/* Reads parts of a scene from a file, for the pager, which renders scenes larger than memory. */
 #include "win32.h"
 
 #include <errno.h>

@@ -29,7 +29,7 @@ wchar_t *win32_wide(const char *text)
     return wide;
 }
 
-/* Returns 1 for device names, also with an extension or with spaces before it. */
+/* Returns 1 for names of Windows devices such as con, also with an extension or with spaces before it. */
 static int is_device(const char *name, size_t length)
 {
     static const char *const names[] = {"con", "prn", "aux", "nul", "conin$", "conout$"};
@@ -49,7 +49,7 @@ static int is_nul(const char *path)
     return !_stricmp(path, "nul");
 }
 
-/* Returns the length of the drive and of a prefix \\?\ or \\.\, with either kind of slash. */
+/* Returns the length of a path's beginning: the drive, and a prefix \\?\ or \\.\, with either kind of slash. */
 static size_t root_of(const char *path)
 {
     static const char strokes[] = "/\\";

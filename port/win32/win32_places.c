@@ -1,4 +1,4 @@
-/* Finds the user's state folder and a font of the system. */
+/* Finds this program's folder of user data, and a font of the system. */
 #include "win32.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Starts programs, opens a browser, and handles console events that ask the program to end. */
+/* Starts programs, opens a browser, and handles console events that ask this process to end. */
 #include "win32.h"
 
 #include <errno.h>
@@ -116,7 +116,7 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
     return result;
 }
 
-/* Ends a started program when this process ends. break_away: lets the program's children survive. */
+/* Makes Windows end a started program when this process ends. break_away: 1 lets the program's children live on. */
 static void bind_to_this(HANDLE process, int break_away)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
@@ -136,7 +136,7 @@ static DWORD wait_for(HANDLE process)
     return code;
 }
 
-/* Reports the crash of a program like a signal. */
+/* Converts a program's exit code to a status. The crash of a program is reported as if by a signal. */
 static int status_of(DWORD code)
 {
     return code < FXS_PROGRAM_SIGNAL ? (int)code : FXS_PROGRAM_SIGNAL + SIGSEGV;
@@ -183,7 +183,8 @@ static BOOL WINAPI leave_it(DWORD kind)
     return TRUE;
 }
 
-/* Windows cannot replace a process. This process waits for the program and ends with the program's exit code. */
+/* Runs a program in place of this process. Windows cannot replace a process, so this process waits for the program and
+   ends with the program's exit code. */
 void fxs_program_become(const char *path, char **argv)
 {
     HANDLE process;
@@ -199,13 +200,16 @@ void fxs_program_become(const char *path, char **argv)
     arguments[0] = program;
     for (size_t i = 1; i < count; i++)
         arguments[i] = argv[i];
-    SetConsoleCtrlHandler(leave_it, TRUE); /* Ctrl-C goes to the program, which would inherit a setting to ignore it */
+    /* The started program handles Ctrl-C. Ctrl-C is not ignored by a setting of this process, because the program would
+       inherit it. */
+    SetConsoleCtrlHandler(leave_it, TRUE);
     const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
                             GetStdHandle(STD_OUTPUT_HANDLE), GetStdHandle(STD_ERROR_HANDLE), &process);
     free(arguments);
     free(program);
     if (!error) {
-        bind_to_this(process, 1);          /* a browser started by the program survives */
+        /* 1: a browser that the started program has opened lives on when this process ends */
+        bind_to_this(process, 1);
         exit((int)wait_for(process));
     }
 }
@@ -221,7 +225,8 @@ int fxs_browse(const char *address)
 static volatile LONG asked;
 static int is_held;
 
-/* Runs on its own thread. When the handler returns, the process ends, except for Ctrl-C and Ctrl-Break. */
+/* Handler of console events, which runs on a thread of its own. When the handler returns, the process ends, except for
+   Ctrl-C and Ctrl-Break. */
 static BOOL WINAPI note_request(DWORD kind)
 {
     if (InterlockedExchange(&asked, 1))

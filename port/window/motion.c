@@ -5,9 +5,10 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/view_more.h>
 
-#define POLE 0.02   /* smallest angle between the direction of view and the up vector, in radians */
+#define POLE 0.02   /* smallest angle in radians between the direction of view and the up or down direction */
 
-/* Limits a turn so that the view keeps the angle POLE from up and down. A view already closer may move away. */
+/* Limits a turn of the camera so that the view keeps the angle POLE from straight up and down. A view that is already
+   closer may move away. */
 static double clear_of_poles(const fxs_view *view, const double up[3], double down)
 {
     const double *forward = view->rotation + 6, pi = acos(-1);

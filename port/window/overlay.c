@@ -1,4 +1,4 @@
-/* Draws panels, lines and bars into RGBA pictures, and paints depths and ids. */
+/* Draws panels, lines and bars into RGBA pictures, and paints pictures of depths and ids as colours. */
 #include "overlay.h"
 
 #include <math.h>
@@ -74,7 +74,8 @@ void fxs_paint_depths(const fxs_canvas *picture, const uint32_t *depths)
     }
 }
 
-/* Hashes ids by an odd number near 2^64 / golden ratio, so that neighbouring ids differ in colour. */
+/* Paints a picture of Gaussians' ids. Each id is hashed by an odd number near 2^64 / golden ratio, so that neighbouring
+   ids differ in colour. */
 void fxs_paint_ids(const fxs_canvas *picture, const fxs_id *ids)
 {
     const size_t pixels = (size_t)picture->width * (size_t)picture->height;
@@ -134,7 +135,8 @@ static double sum(const double stage[FXS_STAGES])
     return total;
 }
 
-/* Returns the height of the graph in milliseconds: the first of 10, 20, 40, ... that contains every frame. */
+/* Returns the height of the graph of frame times in milliseconds: the first of 10, 20, 40, ... that no frame
+   exceeds. */
 static double graph_top(const fxs_frame_times *times)
 {
     double top = 10;

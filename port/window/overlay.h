@@ -1,4 +1,4 @@
-/* Panels drawn over a picture: words, lines, frame times. Also pictures of depths and ids. */
+/* Draws panels over a picture: text, lines, frame times. Also shows depths and ids of Gaussians as colours. */
 #ifndef FXS_OVERLAY_H
 #define FXS_OVERLAY_H
 
@@ -6,7 +6,7 @@
 
 #include <fixsplat/fixsplat.h>
 
-/* An RGBA picture, not premultiplied: top row first, rows without padding. The caller owns the bytes. */
+/* An RGBA picture in memory, not premultiplied: top row first, no padding between rows. The caller owns the bytes. */
 typedef struct fxs_canvas {
     uint8_t *rgba;
     int width, height;
@@ -17,7 +17,7 @@ typedef struct fxs_panel {
     int x, y;
 } fxs_panel;
 
-/* Colours 0xRRGGBBAA. */
+/* Colours of the window and its panels, as 0xRRGGBBAA. */
 typedef struct fxs_theme {
     uint32_t window;
     uint32_t panel, words, faint, mark;
@@ -43,10 +43,10 @@ void fxs_paint_depths(const fxs_canvas *picture, const uint32_t *depths);
 
 void fxs_paint_ids(const fxs_canvas *picture, const fxs_id *ids);
 
-enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };   /* width and height in points of
-                                                                                     the screen */
+/* number of bars in the graph of frame times; its width and height in points of the screen */
+enum { FXS_GRAPH_FRAMES = 120, FXS_GRAPH_WIDTH = 400, FXS_GRAPH_HEIGHT = 128 };
 
-/* Milliseconds of the last frames, newest first. All 0: no frames. */
+/* Milliseconds of each stage of the last frames, newest first. All zeros: no frames. */
 typedef struct fxs_frame_times {
     double stage[FXS_GRAPH_FRAMES][FXS_STAGES];
     double frame;
@@ -54,7 +54,7 @@ typedef struct fxs_frame_times {
 
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats);
 
-/* Draws a bar for each frame, and the times of the newest frame. scale: pixels per point. */
+/* Draws a graph with a bar for each frame, and the times of the newest frame. scale: pixels per point of the screen. */
 void fxs_draw_frame_times(const fxs_canvas *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
                           fxs_words *words);
 

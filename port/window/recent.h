@@ -6,13 +6,13 @@
 
 enum { FXS_RECENT_MOST = 10 };
 
-/* Absolute paths, latest first. All 0: an empty list. */
+/* Absolute paths of recently opened scenes, latest first. All zeros: an empty list. */
 typedef struct fxs_recent {
     char *paths[FXS_RECENT_MOST];
     int count;
 } fxs_recent;
 
-/* Reads the list without scenes that no longer exist. An unreadable file gives an empty list. */
+/* Reads the list of recent scenes, without scenes that no longer exist. An unreadable file gives an empty list. */
 void fxs_recent_read(fxs_recent *recent);
 void fxs_recent_free(fxs_recent *recent);
 

@@ -1,4 +1,4 @@
-/* SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
+/* SDL2 window: translates SDL events to events of window.h, and copies pictures and panels to the window. */
 #include "window.h"
 
 #include <math.h>
@@ -9,14 +9,14 @@
 
 #include "src/base/os_calls.h"
 
-#ifndef SDL_HINT_VIDEODRIVER        /* missing before SDL 2.0.22 */
+#ifndef SDL_HINT_VIDEODRIVER        /* SDL before 2.0.22 does not define this macro */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
 #endif
 
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* motion of the mouse since the button went down, in points */
+    int moved;   /* distance that the mouse has moved since its button went down, in points of the screen */
 };
 
 static int fail(fxs_message *message)
@@ -24,7 +24,8 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Excludes video drivers that show nothing or take over the console, and Wayland without a socket folder. */
+/* Lists the SDL video drivers to try. Excludes drivers that show nothing or take over the console, and Wayland without
+   a socket folder. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -44,10 +45,11 @@ static void choose_drivers(void)
 
 int fxs_window_open(fxs_window **window, fxs_message *message)
 {
-    /* Avoids OpenGL, because a back end may need the context. */
+    /* Makes SDL draw without OpenGL, because a renderer may need the OpenGL context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* exists since SDL 2.24; otherwise Windows enlarges the pixels */
+/* SDL has this hint since 2.24; without the hint, Windows enlarges the pixels */
+#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS
     SDL_SetHint(SDL_HINT_WINDOWS_DPI_AWARENESS, "permonitorv2");
 #endif
     *window = calloc(1, sizeof **window);
@@ -67,7 +69,8 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
-/* Waits for late X11 events of a hidden window, which would end the program after the window is closed. */
+/* Hides the window and waits for X11 events that are under way. Arriving after the window is closed, they would end the
+   program. */
 static void let_wakes_arrive(fxs_window *window)
 {
     SDL_HideWindow(window->window);
@@ -105,7 +108,7 @@ static double pixels_in_point(const fxs_window *window)
     return points > 0 ? fmax(1, (double)width / points) : 1;
 }
 
-/* On Windows, SDL's positions are in pixels, and a point is 1/96 inch. */
+/* Returns the pixels per point of the screen. On Windows, SDL's positions are in pixels, and a point is 1/96 inch. */
 double fxs_window_scale(const fxs_window *window)
 {
     float across;
@@ -131,7 +134,8 @@ void fxs_window_title(fxs_window *window, const char *title)
     SDL_SetWindowTitle(window->window, title);
 }
 
-/* Motion of up to three points counts as a click, because hands shake. */
+/* Translates a mouse button event of SDL. Motion of up to three points of the screen counts as a click, because hands
+   shake. */
 static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in, fxs_window_event *out)
 {
     const double scale = pixels_in_point(window);

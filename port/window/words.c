@@ -44,7 +44,7 @@ void fxs_words_close(fxs_words *words)
     free(words);
 }
 
-/* Before SDL_ttf 2.0.18, a font has a fixed size. */
+/* Changes the height of the font. Before SDL_ttf 2.0.18, a font has a fixed size. */
 void fxs_words_resize(fxs_words *words, int pixels)
 {
 #if SDL_TTF_VERSION_ATLEAST(2, 0, 18)
@@ -66,8 +66,8 @@ int fxs_words_width(const fxs_words *words, const char *text)
     return words && *text && !TTF_SizeUTF8(words->font, text, &width, 0) ? width : 0;
 }
 
-/* Blends a colour over a picture: a = s + d (1 - s), c = (s cs + d (1 - s) cd) / a, for opacities s, d and colours
-   cs, cd of source and destination. */
+/* Blends a colour over a picture, with opacities s, d and colours cs, cd of source and destination. The opacity becomes
+   a = s + d (1 - s), the colour (s cs + d (1 - s) cd) / a. */
 static void blend(uint8_t *below, const uint8_t colour[3], unsigned alpha)
 {
     const unsigned rest = below[3] * (255 - alpha) / 255, sum = alpha + rest;

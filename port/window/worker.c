@@ -1,4 +1,4 @@
-/* A thread that waits for jobs. A mutex guards the state that several threads use. */
+/* A thread that waits for jobs and runs them. A mutex guards the state that several threads use. */
 #include "worker.h"
 
 #include <pthread.h>

@@ -17,7 +17,8 @@ void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size)
     return allocator ? allocator->allocate(allocator->argument, bytes) : malloc(bytes);
 }
 
-/* Uses calloc, because the system supplies large blocks already zeroed. */
+/* Allocates zeroed memory. Uses calloc without a program's allocator, because the system supplies large blocks already
+   zeroed. */
 void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size)
 {
     if (!allocator && !overflows(count, size))

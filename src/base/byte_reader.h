@@ -1,4 +1,4 @@
-/* Buffered sequential reader of a scene file. Several readers may share a file. */
+/* Buffered sequential reader of a scene file. Several readers may read one file at the same time. */
 #ifndef FXS_BYTE_READER_H
 #define FXS_BYTE_READER_H
 
@@ -11,23 +11,25 @@ enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 
 typedef struct fxs_byte_reader {
     const fxs_scene_source *source;
-    const char *fault;          /* message of a failed read or seek */
-    uint64_t offset;            /* file offset of the buffer's end, bytes */
+    const char *fault;          /* reason why the last read or seek failed */
+    uint64_t offset;            /* file offset of the end of the buffered bytes */
     size_t begin, end;
     uint8_t buffer[FXS_BYTE_READER_BUFFER];
 } fxs_byte_reader;
 
-/* Returns the next `size` bytes, at most FXS_BYTE_READER_BUFFER, valid until the next call. NULL: end of the file. */
+/* Returns the next `size` bytes of the file, at most FXS_BYTE_READER_BUFFER. The bytes stay valid until the next call.
+   Returns null at the end of the file. */
 const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size);
 
-/* Returns 0, or FXS_ERR_FILE for a position beyond the end of the file. */
+/* Move the reader to another position of the file. Return 0, or FXS_ERR_FILE for a position beyond the end. */
 int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset);
 int fxs_bytes_skip(fxs_byte_reader *reader, uint64_t size);
 
-/* Stores the fault for a later message and returns FXS_ERR_FILE. */
+/* Stores the reason of a failed read for fxs_bytes_fail_row, and returns FXS_ERR_FILE. */
 int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault);
 
-/* Writes the stored fault and a row number, counted from 0. Returns FXS_ERR_FILE. */
+/* Writes a message with the stored reason of a failed read and the number of the row, counted from 0. Returns
+   FXS_ERR_FILE. */
 int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,
                        fxs_message *message);
 

@@ -8,7 +8,8 @@ void fxs_crc32_fill(fxs_crc32_table *table)
     for (uint32_t b = 0; b < 256; b++) {
         uint32_t crc = b;
         for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);    /* no ?: operator, which gcc 12 for ARM miscompiles */
+            /* The operator ?: is avoided, because gcc 12 for ARM miscompiles it here. */
+            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);
         after[0][b] = crc;
     }
     for (int k = 1; k < 8; k++)
@@ -16,7 +17,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
             after[k][b] = after[k - 1][b] >> 8 ^ after[0][after[k - 1][b] & 255];
 }
 
-/* CRC-32 of eight bytes at once (slicing by 8). */
+/* Extends a CRC-32 by eight bytes at once (slicing by 8). */
 static uint32_t next_eight(const fxs_crc32_table *table, uint32_t crc, const unsigned char *bytes)
 {
     uint32_t next = 0;

@@ -1,4 +1,4 @@
-/* Computes e^x and ln x with + - * / only, within 2 units in the last place. Results are the same on every
+/* Computes e^x and ln x with only + - * and /, within 2 units in the last place. Results are the same on every
    machine. */
 #ifndef FXS_EXPONENTIAL_H
 #define FXS_EXPONENTIAL_H
@@ -7,10 +7,11 @@
 #include <stdint.h>
 #include <string.h>
 
-#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* ln 2 rounded so that its product with |n| <= 2^20 is exact */
+/* upper bits of ln 2; the product with an integer up to 2^20 is exact */
+#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 
-/* 2^n for n in -1022..1023. */
+/* Returns 2^n for n from -1022 to 1023. */
 static inline double fxs_power_of_two(int n)
 {
     const uint64_t bits = (uint64_t)(n + 1023) << 52;
@@ -19,14 +20,14 @@ static inline double fxs_power_of_two(int n)
     return power;
 }
 
-/* x * 2^n, exact for normal results. */
+/* Returns x * 2^n. The result is exact unless it is subnormal. */
 static inline double fxs_scaled(double x, int n)
 {
     return n < -1021 || n > 1023 ? ldexp(x, n) : x * fxs_power_of_two(n);
 }
 
-/* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. Returns e^r and n, for x
-   in -746..710. r / 6 is computed from r / 3. */
+/* Computes e^x = 2^n e^r for x from -746 to 710. Stores n in *exponent and returns e^r, with x = n ln 2 + r and |r| <=
+   ln 2 / 2. The series is e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. r / 6 is computed from r / 3. */
 static inline double fxs_exp_series(double x, int *exponent)
 {
     const double scaled = x * 1.4426950408889634 + 0.5;
@@ -53,7 +54,8 @@ static inline double fxs_exp(double x)
     return fxs_scaled(series, exponent);
 }
 
-/* x = 2^n m, m in sqrt(1/2)..sqrt(2); ln m = 2 (s + s^3 / 3 + s^5 / 5 + ...), s = (m - 1) / (m + 1), up to s^23. */
+/* Returns ln x. With x = 2^n m and m from sqrt(1/2) to sqrt(2), ln x = n ln 2 + ln m. The series is ln m = 2 (s + s^3 /
+   3 + s^5 / 5 + ...), s = (m - 1) / (m + 1), up to s^23. */
 static inline double fxs_log(double x)
 {
     int n;

@@ -1,10 +1,10 @@
-/* Recognises unexpected files by their first bytes. */
+/* Recognises files that are no scenes, such as archives and images, by their first bytes. */
 #include "foreign.h"
 
 #include <string.h>
 #include <strings.h>
 
-/* Signatures of file kinds. Most have at least four bytes, so random data rarely matches. */
+/* First bytes of many kinds of files. Most signatures have at least four bytes, so random data rarely matches. */
 static const struct {
     size_t at, size;
     const char *bytes, *words;
@@ -48,7 +48,8 @@ static int begins(const char *line, const char *end, const char *words)
     return (size_t)(end - line) >= strlen(words) && !strncasecmp(line, words, strlen(words));
 }
 
-/* The file must begin as plain text, because the keywords of .obj meshes are short. */
+/* Returns 1 if a file is an .obj mesh. The file must begin as plain text, because the keywords of .obj meshes are
+   short. */
 static int is_obj(const char *text, const char *end)
 {
     enum { LOOKED_AT = 256 };

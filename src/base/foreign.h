@@ -1,4 +1,4 @@
-/* Names the kind of an unexpected file, for messages. */
+/* Names the kind of a file that is no scene, for error messages. */
 #ifndef FXS_FOREIGN_H
 #define FXS_FOREIGN_H
 
@@ -8,7 +8,7 @@
                         "beside the cameras of photographs"
 #define FXS_MESH "a mesh, not Gaussians: it is neither drawn nor fitted"
 
-/* Names a file's kind by its first 512 bytes, for example "a .zip archive". NULL: unknown. */
+/* Names a file's kind by its first 512 bytes, for example "a .zip archive". Returns null for an unknown kind. */
 const char *fxs_foreign(const void *bytes, size_t size);
 
 #endif

@@ -23,7 +23,7 @@ void fxs_zlib_allocator(z_stream *stream, const fxs_allocator *allocator)
     stream->opaque = (void *)(uintptr_t)allocator;
 }
 
-/* Inflates in pieces, because zlib counts bytes in 32 bits. Returns zlib's status. */
+/* Decompresses zlib data in pieces, because zlib counts bytes in 32 bits. Returns zlib's status. */
 static int inflate_all(z_stream *stream, const Bytef *data, size_t size, Bytef *out, size_t wanted)
 {
     const size_t piece = 1u << 30;

@@ -4,9 +4,9 @@
 
 #include "source_internal.h"
 
-#define FXS_MAX_EXPANSION 1032u        /* maximum expansion of deflate, output bytes per input byte */
+#define FXS_MAX_EXPANSION 1032u        /* most output bytes that deflate makes from an input byte */
 
-/* Inflates a raw deflate stream to exactly `wanted` bytes. Returns 0, or an error and a message. */
+/* Decompresses a raw deflate stream to exactly `wanted` bytes. Returns 0, or an error and a message. */
 int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, void *out, size_t wanted,
                 fxs_message *message);
 

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Length in bytes of a character that controls a terminal, ends a line or changes the text direction; else 0.
-   These are C0, C1, U+2028 to U+202E and U+2066 to U+2069. */
+/* Returns the length in bytes of a character that a message must not contain, else 0. Such characters control a
+   terminal, end a line or change the text direction: C0, C1, U+2028 to U+202E and U+2066 to U+2069. */
 static size_t unsafe_bytes(const unsigned char *c)
 {
     if (*c < ' ' || *c == 127)

@@ -4,10 +4,10 @@
 
 #include <stdio.h>
 
-/* Prints up to `digits` significant digits. 9 digits restore a float, 17 a double. */
+/* Prints a number with up to `digits` significant digits. 9 digits restore a float exactly, 17 digits a double. */
 void fxs_print_number(FILE *file, int digits, double value);
 
-/* Reads a finite decimal number. Returns 1, or 0 for any other word. */
+/* Reads a finite decimal number. Returns 1, or 0 if `word` is no such number. */
 int fxs_read_number(const char *word, double *value);
 
 #endif

@@ -1,4 +1,5 @@
-/* Reads options structs, with the message that names the init function. */
+/* Reads structs of options that a program passes. If the struct's size is not set, the error message names the function
+   that initialises the struct. */
 #include "options.h"
 
 #include <fixsplat/internal/message.h>

@@ -1,4 +1,4 @@
-/* Writes a file under a temporary name and renames the complete file. Functions with a message return 0, or an
+/* Writes an output file under a temporary name and renames the complete file. Functions with a message return 0, or an
    error and the message. */
 #ifndef FXS_OUTPUT_INTERNAL_H
 #define FXS_OUTPUT_INTERNAL_H
@@ -11,26 +11,27 @@
 #include "try_internal.h"
 
 typedef struct fxs_output {
-    FILE *file;                /* possibly a pipe, so never seek in this file */
+    FILE *file;                /* stream of the output; never seek, because the stream may be a pipe */
     char *path;
-    char *target, *temporary;  /* name with links resolved, and temporary name; null: no renaming */
-    struct fxs_output *next;   /* list of open outputs, which must not move in memory */
-    int lock;                  /* locked descriptor of the temporary file; -1: none */
+    char *target, *temporary;  /* final name with links resolved, and temporary name; null if the file is not renamed */
+    struct fxs_output *next;   /* next in the list of open outputs, so an open output must not move in memory */
+    int lock;                  /* descriptor that locks the temporary file; -1: none */
     uint64_t left;
     int error;                 /* errno of the first failure; 0: no failure */
 } fxs_output;
 
-/* Begins a file for `count` Gaussians. After an error, the output needs no close. */
+/* Begins an output file for `count` Gaussians. After an error, do not close the output. */
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message);
 
 int fxs_output_fail(const char *path, int error, fxs_message *message);
 
-/* Call before writing n Gaussians. Fails if more Gaussians than announced are written. */
+/* Announces that n Gaussians will be written next. Fails if these exceed the count given to fxs_output_open. */
 int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message);
 
 int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message);
 
-/* Flushes the file to disk and renames it. After an error, an existing file of that name is unchanged. */
+/* Writes the output to disk and gives the file its final name. After an error, an existing file of that name is
+   unchanged. */
 int fxs_output_close(fxs_output *output, fxs_message *message);
 
 #endif

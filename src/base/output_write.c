@@ -1,4 +1,4 @@
-/* Parts of file output that every system shares. */
+/* Parts of output files that are the same on every operating system. */
 #include "output_internal.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* An fxs_run_fn that runs all jobs on the calling thread. */
+/* Runs all jobs on the calling thread, for callers without a thread pool. The function has the type fxs_run_fn. */
 #ifndef FXS_RUN_H
 #define FXS_RUN_H
 

@@ -1,5 +1,5 @@
-/* Converts a scene's up direction and start view between doubles and the fields of the packed header. Up is stored
- * as two 15-bit codes by the octahedral map. */
+/* Converts a scene's up direction and start view between doubles and the fields of the packed scene's header. The up
+ * direction is stored as two 15-bit codes by the octahedral map. */
 #include <fixsplat/scene.h>
 
 #include <math.h>
@@ -18,7 +18,8 @@ static double sign_of(double x)
     return x < 0 ? -1 : 1;
 }
 
-/* Octahedral map: folds the lower half of |x| + |y| + |z| = 1 outwards. The function is its own inverse. */
+/* Folds the lower half of the octahedron |x| + |y| + |z| = 1 outwards, a step of the octahedral map. The function is
+   its own inverse. */
 static void fold(double *x, double *y)
 {
     const double old = *x;
@@ -26,7 +27,8 @@ static void fold(double *x, double *y)
     *y = (1 - fabs(old)) * sign_of(*y);
 }
 
-/* Octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit Vectors). */
+/* Codes an up direction by the octahedral map (Cigolle et al. 2014, A Survey of Efficient Representations for
+   Independent Unit Vectors). */
 static uint32_t code_of_up(const double up[3])
 {
     const double sum = fabs(up[0]) + fabs(up[1]) + fabs(up[2]);

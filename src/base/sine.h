@@ -1,17 +1,17 @@
-/* Computes sin with + - * only, with the same result on every machine. */
+/* Computes sines with only + - and *, with the same result on every machine. */
 #ifndef FXS_SINE_H
 #define FXS_SINE_H
 
 #include <stdint.h>
 
-/* floor(x) for |x| < 2^62, faster than the library call. */
+/* Returns floor(x) for |x| < 2^62, faster than the function of the C library. */
 static inline double fxs_floor(double x)
 {
     const double towards_zero = (double)(int64_t)x;
     return towards_zero > x ? towards_zero - 1 : towards_zero;
 }
 
-/* sin(2 pi t) by a Taylor series to x^15, for t reduced to -1/4..1/4. */
+/* Returns sin(2 pi t) by a Taylor series up to x^15, after t is reduced to -1/4 to 1/4. */
 static inline double fxs_sine(double t)
 {
     static const double taylor[] = {

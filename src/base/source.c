@@ -20,7 +20,7 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* Opens a file. first: another file in whose folder the file must lie; null: any folder. */
+/* Opens the file of a source. first: a file whose folder must contain the opened file; null: any folder is allowed. */
 static int open_file(fxs_scene_source *source, const char *first, fxs_message *message)
 {
     fxs_file_facts facts;
@@ -61,7 +61,7 @@ static int take_letter(const char **text)
     return low < 0 ? (unsigned char)*at : high << 4 | low;
 }
 
-/* Returns 1 if a name begins with a drive or a URL scheme, such as "C:" or "https:". */
+/* Returns 1 if a file name begins with a drive or a URL scheme, such as "C:" or "https:". */
 static int begins_elsewhere(const char *name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
@@ -137,7 +137,7 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     return 0;
 }
 
-static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a hash (Fowler, Noll, Vo) */
+static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* computes an FNV-1a hash (Fowler, Noll, Vo) */
 {
     for (const unsigned char *byte = bytes; size > 0; size--, byte++)
         so_far = (so_far ^ *byte) * 0x100000001b3u;
@@ -208,8 +208,8 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-/* Replaces backslashes in a name by slashes, unless a file has exactly this name. Callbacks never get a backslash,
-   because names may become part of a URL. */
+/* Replaces backslashes in a file name by slashes, unless a file has exactly this name. A program's callbacks never get
+   a backslash, because names may become part of a URL. */
 static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {

@@ -31,7 +31,7 @@ char *fxs_text_begin(const fxs_text *text)
 #include "fail_list.h"
 
 #define MAX_VALUES ((size_t)8 << 20)
-#define VALUE_BYTES 144                /* cJSON's memory per value, without strings */
+#define VALUE_BYTES 144                /* memory of cJSON for a JSON value in bytes, without strings */
 
 static size_t count_separators(const fxs_text *json)
 {

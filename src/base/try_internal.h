@@ -1,4 +1,5 @@
-/* Returns from the calling function if a call fails with a negative FXS_ERR_*. */
+/* A macro that calls a function. If the call fails with a negative FXS_ERR_*, the calling function returns this
+   error. */
 #ifndef FXS_TRY_INTERNAL_H
 #define FXS_TRY_INTERNAL_H
 

@@ -11,14 +11,14 @@
 
 #include "fail_list.h"
 
-enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate, output bytes per input byte */
+enum { MAX_INFLATION = 1032 };   /* most output bytes that deflate makes from an input byte */
 
 struct fxs_zip {
     const fxs_scene_source *source;
     uint64_t offset;
     zip_error_t error;
     zip_t *archive;
-    char *folder;              /* prefix of the names of all entries; NULL: none */
+    char *folder;              /* folder in the archive that names are relative to; null: none */
 };
 
 static zip_int64_t read_source(fxs_zip *zip, void *out, zip_uint64_t size)
@@ -157,7 +157,7 @@ static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
     return -1;
 }
 
-/* Reads a zip entry. Reading an extra byte makes libzip verify the checksum. */
+/* Reads a whole zip entry. Reading one byte more than the entry has makes libzip verify the checksum. */
 static int read_entry(zip_file_t *file, char *data, size_t size)
 {
     return zip_fread(file, data, size) == (zip_int64_t)size && zip_fread(file, data + size, 1) == 0;

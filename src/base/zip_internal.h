@@ -7,15 +7,15 @@
 
 typedef struct fxs_zip fxs_zip;
 
-/* Opens a zip archive; `source` must outlive it. Returns 0, or an error and a message. FXS_ERR_UNSUPPORTED: built
-   without libzip. */
+/* Opens a zip archive; `source` must stay open for as long. Returns 0, or an error and a message. The error is
+   FXS_ERR_UNSUPPORTED in a build without libzip. */
 int fxs_zip_open(const fxs_scene_source *source, fxs_zip **zip, fxs_message *message);
 
-/* Makes names relative to the folder of the entry `name`, unless the top level contains it. Returns 0, or an error
-   and a message. */
+/* Finds the folder in the archive with the file `name`. Later names are relative to that folder, or to the top level if
+   it contains `name`. Returns 0, or an error and a message. */
 int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message);
 
-/* Loads a zip entry, to be freed by fxs_text_let_go. Returns 0, or an error and a message. */
+/* Loads a zip entry. Free the text with fxs_text_let_go. Returns 0, or an error and a message. */
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message);
 
 void fxs_zip_close(fxs_zip *zip);
@@ -26,7 +26,7 @@ typedef struct fxs_zip_entry {
     size_t size;
 } fxs_zip_entry;
 
-/* Writes uncompressed zip entries dated 1980, so that the bytes depend only on the entries. */
+/* Writes a zip archive, uncompressed and with all entries dated 1980, so that its bytes depend only on the entries. */
 int fxs_zip_write(fxs_output *output, const fxs_zip_entry *entries, uint32_t count, fxs_message *message);
 
 #endif

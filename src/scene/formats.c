@@ -1,4 +1,4 @@
-/* Lists the scene formats. A new format needs a reader or writer, a row in the table, and a test. */
+/* Lists the scene file formats. A new format needs a reader or writer, a row in the table, and a test. */
 #include "formats_internal.h"
 
 #include <stdio.h>
@@ -8,7 +8,8 @@
 #include <fixsplat/internal/message.h>
 #include "src/base/foreign.h"
 
-/* A build with FXS_TO_PACK only packs scenes of other formats. It has no writers. */
+/* With FXS_TO_PACK, the build only converts scenes to the packed format .fxs. Such a build has no writers of other
+   formats. */
 #ifdef FXS_TO_PACK
 #define WRITE(name) NULL
 #define READ_PACKED NULL
@@ -21,8 +22,8 @@
 
 /* The first format that matches a file is chosen. Formats without a magic number therefore come last. */
 static const fxs_format_row formats[] = {
-    /* columns of the table: name, endings, description, read, written, SH degree, anti-aliased, loss when written,
-       distant origin, reader, writer */
+    /* Columns of the table of formats: name, file name endings, description, can be read, can be written, highest SH
+       degree, stores anti-aliasing, loss when written, stores a distant origin, reader, writer. */
     {{"fxs", ".fxs", SAYS("packed: opens at once, and is rendered from the file as it lies"),
       1, 1, 3, 1, SAYS("by its profile"), 1},
      READ_PACKED, NULL},
@@ -87,7 +88,8 @@ static const char *ending_of(const fxs_scene_format *format, int i, size_t *leng
     return at;
 }
 
-/* Returns 1 if a path has this ending, ignoring case. An ending without a dot is a complete file name. */
+/* Returns 1 if a path ends with a format's file name ending, ignoring case. An ending without a dot is a complete file
+   name. */
 static int ends_so(const char *path, const char *ending, size_t length)
 {
     const size_t size = strlen(path);

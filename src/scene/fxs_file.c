@@ -1,5 +1,5 @@
-/* Checks and writes .fxs files. Checksums are CRC-32: one each for the header, the palette, the tree, and every chunk
-   header with its rows. */
+/* Checks and writes packed scenes (.fxs files). Four kinds of data have CRC-32 checksums: the file header, the SH
+   palette, the level-of-detail tree, and every chunk (256 Gaussians) with its chunk header. */
 #include <fixsplat/scene.h>
 
 #include <stdint.h>

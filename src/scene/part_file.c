@@ -139,7 +139,8 @@ static int progress(const merger *m, double done)
                ? fxs_fail_as(FXS_ERR_STOPPED, m->message, "merging stopped") : 0;
 }
 
-/* Opens a part file. Allocates nothing until the file's size agrees with the headers. */
+/* Opens a part file (a piece of a packed scene). Allocates memory only after the file's size agrees with the
+   headers. */
 static int open_part(merger *m, part *p, const char *path)
 {
     fxs_packed_header scene;
@@ -174,7 +175,8 @@ static int load_heads(merger *m, part *p)
     if (!p->heads)
         return fxs_fail_memory(m->message, p->path, bytes);
     FXS_TRY(read_at(m, p, p->layout.scene, p->heads, bytes));
-    memcpy(p->heads, &p->scene, sizeof p->scene);      /* keeps the layout if the file changes meanwhile */
+    /* The file may have changed between two reads, so the first header, which was checked, replaces the second. */
+    memcpy(p->heads, &p->scene, sizeof p->scene);
     fxs_part_header_turn(&head);
     if (head_checksum(&m->table, &p->layout, &head, p->heads) != p->head.head_checksum)
         return fail_damaged(m, p, "its headers are");
@@ -407,7 +409,7 @@ static int plan_tree(merger *m)
     return error;
 }
 
-/* Checks all node headers of the tree before the output is opened. */
+/* Checks the chunk headers of all nodes of the level-of-detail tree before the output file is opened. */
 static int check_nodes(const merger *m)
 {
     const unsigned char *headers = m->tree_bytes + (m->layout.node_chunks - m->layout.tree);

@@ -1,4 +1,4 @@
-/* Opens scene files and memory: finds the format by the content and starts its reader. */
+/* Opens scenes in files or in memory. The content of the file tells the format, whose reader is started. */
 #include <fixsplat/scene.h>
 
 #include <stdio.h>

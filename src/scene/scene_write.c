@@ -1,4 +1,4 @@
-/* Passes Gaussians to the writer of a format, chosen by its name or the path's ending. */
+/* Passes Gaussians to the writer of a file format. The format is chosen by its name or the path's ending. */
 #include <fixsplat/scene.h>
 
 #include <math.h>
@@ -14,7 +14,7 @@
 struct fxs_scene_writer {
     const fxs_writer *writer;
     void *data;
-    double origin[3];            /* origin added to positions; 0 if the format's writer adds it */
+    double origin[3];   /* origin that is added to positions; 0 if the format's writer adds the origin itself */
     fxs_scene_write_report report;
 };
 

@@ -1,4 +1,5 @@
-/* Checks placements of scenes in a world, and converts them to objects, matrices and boxes. */
+/* Checks placements of scenes in a world (a list of placed scenes), and converts placements to objects, matrices and
+   boxes. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/placements.h>
@@ -30,7 +31,8 @@ int fxs_placement_is_plain(const fxs_placement *p)
            p->opacity == 1 && p->tint[0] == 1 && p->tint[1] == 1 && p->tint[2] == 1;
 }
 
-/* The shortest rotation from u to v = (0, -1, 0) is (1 + u v, u x v). From (0, 1, 0): half a turn about x. */
+/* Rotates a placed scene so that its up vector u becomes v = (0, -1, 0). The quaternion of the shortest rotation is (1
+   + u v, u x v). For u = (0, 1, 0), half a turn about x is used. */
 void fxs_placement_turn_up(fxs_placement *p, const double up[3])
 {
     const double most = fmax(fmax(fabs(up[0]), fabs(up[1])), fabs(up[2]));
@@ -40,7 +42,7 @@ void fxs_placement_turn_up(fxs_placement *p, const double up[3])
     memcpy(p->rotation, turn[0] > 1e-12 ? turn : opposite, sizeof p->rotation);
 }
 
-/* q = r q, with r the rotation about the axis. */
+/* Rotates a placed scene further about an axis: the quaternion q becomes r q, with the rotation r. */
 void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
 {
     const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
@@ -215,7 +217,7 @@ void fxs_placement_matrix(const fxs_placement *p, double rows[3][4])
     }
 }
 
-/* Intersects a box with the bounding box of all crops that keep their inside. Returns 0 if nothing is left. */
+/* Intersects a box with the bounding box of all crops that keep what is inside them. Returns 0 if nothing is left. */
 static int crop_box(const fxs_placement *p, double low[3], double high[3])
 {
     double kept_low[3] = {INFINITY, INFINITY, INFINITY}, kept_high[3] = {-INFINITY, -INFINITY, -INFINITY};

@@ -1,4 +1,5 @@
-/* Semihosting: a special instruction stops the processor, and the debugger or emulator executes the operation in r0. */
+/* Semihosting: a special instruction stops the processor, and the debugger or emulator executes the operation whose
+   number is in register r0. */
 #include "console.h"
 
 #include <string.h>
@@ -10,7 +11,7 @@ enum { SYS_OPEN = 0x01, SYS_WRITE0 = 0x04, SYS_WRITE = 0x05, SYS_GET_CMDLINE = 0
 #if __ARM_ARCH_PROFILE == 'M'
 #define STOP "bkpt 0xab"
 #else
-#define STOP "svc 0x123456"        /* instruction for ARM state instead of Thumb */
+#define STOP "svc 0x123456"        /* semihosting instruction of processors that are not Cortex-M, in ARM state */
 #endif
 
 static int semihosting(int operation, const void *argument)

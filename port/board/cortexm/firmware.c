@@ -1,6 +1,6 @@
-/* Renders a turning scene from flash in strips. Prints time, memory and the hash of each picture; the hash is the same
- * on every machine. With display=1 on the command line, strips also go to a panel with a file as its bus
- * (recorder.c). */
+/* Renders a turning scene from flash in strips of rows. Prints time, memory and the hash of each picture; the hash is
+ * the same on every machine. With display=1 on the command line, strips also go to a simulated display panel, whose bus
+ * is a file (recorder.c). */
 #include "firmware.h"
 #include "console.h"
 #include "recorder.h"
@@ -16,7 +16,7 @@
 
 typedef struct shown {
     uint64_t hash;
-    fxs_ili9341 panel;             /* display panel; width 0: none */
+    fxs_ili9341 panel;             /* display panel; width 0: no panel */
 } shown;
 
 static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)

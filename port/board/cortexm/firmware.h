@@ -1,15 +1,16 @@
-/* Functions and memory that a board provides to the firmware. */
+/* Functions and memory that each board provides to the firmware program. */
 #ifndef FXS_FIRMWARE_H
 #define FXS_FIRMWARE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-#define BOARD_UNUSED 0x5a5a5a5au               /* value of unused words of the stack */
+#define BOARD_UNUSED 0x5a5a5a5au   /* pattern that fills the unused part of the stack, to measure the stack's use */
 
 uint64_t board_clock(void *unused);
 
-/* Return the size of the stack and the largest use since board_stack_mark, in bytes. */
+/* board_stack_bytes returns the size of the stack in bytes. board_stack_used returns the most bytes used since
+   board_stack_mark. */
 uint32_t board_stack_bytes(void);
 void board_stack_mark(void);
 uint32_t board_stack_used(void);

@@ -1,11 +1,12 @@
-/* Display bus that records its bytes to a file on the host through semihosting. */
+/* Bus of a display panel that records its bytes to a file of the host computer through semihosting. */
 #include "recorder.h"
 
 #include "console.h"
 
 enum { COMMAND, DATA, WAIT };
 
-/* Ends the program if the host cannot write, because bus functions return no errors. */
+/* Writes bytes to the recorded file. If the host cannot write, ends the program, because bus functions return no
+   errors. */
 static void put(const uint8_t *events, uint32_t count, const int *file)
 {
     if (!console_write(*file, events, count))

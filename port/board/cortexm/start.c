@@ -1,4 +1,4 @@
-/* Cortex-M: vector table, start-up code and clock. */
+/* Start of a Cortex-M processor: vector table, start-up code and clock. */
 #include "firmware.h"
 
 #include <stdint.h>
@@ -7,7 +7,8 @@
 #include "console.h"
 
 #define REGISTER(address) (*(volatile uint32_t *)(address))
-#define SYST_CSR REGISTER(0xe000e010)          /* "Armv7-M Architecture Reference Manual", B3.3 */
+/* registers of the system timer: "Armv7-M Architecture Reference Manual", B3.3 */
+#define SYST_CSR REGISTER(0xe000e010)
 #define SYST_RVR REGISTER(0xe000e014)
 #define SYST_CVR REGISTER(0xe000e018)
 #define ICSR REGISTER(0xe000ed04)
@@ -31,7 +32,8 @@ static __attribute__((used)) void say_fault(void)
     console_exit(3);
 }
 
-/* Resets the stack pointer, because a stack overflow may have caused the fault. */
+/* Handles a fault of the processor. Resets the stack pointer first, because a stack overflow may have caused the
+   fault. */
 static __attribute__((naked)) void fault(void)
 {
     __asm__("ldr r0, =board_stack_end\n\tmov sp, r0\n\tb say_fault");
@@ -52,14 +54,15 @@ void board_start(void)
     console_exit(main());
 }
 
-/* Initial stack pointer, then handlers of the 15 exceptions of every Cortex-M, from reset to SysTick. */
+/* Vector table of a Cortex-M: initial stack pointer, then handlers of the 15 standard exceptions, from reset to
+   SysTick. */
 __attribute__((section(".vectors"), used)) static const struct {
     uint32_t *stack;
     void (*handlers[15])(void);
 } vectors = {board_stack_end, {board_start, fault, fault, fault, fault, fault, fault, 0, 0, 0, fault, fault, 0, fault,
                                count_wrap}};
 
-/* Reads again if the timer wraps during the reads. */
+/* Returns the time of the system timer. Reads again if the timer wraps during the reads. */
 uint64_t board_clock(void *unused)
 {
     uint32_t before, ticks, pending;

@@ -49,7 +49,7 @@ int main(void)
                                       .draw_blended = 1};
     static fxs_request request;
     console_command(line, sizeof line);
-    const uint32_t frames = console_option(line, "frames", 0);     /* number of frames; 0: endless */
+    const uint32_t frames = console_option(line, "frames", 0);     /* number of frames to draw; 0: without end */
     fxs_context_init(&context, &config);
     fxs_request_init(&request, &table.object, 1);
     request.options = (fxs_options){.size = sizeof(fxs_options), .sh_degree = 3, .background = {0x11, 0x13, 0x1b}};

@@ -21,7 +21,7 @@ Progress = Optional[Callable[[float], object]]
 
 AXES = {"file": lib.FXS_AXES_OF_FILE, "rub": lib.FXS_AXES_RUB, "rdf": lib.FXS_AXES_RDF}
 
-# An fxs_gaussian read as floats: first column of each field, and the total number of columns.
+# A Gaussian (fxs_gaussian of the C library) is a row of floats: first column of each field, and number of columns.
 POSITION, SCALE, ROTATION, OPACITY, SH = (ffi.offsetof("fxs_gaussian", name) // 4
                                           for name in ("position", "scale", "rotation", "opacity", "dc"))
 FLOATS = ffi.sizeof("fxs_gaussian") // 4

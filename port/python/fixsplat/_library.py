@@ -16,7 +16,7 @@ from cffi import FFI
 from ._version import VERSION
 
 PathLike = Union[str, "os.PathLike[str]"]
-Struct = Any                                    # pointer to a C struct
+Struct = Any                                    # a pointer to a C struct, made by cffi
 
 
 class Error(Exception):
@@ -232,7 +232,7 @@ class Calls:
                 signal.signal(signal.SIGINT, lambda number, frame: self._call(handler, number, frame))
                 self._handler = handler
             except ValueError:
-                pass                        # only the main thread of the main interpreter gets signals
+                pass                        # only the main thread of the main interpreter may handle signals
         return self
 
     def __exit__(self, *_: object) -> None:

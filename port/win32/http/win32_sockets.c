@@ -11,7 +11,8 @@ int fxs_http_sockets_begin(void)
     return WSAStartup(MAKEWORD(2, 2), &unused) ? -1 : 0;
 }
 
-/* SO_REUSEADDR would let another server share the port. */
+/* Prepares a socket before it listens. Does not use SO_REUSEADDR, because that would let another server share the
+   port. */
 void fxs_http_socket_claim(MHD_socket s)
 {
     const BOOL on = TRUE;
@@ -46,7 +47,7 @@ static IP_ADAPTER_ADDRESSES *list_adapters(void)
     const ULONG without = GAA_FLAG_SKIP_ANYCAST | GAA_FLAG_SKIP_MULTICAST | GAA_FLAG_SKIP_DNS_SERVER;
     ULONG room = 1 << 14, result;
     IP_ADAPTER_ADDRESSES *all = NULL;
-    do {                                    /* the list of adapters may grow between two calls */
+    do {   /* the call is repeated if the list of network adapters has grown since the last call */
         free(all);
         all = malloc(room);
         result = all ? GetAdaptersAddresses(AF_UNSPEC, without, NULL, all, &room) : ERROR_SUCCESS;

@@ -1,4 +1,4 @@
-/* Finds Gaussians with few neighbours, by counting in hashed grids of several cell widths. */
+/* Finds floaters (Gaussians with few neighbours) by counting Gaussians in hashed grids of several cell widths. */
 #include "floaters_internal.h"
 
 #include <math.h>
@@ -13,8 +13,8 @@ enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1
 
 #define LOG2_E 1.4426950408889634
 
-/* For each strength of the filter: the largest log2 cell width of a faint and of an opaque Gaussian, relative to
-   the median. */
+/* Largest log2 of a grid cell's width, relative to that of the median Gaussian. One row for each strength of the
+   floater filter; `wider` is for faint and for opaque Gaussians. */
 static const struct {
     int wider[2], ends;
 } strengths[FXS_FLOATER_STRENGTHS + 1] = {
@@ -52,7 +52,7 @@ static int level_of(const fxs_gaussian *g)
     return (int)fmin(fmax(ceil(most * LOG2_E + 2), LEAST_LEVEL), MOST_LEVEL);
 }
 
-/* Computes the longest axis times its sigma, which is at most e^40. */
+/* Computes the vector along a Gaussian's longest axis with the length of its sigma, which is limited to e^40. */
 static void find_end(float end[3], const fxs_gaussian *g)
 {
     const float *q = g->rotation, *s = g->scale;
@@ -124,7 +124,7 @@ static void fill(const grid *g, uint32_t count)
     }
 }
 
-/* Returns 1 if the 27 cells around a point contain enough other Gaussians. */
+/* Returns 1 if the 27 grid cells around a Gaussian contain more than FXS_FLOATER_NEIGHBOURS Gaussians. */
 static int has_neighbours(const grid *g, const fxs_floater *item, int part)
 {
     int64_t middle[3];

@@ -1,5 +1,6 @@
-/* Merges the placed files of a world into a single stream. Every Gaussian is cropped, moved, rotated with its SH,
-   scaled and tinted. Far from 0, positions are relative to a common origin near the largest part. */
+/* Merges the scene files of a world (a list of placed scenes) into a single stream of Gaussians. Every Gaussian is
+   cropped, moved, rotated with its SH, scaled and tinted. Far from 0, positions are relative to a common origin near
+   the file with most Gaussians. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/placements.h>
@@ -23,7 +24,8 @@ typedef struct part {
     double inner[3];
     int moves;
     double middle[3];
-    double shift[3];               /* position in the world = rows * position in the file + shift */
+    /* translation of a file's Gaussians: world position = M * file position + shift, with the matrix M in `rows` */
+    double shift[3];
     int is_moved, is_turned, is_tinted;
 } part;
 
@@ -103,7 +105,7 @@ static void move(const part *p, fxs_gaussian *g)
     }
 }
 
-/* Multiplies a colour 1/2 + SH_0 dc + SH by the tint. */
+/* Multiplies a Gaussian's colour by a factor for each channel. The colour is 1/2 + SH_0 dc + higher SH. */
 static void tint(const double factor[3], fxs_gaussian *g)
 {
     for (int c = 0; c < 3; c++) {
@@ -291,7 +293,8 @@ static uint64_t number_of(const fxs_scene_file_info *info, int i)
     return info->count / most * k + info->count % most * k / most;
 }
 
-/* Finds a part's centre: its file's origin, or if that is fixed, the centre of a sample. */
+/* Finds the centre of a placed file in the world. The centre is the file's origin if the reader can move that origin,
+   else the centre of a sample of Gaussians. */
 static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info, fxs_message *message)
 {
     enum { BATCH = 256 };
@@ -317,8 +320,8 @@ static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info
     return 0;
 }
 
-/* Sets the origin of a part's stream to the point that maps to the common origin. Positions are then rounded only
-   once. */
+/* Sets the origin of a placed file to the point that maps to the common origin of the world. The reader then rounds
+   positions only once. */
 static void set_inner(const merge_reader *r, part *p)
 {
     const double square = p->placement.scale * p->placement.scale;
@@ -336,8 +339,8 @@ static void set_inner(const merge_reader *r, part *p)
     }
 }
 
-/* Places the common origin near the part with most Gaussians, if any part lies far from 0. moves: 1 if the origin
-   of file 0 can be chosen. */
+/* Places the world's common origin near the placed file with most Gaussians, if any file lies far from 0. moves: 1 if
+   the reader of file 0 can move the file's origin. */
 static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int moves, fxs_scene_file_info *info,
                          fxs_message *message)
 {

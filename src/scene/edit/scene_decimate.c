@@ -1,6 +1,6 @@
-/* Reduces the number of Gaussians by merging pairs. Each round sorts the Gaussians in space, finds for every
-   Gaussian the neighbour with the least loss, and merges the best quarter of the pairs. Loss: change of the
-   covariances' log-determinants and of the colour, weighted by opacity times area. */
+/* Reduces the number of Gaussians by merging pairs. Each round sorts the Gaussians in space and finds for each the
+   neighbour with the least loss. The best quarter of the pairs is merged. The loss sums changes of log-determinants of
+   covariances and of colours, weighted by opacity times area. */
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/allocator.h>
 
@@ -22,7 +22,7 @@ enum {
 };
 
 static const double colour_weight = 20;    /* weight of the colour loss relative to the shape loss */
-static const double thinnest = 0.1;        /* minimum sigma relative to the largest sigma */
+static const double thinnest = 0.1;        /* smallest sigma of a merged Gaussian, relative to its largest sigma */
 
 typedef struct shape {
     double covariance[6];
@@ -52,7 +52,8 @@ static double opacity_of(const fxs_gaussian *g)
     return fxs_opacity_of_logit(g->opacity);
 }
 
-/* Covariance R S S R^T, with R from a quaternion w, x, y, z of any length. */
+/* Covariance of a Gaussian: R S S R^T, with R the rotation by a quaternion w, x, y, z of any length and S the
+   sigmas. */
 static void find_covariance(double covariance[6], const float q[4], const double sigma[3])
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
@@ -90,7 +91,8 @@ static void find_shape(shape *s, const fxs_gaussian *g)
     s->weight = fxs_weight(g);
 }
 
-/* Covariance of a merged pair with weights v + w = 1: v A + w B + v w d d^T, d = b - a. */
+/* Covariance of a merged pair of Gaussians A, B: v A + w B + v w d d^T. The weights have the sum v + w = 1, and d is
+   the vector between the centres. */
 static void join(double out[6], const double a[6], const double b[6], double v, double w, const float from[3],
                  const float to[3])
 {
@@ -100,7 +102,7 @@ static void join(double out[6], const double a[6], const double b[6], double v, 
         out[k] = v * a[k] + w * b[k] + v * w * products[k];
 }
 
-/* Returns the squared colour difference, averaged over all directions. */
+/* Returns the squared colour difference of two Gaussians, averaged over all directions of view. */
 static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
 {
     double sum = 0;
@@ -111,8 +113,8 @@ static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
     return FXS_SH_0 * FXS_SH_0 * sum;
 }
 
-/* Loss of merging A and B: ((v + w) ln |joint| - v ln |A| - w ln |B|) / 2 + v w / (v + w) colour_weight
-   difference. */
+/* Loss of merging Gaussians with covariances A, B and weights v, w: ((v + w) ln |joint covariance| - v ln |A| - w ln
+   |B|) / 2 + v w / (v + w) colour_weight colour_difference. */
 static double loss_of(const decimated *d, uint32_t a, uint32_t b)
 {
     const shape *s = &d->shapes[a], *t = &d->shapes[b];
@@ -124,7 +126,7 @@ static double loss_of(const decimated *d, uint32_t a, uint32_t b)
     return sum * (shapes / 2 + v * (1 - v) * colour_weight * colour_difference(g, h));
 }
 
-/* Sets the opacity that preserves opacity times area. The logit is at least -20. */
+/* Sets the opacity of a merged Gaussian so that opacity times area equals `weight`. The logit is at least -20. */
 static void set_opacity(fxs_gaussian *g, double weight, double most)
 {
     const double opacity = fmin(weight / (fxs_weight(g) / opacity_of(g)), most > 0.99 ? most : 0.99);

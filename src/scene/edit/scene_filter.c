@@ -1,5 +1,6 @@
-/* Filters the stream of a file. The filtering reader replaces the file's own reader and drops Gaussians while it reads.
-   A first pass counts, and a second one if floaters are removed. */
+/* Filters the Gaussians of a scene file. A reader that drops Gaussians takes the place of the file's own reader. The
+   first pass over the file counts the remaining Gaussians. Removing floaters (isolated Gaussians) takes a second
+   pass. */
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/allocator.h>
@@ -32,8 +33,8 @@ void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
     fxs_sized_fill(filter, size, &all, sizeof all);
 }
 
-/* Tests if point p is farther than r from the segment a + t u, 0 <= t <= 1. A sphere has u = 0. With w = p - a, |w
-   - t u|^2 <= r^2 becomes |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
+/* Returns 1 if point p is farther than r from the segment a + t u, 0 <= t <= 1. A sphere has u = 0. With w = p - a, the
+   test |w - t u|^2 <= r^2 becomes |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
 static int is_outside(const fxs_filter_shape *s, const double p[3])
 {
     const double *n = s->numbers;

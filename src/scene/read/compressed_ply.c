@@ -1,5 +1,5 @@
-/* Reads PlayCanvas's compressed .ply: 32-bit words that code Gaussians relative to the bounds of their chunk of 256.
-   Layout: gsplat-compressed-data.js of the engine. */
+/* Reads PlayCanvas's compressed .ply. Its 32-bit words code Gaussians relative to the bounds of their chunk of 256
+   Gaussians. Layout: gsplat-compressed-data.js of PlayCanvas's engine. */
 #include <fixsplat/internal/allocator.h>
 
 #include "ply_header.h"
@@ -31,7 +31,7 @@ typedef struct compressed_reader {
     int sh_degree, stored_sh_degree;
     uint64_t read;
     float bounds[BOUNDS];
-    rows chunk, vertex, sh;              /* sh.element NULL: SH degree 0 */
+    rows chunk, vertex, sh;   /* ranges of rows in the file; sh.element null: the file has only SH of degree 0 */
 } compressed_reader;
 
 static int is_compressed_ply(const fxs_head *head, fxs_message *message)
@@ -70,7 +70,8 @@ static int add_columns(const fxs_ply_header *header, rows *r, const char *const 
     return 0;
 }
 
-/* Colour bounds are 0 to 1 in older files, which lack them. */
+/* Finds the properties with the bounds of a chunk (256 Gaussians). Older files lack the bounds of the colour, which
+   are then 0 and 1. */
 static int add_bounds(compressed_reader *reader, fxs_message *message)
 {
     int has_colour = fxs_ply_find(&reader->header, reader->chunk.element, bound_names[COLOUR]) >= 0;
@@ -179,8 +180,8 @@ static double between(const float *bounds, int low, double t)
     return (double)bounds[low] * (1 - t) + (double)bounds[low + 3] * t;
 }
 
-/* Smallest three: the omitted, largest component of the quaternion is positive. Other components are within
-   +-1/sqrt(2), w first. */
+/* Decodes a quaternion w, x, y, z from its three smallest components, which are within +-1/sqrt(2). The largest
+   component is not stored and is positive. */
 static void decode_rotation(uint32_t word, float rotation[4])
 {
     int largest = (int)(word >> 30);
@@ -211,7 +212,8 @@ static void decode_words(const compressed_reader *reader, const uint8_t *row, fx
     gaussian->opacity = fxs_logit_of_code(words[3] & 255);
 }
 
-/* SH codes 0 and 255 are -4 and 4. Other codes are the centre of their 256th of [-4, 4]. */
+/* Decodes an SH coefficient from a code of 8 bits. Codes 0 and 255 mean -4 and 4. Other codes mean the centre of one of
+   256 equal parts of the range -4 to 4. */
 static float decode_coefficient(int code)
 {
     return code == 0 ? -4 : code == 255 ? 4 : (float)(((code + 0.5) / 256 - 0.5) * 8);

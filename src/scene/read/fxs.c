@@ -18,7 +18,7 @@ typedef struct fxs_file_reader {
     const fxs_scene_source *source;
     fxs_crc32_table crc;
     fxs_scene scene;
-    uint64_t rows_at;                    /* file offset of the first chunk's data, bytes */
+    uint64_t rows_at;                    /* file offset in bytes of the first chunk's Gaussians */
     uint32_t slots, holes;
     uint32_t next, passed;
     fxs_chunk chunk;

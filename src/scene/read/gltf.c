@@ -27,8 +27,8 @@
 enum {
     MAX_DEPTH = 64,
     MAX_BUFFERS = 64,
-    MAX_MEMBERS = 1024,          /* members of a JSON object; look-ups are linear */
-    MAX_PARTS = 1024,            /* primitives, counted for each node that places them */
+    MAX_MEMBERS = 1024,          /* most members of a JSON object, because each look-up searches linearly */
+    MAX_PARTS = 1024,            /* most primitives; a primitive counts once for each node that places it */
     MAX_COUNT = 2147483647,
     BATCH = 256,
     MAX_STRIDE = 252
@@ -57,14 +57,14 @@ typedef struct range {
 
 typedef struct buffer_view {
     range bytes;
-    int64_t stride;              /* bytes between elements; 0: not given */
+    int64_t stride;              /* number of bytes from one element to the next; 0: the file states none */
     const char *fault;
 } buffer_view;
 
-enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* glTF's componentType minus 5120 */
+enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* types of numbers: glTF's componentType minus 5120 */
 
 typedef struct accessor {
-    range bytes;                 /* buffer NULL: all elements of the accessor are 0 */
+    range bytes;                 /* place of the elements in a buffer; buffer null: all elements are 0 */
     range indices, values;
     uint32_t replaced, at;
     uint32_t count, stride, size;
@@ -74,7 +74,7 @@ typedef struct accessor {
 enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 
 typedef struct splats {
-    range spz;                   /* .spz data; buffer null: plain attributes */
+    range spz;                   /* place of the .spz data; buffer null: the attributes are not compressed */
     fxs_spz *opened;
     int first;
     accessor attributes[ATTRIBUTES];
@@ -98,13 +98,13 @@ typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;
     double frame[3][4];
-    list lists[LISTS];           /* valid only while the file is opened */
+    list lists[LISTS];           /* JSON arrays of the file, freed when the file has been opened */
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;
     uint64_t bin_offset, bin_size;
     buffer buffers[MAX_BUFFERS];
-    int is_quantized;            /* KHR_mesh_quantization: POSITION may be integer */
+    int is_quantized;            /* 1 if KHR_mesh_quantization allows integer positions */
     splats *splats;
     part *parts;
     int splats_count, parts_count;
@@ -144,7 +144,8 @@ static const cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-/* Returns an integer from 0 to 2^53 - 1; `absent` for null; -1 for any other item. */
+/* Reads an integer from 0 to 2^53 - 1 from a JSON item. Returns `absent` if `item` is null, and -1 for any other
+   item. */
 static int64_t whole(const cJSON *item, int64_t absent)
 {
     if (!item)
@@ -176,7 +177,7 @@ static int make_list(gltf *g, const cJSON *root, int which)
 
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))     /* the capacity is the next power of two */
+    if (count & (count - 1))     /* the array has room for the next power of two of items */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -238,7 +239,8 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     return result;
 }
 
-/* Opens a glTF buffer. A buffer without bytes, the fallback of a compressed buffer, stays empty. */
+/* Opens a glTF buffer. A buffer that stands for the uncompressed form of compressed data has no bytes and stays
+   empty. */
 static int open_buffer(gltf *g, int index)
 {
     const cJSON *item = g->lists[BUFFERS].items[index];
@@ -302,7 +304,7 @@ static int use_buffer_view(const gltf *g, int index, buffer_view *out)
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
-/* Finds an attribute, also under its draft name: _SCALE for KHR_gaussian_splatting:SCALE. */
+/* Finds an attribute by its name or by its older draft name, such as _SCALE for KHR_gaussian_splatting:SCALE. */
 static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 {
     const cJSON *found = member(attributes, name);
@@ -314,7 +316,7 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
     return member(attributes, draft);
 }
 
-/* Bit masks of glTF component types: bit 2 type if plain, bit 2 type + 1 if normalized. */
+/* Masks of glTF component types. A type sets bit 2 * type if its values are not normalized, else bit 2 * type + 1. */
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
@@ -395,7 +397,8 @@ static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
     return end < a->count || a->at == a->replaced ? 0 : fail_indices(g);
 }
 
-/* Reads up to BATCH elements into g->bytes, in ascending order. Set a->at to 0 before the first element. */
+/* Reads up to BATCH elements of an accessor into g->bytes. Calls must be in ascending order of elements. Set a->at to 0
+   before the first call. */
 static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
 {
     const size_t size = (count - 1) * a->stride + a->size;
@@ -454,7 +457,7 @@ static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const 
         gaussian->opacity = fxs_logit_of_opacity(v[0]);
     if (attribute == ROTATION)
         for (int i = 0; i < 4; i++)
-            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* rotations in the file are x y z w */
+            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* rotations in glTF are in the order x, y, z, w */
     if (attribute == ROTATION || attribute == OPACITY)
         return;
     float *out = attribute == POSITION ? gaussian->position : attribute == SCALE ? gaussian->scale
@@ -480,8 +483,8 @@ static int read_attributes(gltf *g, splats *s, fxs_gaussian *gaussians, size_t c
     return 0;
 }
 
-/* sRGB from linear light (IEC 61966-2-1): 12.92 c up to 0.0031308, else 1.055 c^(1 / 2.4) - 0.055. *slope:
-   derivative. */
+/* Converts linear light c to sRGB (IEC 61966-2-1): 12.92 c up to 0.0031308, else 1.055 c^(1 / 2.4) - 0.055. *slope
+   becomes the derivative. */
 static double srgb_of(double c, double *slope)
 {
     *slope = 12.92;
@@ -492,7 +495,8 @@ static double srgb_of(double c, double *slope)
     return 1.055 * power - 0.055;
 }
 
-/* Converts the SH of degree 0 to sRGB. Higher SH are small, and multiplied by the slope. */
+/* Converts the SH of degree 0 from linear light to sRGB. Higher SH are small changes, so they are multiplied by the
+   conversion's derivative. */
 static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
 {
     for (int c = 0; c < 3; c++) {
@@ -599,8 +603,8 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
                                "compressed in a way that is not read");
 }
 
-/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is ignored, because the .spz is complete without
-   it. */
+/* Finds the opacities of the extension EXT_splat_opacity, version 1. Version 2 is ignored, because its .spz data
+   contain the opacities. */
 static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
 {
     static const char name[] = "EXT_splat_opacity";
@@ -867,7 +871,7 @@ static int find_log_scales(gltf *g)
     return 0;
 }
 
-/* Finds opacities above 1.0001, which are reported as clamped. Smaller excesses are rounding errors. */
+/* Finds Gaussians with opacities above 1.0001, which are reported as clamped. Smaller excesses are rounding errors. */
 static int find_clamped(gltf *g)
 {
     uint64_t above;
@@ -1079,7 +1083,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* the .spz closes before its source */
+        fxs_spz_close(g->splats[i].opened);   /* .spz data are closed before the buffers that they are read from */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
@@ -1106,7 +1110,7 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 
 #endif
 
-/* Returns 1 if a JSON object whose first member is `name` may be a glTF. */
+/* Returns 1 if a JSON object with the first member `name` may be a glTF file. */
 static int is_gltf_name(const char *name)
 {
     static const char *const names[] = {

@@ -1,11 +1,11 @@
-/* Reads a folder written by gsplat's PngCompression. meta.json has the bounds of each attribute. Each byte of an
-   attribute is a .png with a pixel per Gaussian. shN.npz is a palette of SH. Positions are stored as sign(x) ln(1
-   + |x|). */
+/* Reads a folder written by PngCompression of gsplat. meta.json has the bounds of each attribute. An attribute is
+   stored as .png images with a pixel per Gaussian, one image per byte. shN.npz is a palette of SH. Positions are stored
+   as sign(x) ln(1 + |x|). */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* Recognises meta.json by members that no SOG file has. */
+/* Recognises a meta.json of gsplat. Files of the SOG format are also called meta.json but have other members. */
 static int is_gsplat(const fxs_head *head, fxs_message *message)
 {
     (void)message;
@@ -37,7 +37,7 @@ typedef struct gsplat {
     const fxs_scene_source *source;
     size_t count, at;
     double low[IMAGES][4], high[IMAGES][4];
-    uint8_t *pixels[IMAGES];       /* RGBA; a single channel is repeated three times */
+    uint8_t *pixels[IMAGES];       /* decoded images as RGBA; a grey image has its channel three times */
     uint64_t sizes[IMAGES];
     int sh_degree;
     double sh_low, sh_high;
@@ -151,8 +151,8 @@ static int load_image(gsplat *g, int image, fxs_message *message)
     return result;
 }
 
-/* Finds the array in .npy data (numpy.lib.format). Returns null if the type or shape differs. columns: 0 for one
-   dimension. */
+/* Finds the numbers in the data of a .npy file (numpy.lib.format). Returns null if type or shape are not as expected.
+   columns: expected columns; 0: the array has one dimension. */
 static const uint8_t *find_array(const fxs_text *npy, const char *type, size_t size, size_t columns, size_t *rows,
                                  int *is_by_column)
 {

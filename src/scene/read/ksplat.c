@@ -1,13 +1,13 @@
-/* Reads .ksplat 0.x. Layout: SplatBuffer.js of mkkellogg/GaussianSplats3D. A section lists the lengths of its
-   partly filled buckets, the centres of all buckets, and its Gaussians in bucket order. Compression level 0 has
-   Gaussians only. */
+/* Reads .ksplat 0.x. Layout: SplatBuffer.js of mkkellogg/GaussianSplats3D. Each section of the file groups its
+   Gaussians into buckets. The section lists the lengths of partly filled buckets, the centres of all buckets, and the
+   Gaussians in bucket order. Compression level 0 has Gaussians only. */
 #include "src/base/byte_reader.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { HEADER_SIZE = 4096, SECTION_HEADER_SIZE = 1024, LEVELS = 3 };
 
-/* For each compression level: byte offsets in a Gaussian, and bytes of an SH coefficient. */
+/* For each compression level: byte offsets of the fields of a stored Gaussian, and bytes of an SH coefficient. */
 static const struct layout { uint8_t scale, rotation, colour, sh, coefficient; } layouts[LEVELS] = {
     {12, 24, 40, 44, 4}, {6, 12, 20, 24, 2}, {6, 12, 20, 24, 1}
 };
@@ -18,7 +18,8 @@ typedef struct section {
     uint32_t centre_size;
     int sh_degree;
     uint32_t row_size;
-    double range, step;                     /* position = (code - range) step + centre, above compression level 0 */
+    /* coding of positions in a bucket at compression levels 1 and 2: position = (code - range) step + bucket centre */
+    double range, step;
     uint64_t lengths, centres, rows, end;
 } section;
 
@@ -189,7 +190,7 @@ static int advance(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Decodes SH. Within each degree, the file stores a channel after the other. */
+/* Decodes the SH coefficients of a Gaussian. For each degree, the file has all of red, then green, then blue. */
 static void decode_sh(const ksplat_reader *reader, const uint8_t *values, float sh[45])
 {
     for (int degree = 1; degree <= reader->section.sh_degree; degree++) {

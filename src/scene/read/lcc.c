@@ -23,12 +23,12 @@ enum {
     ROW = 32, SH_ROW = 64
 };
 
-/* Values of the smallest and largest code of three channels. */
+/* Bounds of a coded attribute: the values of the smallest and the largest code of three channels. */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
 
-/* First byte of a cell in data.bin, and its number of Gaussians. */
+/* A cell of the scene at one level: first byte in data.bin, and number of Gaussians. */
 typedef struct cell {
     uint64_t begin, count;
 } cell;
@@ -175,7 +175,7 @@ static int compare_cells(const void *a, const void *b)
     return (x->begin > y->begin) - (x->begin < y->begin);
 }
 
-/* Checks that cells do not overlap, because a small file could otherwise demand much work. */
+/* Checks that the byte ranges of cells do not overlap, because a small file could otherwise demand much work. */
 static int check_cells(lcc_reader *r, fxs_message *message)
 {
     const uint64_t size = r->data_file.input.size;
@@ -221,8 +221,8 @@ static double lerp(const bounds *b, int i, double t)
     return b->low[i] * (1 - t) + b->high[i] * t;
 }
 
-/* Smallest three of x, y, z, w: the top two bits are the index of the omitted component. Other components lie in
-   +-1/sqrt(2). */
+/* Decodes a quaternion x, y, z, w from its three smallest components, which lie in +-1/sqrt(2). The top two bits are
+   the index of the largest component, which is not stored. */
 static void decode_rotation(uint32_t code, float rotation[4])
 {
     const uint32_t omitted = code >> 30;
@@ -238,7 +238,7 @@ static void decode_rotation(uint32_t code, float rotation[4])
     rotation[(omitted + 1) % 4] = (float)sqrt(fmax(0, 1 - sum));
 }
 
-/* SH coefficients: red, green and blue in 11, 10 and 11 bits of a word. */
+/* Decodes SH coefficients. A word of 32 bits has red in 11, green in 10 and blue in 11 bits. */
 static void decode_sh(const bounds *b, const uint8_t *row, float sh[45])
 {
     for (int k = 0; k < 15; k++) {
@@ -265,7 +265,7 @@ static void decode(const lcc_reader *r, const uint8_t *row, const uint8_t *sh_ro
     fxs_transform_apply(&r->transform, g, sh_row ? 3 : 0);
 }
 
-/* Moves to a cell. Cells are in the order of data.bin, so each byte is read once. */
+/* Begins to read the next cell. Cells are read in the order of data.bin, so that each byte is read once. */
 static int enter_cell(lcc_reader *r)
 {
     const cell *c = &r->cells[r->at];
@@ -308,7 +308,8 @@ static int lcc_rewind(void *handle, fxs_message *message)
 
 static int lcc_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* rotation from z up to y down */
+    /* rotation from axes with z up to axes with y down */
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};
     lcc_reader *r = handle;
     const int level = source->options.level;
     r->source = source;

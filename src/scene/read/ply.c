@@ -14,7 +14,8 @@ static const char *const field_names[FIRST_REST] = {
     "f_dc_0", "f_dc_1", "f_dc_2"
 };
 
-/* Properties that change the picture in other programs but are ignored here. A trailing _ marks a prefix. */
+/* Names of .ply properties that change the picture in other programs but are ignored here. A name ending in _ stands
+   for all names that begin so. */
 static const char *const unused_names[] = {
     "t", "time", "beta", "gamma", "shape", "f_", "rot_", "rotation_", "scale_", "scaling_", "opacity_", "filter_",
     "motion_", "omega_", "trbf_", "velocity_", "delta_", "lifespan", "t_", "time_", "beta_", "sb_", "sh_", "shs_",
@@ -35,9 +36,9 @@ typedef struct ply_reader {
     fxs_ply_header header;
     const fxs_ply_element *vertex;
     int sh_degree, stored_sh_degree;
-    int is_flat;                         /* 1: 2D Gaussians, without scale_2 */
+    int is_flat;                         /* 1: the file has 2D Gaussians, without scale_2 */
     int is_filtered;                     /* 1: the file has filter_3D of Mip-Splatting */
-    double full;                         /* number that means full brightness; 0: colours are SH (f_dc) */
+    double full;   /* stored number that means full brightness; 0: colours are stored as SH (f_dc) */
     float fields[FIELDS];
     int columns, all_float;
     int runs;
@@ -132,7 +133,8 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
     return 0;
 }
 
-/* Reads unsigned 16-bit integers as halves, because some programs store halves so. Colours are excepted. */
+/* Finds properties of type ushort. They are read as 16-bit floats, because some programs store floats in this type.
+   Colours are an exception. */
 static void find_halves(ply_reader *reader)
 {
     for (int i = reader->vertex->first; i < reader->vertex->end; i++) {
@@ -288,8 +290,8 @@ static int is_fine(const ply_reader *reader)
     return reader->header.encoding == FXS_PLY_ASCII;
 }
 
-/* Chooses the origin from a sample of rows. info->coarse becomes the largest spacing of floats that exceeds a
-   sampled Gaussian's size. */
+/* Chooses the origin of the Gaussians from a sample. info->coarse becomes the largest distance between neighbouring
+   floats that exceeds the size of the Gaussian there. */
 static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_ply_element *vertex = reader->vertex;
@@ -345,8 +347,8 @@ static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     return open_reader(reader, info, message);
 }
 
-/* Applies the 3D smoothing filter of Mip-Splatting (Yu et al. 2024). Variances grow by the filter's square, and
-   opacity shrinks as the volume grows. */
+/* Applies the 3D smoothing filter of Mip-Splatting (Yu et al. 2024) to a Gaussian. Variances grow by the filter's
+   square. Opacity shrinks as the volume grows. */
 static void apply_filter(fxs_gaussian *g, double filter, int scales)
 {
     double shrunk = 0;

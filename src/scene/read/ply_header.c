@@ -174,7 +174,8 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
     return 0;
 }
 
-/* Checks a .ply file's size. A text value needs at least a digit and a separator. */
+/* Checks that a .ply file is large enough for its element counts. A value in a text file needs at least a digit and a
+   separator. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message)
 {
     uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->input.size, values = 0;

@@ -18,7 +18,7 @@ enum {
 typedef struct fxs_ply_type {
     const char *name, *alias;
     uint8_t size;
-    double full;               /* number that means full brightness in colours */
+    double full;               /* stored number that means full brightness if a colour has this type */
 } fxs_ply_type;
 
 extern const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES];
@@ -27,7 +27,7 @@ typedef struct fxs_ply_property {
     char name[FXS_PLY_MAX_NAME + 1];
     uint8_t type;
     uint8_t is_list, count_type;
-    uint32_t offset;           /* bytes from the start of a binary row */
+    uint32_t offset;           /* offset of the property in a binary row, in bytes */
 } fxs_ply_property;
 
 typedef struct fxs_ply_element {
@@ -35,7 +35,7 @@ typedef struct fxs_ply_element {
     uint64_t count;
     int first, end;
     int has_lists;
-    uint32_t row_size;         /* bytes of a binary row, if all lists are empty */
+    uint32_t row_size;         /* size of a binary row in bytes, if all lists are empty */
 } fxs_ply_element;
 
 typedef struct fxs_ply_header {
@@ -49,28 +49,30 @@ typedef struct fxs_ply_header {
 /* Reads the header of a .ply file. *header must be zeroed. */
 int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_message *message);
 
-/* Checks the file's size against the element counts. Call directly after fxs_ply_read_header. */
+/* Checks that the .ply file is large enough for its element counts. Call directly after fxs_ply_read_header. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message);
 
 const fxs_ply_element *fxs_ply_find_element(const fxs_ply_header *header, const char *name);
 
-/* Returns the index of a property that is not a list, or -1. */
+/* Returns the index of the element's property called `name`, or -1. Lists are not found. */
 int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, const char *name);
 
-/* Finds the SH coefficients f_rest_*. Returns their degree, 0 to 4, or an error. rest[3 * k + channel] becomes the
-   property of coefficient k. */
+/* Finds the properties f_rest_*, which are the SH coefficients above degree 0. Returns the SH degree, 0 to 4, or an
+   error. rest[3 * k + channel] becomes the index of the property of coefficient k. */
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],
                       const char *path, fxs_message *message);
 
-/* Finds a colour of three properties. Returns the value of full brightness; 0: no colour. */
+/* Finds a colour stored as three properties such as red, green, blue. Returns the number that means full brightness; 0:
+   no colour. */
 double fxs_ply_find_colour(const fxs_ply_header *header, const fxs_ply_element *element, int colour[3]);
 
 double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding encoding);
 
-/* Reads the next value of a row. Returns 0, or FXS_ERR_FILE with the fault in `bytes`. */
+/* Reads the next value of a .ply row. Returns 0, or FXS_ERR_FILE, with the fault stored in `bytes`. */
 int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
 
-/* Call before and after the values of a row. In text files, both functions skip blanks and newlines. */
+/* Begin and end a .ply row; call them before and after reading the row's values. In text files, both functions skip
+   blanks and newlines. */
 void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 

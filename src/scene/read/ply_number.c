@@ -33,7 +33,8 @@ double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding enco
     }
 }
 
-/* Returns value * 10^exponent, rounded once for |exponent| <= 22, because those powers are exact. */
+/* Returns value * 10^exponent. The result is rounded only once for |exponent| <= 22, because those powers of 10 are
+   exact. */
 static double scale_by_10(double value, int exponent)
 {
     static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
@@ -102,7 +103,8 @@ static int is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\r';
 }
 
-/* Reads a text number without its newline. At the end of the file the number may be cut short. */
+/* Reads a number from a text .ply and leaves the newline after the number. At the end of the file, the number may be
+   cut short. */
 static int read_ascii_number(fxs_byte_reader *bytes, double *value)
 {
     char text[MAX_NUMBER + 1];

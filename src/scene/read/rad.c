@@ -1,5 +1,5 @@
-/* Reads .rad of Spark: a JSON header, then chunks of up to 65,536 Gaussians. A chunk has a JSON header and a
-   compressed column for each attribute. The Gaussians may be nodes of a level-of-detail tree. Layout:
+/* Reads .rad of Spark: a JSON header, then chunks of up to 65,536 Gaussians. A chunk has a JSON header and a compressed
+   column of numbers for each attribute. The Gaussians may be nodes of a level-of-detail tree. Layout:
    rust/spark-lib/src/rad.rs of sparkjsdev/spark; rotations: splat_encode.rs. */
 #include "src/scene/formats_internal.h"
 #include "rad_internal.h"
@@ -46,14 +46,15 @@ const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS] = {
 enum {
     CHUNK_HEAD = 8,
     PAYLOAD_SIZE = 8,
-    TALLEST = 254                  /* maximum height of a node; taller nodes are clamped */
+    TALLEST = 254                  /* largest height of a tree node; greater heights are clamped */
 };
 
 #define ALWAYS_THERE 5
 #define RANGED (BIT(R8) | BIT(R8_DELTA) | BIT(LN_0R8))
 #define SIGNED (BIT(S8) | BIT(S8_DELTA))
 
-/* A column of a chunk. Values are stored dimension by dimension, except for oct88r8. */
+/* A column holds one attribute of all Gaussians of a chunk: all x, then all y, then all z. Rotations coded as oct88r8
+   are stored together instead. */
 typedef struct column {
     int is_there, is_compressed, encoding;
     uint64_t offset, stored;
@@ -75,7 +76,7 @@ typedef struct rad_reader {
     size_t codes;
     int sh_degree, is_tree;
     chunk *chunks;
-    uint8_t *drawn;                /* for a tree, a bit for each node to draw */
+    uint8_t *drawn;   /* one bit for each node of the level-of-detail tree: 1 if the node is drawn; null: no tree */
     size_t at;
     size_t loaded;
     uint64_t payload;
@@ -399,7 +400,7 @@ static double value_of(const rad_reader *r, int property, int d, size_t row)
     return value(&r->columns[property], fxs_rad_properties[property].numbers, d, row);
 }
 
-/* Decodes a rotation: an axis from an octahedral map, and an angle from 0 to pi. */
+/* Decodes a rotation from an axis, stored by the octahedral map, and an angle from 0 to pi. */
 static void decode_octahedron(const uint8_t code[3], float rotation[4])
 {
     double x = code[0] / 255.0 * 2 - 1, y = code[1] / 255.0 * 2 - 1;
@@ -445,9 +446,9 @@ static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message 
     return 0;
 }
 
-/* Tree nodes with codes above 1 are more than opaque: D = min(4 code - 3, 5). Such a node covers 1 - (1 -
-   e^(-z^2/2))^A, A = e^((D^2 - 1) / e). The renderer's Gaussians are at most opaque, so the node is enlarged by
-   A^(1/3) instead. Returns ln A. */
+/* Decodes the opacity of a Gaussian. Returns ln A, where A is the opacity of a tree node above 1, else 1. Codes above 1
+   mean D = min(4 code - 3, 5) and A = e^((D^2 - 1) / e). At z sigmas from the centre, Spark then draws the opacity 1 -
+   (1 - e^(-z^2/2))^A. Gaussians of this renderer are at most opaque, so the node is enlarged by A^(1/3) instead. */
 static double decode_opacity(const rad_reader *r, size_t row, float *opacity)
 {
     const double code = value_of(r, FXS_RAD_ALPHA, 0, row), d = fmin(4 * code - 3, 5);
@@ -471,8 +472,8 @@ static int decode(const rad_reader *r, size_t row, fxs_gaussian *g, fxs_message 
     return decode_sh(r, row, g->sh, message);
 }
 
-/* A node is drawn at level k if its height is at most k and its parent's height is greater. Height is the number
-   of steps to the lowest leaf. */
+/* Returns 1 if a tree node is low enough for a level of detail. A node is drawn at level k if its height is at most k
+   and its parent's height is greater. The height is the number of steps to the lowest leaf. */
 static int is_low(const uint8_t *heights, size_t i, int level)
 {
     return heights[i] <= level;

@@ -1,4 +1,4 @@
-/* Columns of a .rad file. */
+/* Attributes and encodings of the columns of a .rad file. */
 #ifndef FXS_RAD_INTERNAL_H
 #define FXS_RAD_INTERNAL_H
 
@@ -21,12 +21,12 @@ typedef struct fxs_rad_property {
 
 typedef struct fxs_rad_encoding {
     const char *name;
-    int width;                     /* bytes per number */
+    int width;                     /* size of a number in bytes */
 } fxs_rad_encoding;
 
 extern const fxs_rad_property fxs_rad_properties[FXS_RAD_PROPERTIES];
 extern const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS];
 
-#define FXS_RAD_E 2.718281828459045    /* constant in the code of opacities above 1 */
+#define FXS_RAD_E 2.718281828459045    /* Euler's number e, which the coding of opacities above 1 uses */
 
 #endif

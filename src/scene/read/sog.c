@@ -41,7 +41,7 @@ enum {
     SLACK = 1 << 16,
     MAX_LEVELS = 1000,
     MAX_FILES = 1 << 16,
-    PALETTE_ROW = 64        /* palette entries per row of pixels */
+    PALETTE_ROW = 64        /* number of SH palette entries in a row of pixels */
 };
 
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
@@ -58,19 +58,19 @@ typedef struct sog_scene {
     size_t count;
     int sh_degree, antialiased;
     size_t palette;
-    double mins[3], maxs[3];   /* bounds of sign(x) ln(1 + |x|) of the positions */
+    double mins[3], maxs[3];   /* bounds of the coded positions sign(x) ln(1 + |x|) */
     table scale[3], colour[4], sh;
     fxs_text files[IMAGES];
     int widths[IMAGES], heights[IMAGES];
-    uint8_t *pixels[IMAGES];   /* decoded images as RGBA; Gaussian i is pixel i */
+    uint8_t *pixels[IMAGES];   /* decoded images as RGBA; pixel i belongs to Gaussian i */
 } sog_scene;
 
-/* A range of Gaussians in a file: begin to end - 1. */
+/* A range of Gaussians in a file: Gaussians `begin` to `end` - 1. */
 typedef struct range {
     size_t file, begin, end;
 } range;
 
-/* A file of streamed SOG. `file`: index of the first file with this name. */
+/* A file name in a streamed SOG index. `file` is the index of the first entry with the same name. */
 typedef struct file_name {
     const char *name;
     size_t file;
@@ -91,7 +91,7 @@ typedef struct sog_reader {
     size_t range_count, range_capacity;
     size_t at, done;
     sog_scene **scenes;
-    size_t *held;         /* files with loaded scenes, in the order of loading */
+    size_t *held;         /* indices of the files whose scenes are in memory, oldest first */
     size_t held_count;
     sog_scene *scene;
 } sog_reader;
@@ -129,7 +129,8 @@ static int load_file(const container *c, const char *name, fxs_text *text)
                   : load_beside(c->source, name, text, c->message);
 }
 
-/* Reads a codebook of version 2: 256 values shared by all tables. Old writers left the first value null. */
+/* Reads a codebook of SOG version 2: 256 values for all components of an attribute. Old writers left the first value
+   null. */
 static int read_codebook(const cJSON *property, table *tables, int count)
 {
     const cJSON *codebook = member(property, "codebook"), *value;
@@ -148,7 +149,8 @@ static int read_codebook(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Reads the first and last value of each table in version 1. A single table has numbers instead of arrays. */
+/* Reads the bounds of an attribute in SOG version 1: the smallest and largest value of each component. An attribute
+   with a single component may have numbers instead of arrays. */
 static int read_bounds(const cJSON *property, table *tables, int count)
 {
     const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
@@ -178,7 +180,8 @@ static const char *check_version(const cJSON *root)
     return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
 }
 
-/* Applies the "model" of a scene. "default" or null changes nothing. */
+/* Applies the string "model" of a SOG file, which states anti-aliasing or 2D Gaussians. "default" or null changes
+   nothing. */
 static void take_model(sog_scene *s, const char *model)
 {
     s->antialiased |= model && strcmp(model, "antialiased") == 0;
@@ -222,7 +225,7 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* Checks the palette's size. In version 1, the palette's width gives the SH degree. */
+/* Checks the size of the SH palette's image. In SOG version 1, the image's width gives the SH degree. */
 static const char *check_palette(sog_scene *s, int width, size_t pixels)
 {
     int degree = s->sh_degree ? s->sh_degree : 1;
@@ -343,8 +346,8 @@ static int load_meta(sog_scene *s, const container *c)
     return status;
 }
 
-/* Smallest three: alpha is 252 plus the index of the omitted component of w, x, y, z. Other components lie in
-   +-1/sqrt(2). */
+/* Decodes a rotation w, x, y, z from its three smallest components, which lie in +-1/sqrt(2). Alpha is 252 plus the
+   index of the largest component, which is not stored. */
 static void decode_rotation(const uint8_t *code, float rotation[4])
 {
     double sum = 0;
@@ -367,7 +370,7 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
 {
     const uint8_t *code = s->pixels[LABELS] + 4 * index;
     size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
-    if (label >= s->palette)   /* a label beyond the palette has SH 0, as in PlayCanvas */
+    if (label >= s->palette)   /* a Gaussian with a label beyond the palette has SH 0, as in PlayCanvas */
         return;
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -414,8 +417,8 @@ static int level_of(const char *name)
     return *name ? level : -1;
 }
 
-/* Finds a tree node's data for a level, or null. A leaf without that level uses the nearest level. Returns 0, or
-   -1 if level names are not numbers. */
+/* Finds the data of a tree node for a level of detail; null: none. A leaf without that level uses its nearest level.
+   Returns 0, or -1 if level names are not numbers. */
 static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
@@ -499,8 +502,9 @@ static int list_names(sog_reader *r, fxs_message *message)
     return 0;
 }
 
-/* Adds the environment, which is drawn at every level. Older PlayCanvas versions use environment.sog without
-   naming it in the index. Returns 1 if it exists, else 0; or an error and a message. */
+/* Adds the environment of a streamed SOG: Gaussians that are drawn at every level of detail. Older PlayCanvas versions
+   use environment.sog without naming it in the index. Returns 1 if an environment exists, else 0; or an error and a
+   message. */
 static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
 {
     static const char name[] = "environment.sog";
@@ -588,10 +592,12 @@ static int add_lcc2_names(sog_reader *r, const cJSON *names, int is_old, fxs_mes
     return 0;
 }
 
-/* Reads a .lcc2 index. A node's level plus its depth below the root is "totalLevels". */
+/* Reads the index of a .lcc2 file, which is a tree. A node's level of detail plus its depth below the root is
+   "totalLevels". */
 static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
-    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* rotation from z up to y down */
+    /* rotation from axes with z up to axes with y down */
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};
     const cJSON *tree = member(root, "root");
     const int is_old = !member(root, "totalLevels"), level = r->source->options.level;
     const char *type = fxs_json_string(root, "splatType");
@@ -660,7 +666,8 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
-/* Refuses a file under two names, because through links a file could stand for many. */
+/* Refuses a file that appears under two names. Through links, one file could otherwise stand for many and demand much
+   work. */
 static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
     if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)

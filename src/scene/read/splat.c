@@ -5,7 +5,7 @@
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28, RECORDS_CHECKED = 64 };
 
-/* Limits of plausible records, which zeros and most text exceed. */
+/* Limits of plausible Gaussians, which tell a .splat from other data. Zeros and most text exceed these limits. */
 static const float largest_position = 134217728.0f, smallest_scale = 2.06e-9f, largest_scale = 4.85e8f;
 
 typedef struct splat_reader {
@@ -31,7 +31,7 @@ static int is_plausible(const uint8_t *record)
     return 1;
 }
 
-/* Recognises a .splat by plausible first records, because the format has no magic number. */
+/* Recognises a .splat by plausible first Gaussians, because the format has no magic number. */
 static int is_splat(const fxs_head *head, fxs_message *message)
 {
     const fxs_scene_source *source = head->source;

@@ -27,11 +27,12 @@ enum {
     MAX_EXTENSIONS = 1 << 16
 };
 
-#define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / COLOUR_RANGE */
+#define COLOUR_RANGE 0.15   /* range of colour codes: SH of degree 0 is (code / 255 - 0.5) / COLOUR_RANGE */
 
 enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };
 
-enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F, with 1 for right, up, front */
+/* Codes of coordinate systems: 1 + R + 2 U + 4 F. R, U, F are 1 if x is right, y is up, z is front, else 0. */
+enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };
 
 const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
 
@@ -110,7 +111,8 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
     return 0;
 }
 
-/* Sets the axes. Values above 8 exchange y and z, but versions of the reference library disagree on how. */
+/* Sets the coordinate system of the file. Codes above 8 exchange y and z, but versions of the reference library
+   disagree on how. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
     const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
@@ -209,7 +211,8 @@ static int refill(gzip *g)
     return 0;
 }
 
-/* Inflates in pieces, because zlib counts bytes in 32 bits. *status: zlib's last status. */
+/* Decompresses up to `size` bytes, in pieces, because zlib counts bytes in 32 bits. *status becomes zlib's last
+   status. */
 static int inflate_some(gzip *g, int *status, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
@@ -471,7 +474,8 @@ static float position(const fxs_spz *spz, const uint8_t *bytes)
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }
 
-/* Decodes a quaternion from x, y, z of 8 bits each. Uses doubles, because 1 minus the squares may be small. */
+/* Decodes a quaternion from x, y, z of 8 bits each, with w = sqrt(1 - x^2 - y^2 - z^2). Uses doubles, because the
+   difference may be small. */
 static void decode_first_three(double q[4], const uint8_t *bytes)
 {
     double rest = 1;
@@ -482,8 +486,8 @@ static void decode_first_three(double q[4], const uint8_t *bytes)
     q[3] = sqrt(fmax(rest, 0));
 }
 
-/* Decodes the smallest three of x, y, z, w. Bits 31 and 30 are the index of the largest component. Other
-   components have a sign and 9 bits each. */
+/* Decodes a quaternion x, y, z, w from its three smallest components. Bits 31 and 30 are the index of the largest
+   component, which is not stored. Other components have a sign and 9 bits each. */
 static void decode_smallest_three(double q[4], uint32_t word)
 {
     uint32_t largest = word >> 30;

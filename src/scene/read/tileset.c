@@ -1,10 +1,10 @@
 /* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles. Contents are .glb and .gltf
-   files or other tilesets. Draws the finest contents: all contents of tiles refined by ADD; contents of tiles refined
-   by REPLACE if no descendant has contents. Ignores bounding volumes and geometric errors.
+   files or other tilesets. Draws the finest contents. From tiles refined by ADD, all contents are drawn. From tiles
+   refined by REPLACE, contents are drawn if no descendant has contents. Ignores bounding volumes and geometric errors.
 
    A tileset is z up and its contents are y up. The Gaussians get the axes that a content read alone would have. A
-   tileset on the globe is moved to the frame of its first tile there, because floats resolve only half a metre at the
-   Earth's radius. */
+   tileset on the globe is moved to the frame of its first tile there. Otherwise, floats resolve only half a metre at
+   the Earth's radius. */
 #include <fixsplat/internal/allocator.h>
 
 #include <string.h>
@@ -25,7 +25,7 @@ enum {
     MOST_OPEN = 32
 };
 
-static const double GLOBE = 1e6;   /* distance from the origin beyond which tiles lie on the globe, metres */
+static const double GLOBE = 1e6;   /* distance in metres from the origin beyond which a tile lies on the globe */
 
 typedef struct matrix {
     double m[3][4];
@@ -35,7 +35,7 @@ typedef struct content {
     char *name;
     matrix up, tile;
     int nesting, is_tileset;
-    size_t parent;             /* 1 + index of the tileset that names this content; 0: the first tileset */
+    size_t parent;   /* which tileset names this content: 1 + its index among the contents; 0: the first tileset */
     uint64_t device, inode;
     uint64_t count;
     fxs_scene_source source;
@@ -61,7 +61,7 @@ typedef struct index_file {
     size_t folder;
     const char *name;
     int nesting;
-    size_t itself;             /* 1 + index of this tileset as a content; 0: the first tileset */
+    size_t itself;             /* 1 + index of this tileset among the contents; 0: the first tileset */
     matrix up;
 } index_file;
 
@@ -127,7 +127,7 @@ static int grow(tileset *t)
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
-    uri = uri ? uri : fxs_json_string(item, "url");   /* name of "uri" before version 1.0 */
+    uri = uri ? uri : fxs_json_string(item, "url");   /* "uri" was called "url" before 3D Tiles 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
     FXS_TRY(grow(t));
@@ -186,7 +186,7 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* Adds the contents to draw from a tile and its children. Returns 1, or 0 if none were added, or an error and a
+/* Adds the contents to draw from a tile and its children. Returns 1 if any were added, else 0; or an error and a
    message. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
@@ -251,8 +251,8 @@ static int is_same(const content *a, const content *b)
     return a->inode ? a->inode == b->inode && a->device == b->device : fxs_compare_names(a->name, b->name) == 0;
 }
 
-/* Refuses a tileset that contains itself. Limits the bytes of repeated contents, because a small tileset could
-   otherwise demand much work. */
+/* Refuses a tileset that contains itself. Limits the total size of contents that several tiles name, because a small
+   tileset could otherwise demand much work. */
 static int check_identity(tileset *t, size_t index, const fxs_scene_source *source)
 {
     content *c = &t->contents[index];
@@ -420,7 +420,8 @@ static int describe_content(tileset *t, fxs_scene_file_info *info)
 
 static int describe(tileset *t, fxs_scene_file_info *info)
 {
-    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};   /* rotation from z up to y down */
+    /* rotation from axes with z up to axes with y down */
+    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};
     matrix back = identity;
     if (t->is_on_globe && invert(&back, &t->globe))
         return fail(t, t->source->path, "the transform of a tile has no inverse");
@@ -492,7 +493,7 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 
 #endif
 
-/* Recognises a tileset by geometric errors, which a glTF lacks. */
+/* Recognises a tileset by the member geometricError, which a glTF file lacks. */
 static int is_tileset(const fxs_head *head, fxs_message *message)
 {
     (void)message;

@@ -1,4 +1,5 @@
-/* Learns codebooks of .sog: Lloyd's quantiser over a histogram for scalars, k-means in two steps for SH. */
+/* Learns the codebooks of a .sog file. Codebooks of scalars use Lloyd's quantiser over a histogram. The SH palette uses
+   k-means in two steps. */
 #include "codebook_internal.h"
 #include "src/base/report.h"
 
@@ -48,7 +49,8 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
         book[at] = book[at - 1];
 }
 
-/* Density of codebook entries: the cube root of the weights, optimal for many entries (Panter and Dite 1951). */
+/* Computes how densely to place codebook entries. The cube root of the weights is optimal for many entries (Panter and
+   Dite 1951). */
 static double find_densities(double densities[GROUPS], const bin *bins)
 {
     enum { CELL = GROUPS / CELLS };
@@ -86,8 +88,8 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
         book[at] = (float)high;
 }
 
-/* Moves each codebook entry to the weighted mean of its nearest values. Values below an entry count with the
-   entry's weight, because reading returns the entry. */
+/* Moves each codebook entry to the weighted mean of its nearest values. A value below its entry gets the entry's larger
+   weight, because a reader sees only the entry. */
 static void improve_book(float book[FXS_BOOK], const bin *bins, double power)
 {
     struct { double sum, weight, own; } sums[FXS_BOOK];
@@ -167,7 +169,8 @@ static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
     return sum;
 }
 
-/* |x - mean|^2 / 2 = |x|^2 / 2 + |mean|^2 / 2 - x mean; below 2^31, because components are below 2^12 */
+/* Gives each SH vector x to the nearest mean m. Half the squared distance is |x - m|^2 / 2 = |x|^2 / 2 + |m|^2 / 2 - x
+   m. It is below 2^31, because components are below 2^12. */
 static void share_out(const cluster *c)
 {
     for (uint32_t e = 0; e < c->entries; e++)
@@ -202,7 +205,7 @@ static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
             c->means[e][d] = mean_of(sums[e][d], sums[e][WIDTH]);
 }
 
-/* Learns a cluster's means from evenly spaced members, because neighbours are together. */
+/* Learns the means of a cluster from evenly spaced members, because similar members lie together. */
 static int learn(const cluster *c, int rounds)
 {
     int64_t (*sums)[WIDTH + 1] = malloc(c->entries * sizeof *sums);
@@ -266,7 +269,8 @@ static void sort_members(work *w, uint32_t coarse, uint32_t count)
         w->members[next[w->nearest[i]]++] = i;
 }
 
-/* Gives each coarse cluster an entry of the palette, and shares out the rest in proportion to its members. */
+/* Gives each coarse cluster one palette entry, and shares out the other entries in proportion to the cluster's
+   members. */
 static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
                      const fxs_sh_palette_vector *vectors, uint32_t count)
 {

@@ -1,4 +1,4 @@
-/* Writes PlayCanvas's compressed .ply. Positions are relative to the box of 256 Gaussians, so neighbours are
+/* Writes PlayCanvas's compressed .ply. Positions are relative to the box of a chunk (256 Gaussians), so neighbours are
    grouped first. */
 #include <errno.h>
 #include <inttypes.h>
@@ -10,7 +10,7 @@
 
 enum { CHUNK = 256, BOUNDS = 18, CHUNK_BYTES = 4 * BOUNDS, WORDS_BYTES = 16 };
 
-/* Bounds of position, ln(sigma), and colour 0.5 + SH_0 dc of 256 Gaussians. */
+/* A chunk of 256 Gaussians: bounds of position, of ln(sigma), and of the colour 0.5 + SH_0 dc. */
 typedef struct chunk {
     float low[9], high[9];
 } chunk;
@@ -54,7 +54,7 @@ static void find_bounds(chunk *c, const fxs_held *h, uint32_t first, uint32_t en
     }
 }
 
-/* value = low + (high - low) code / (2^bits - 1) */
+/* Codes a number in a range with `bits` bits: value = low + (high - low) code / (2^bits - 1). */
 static uint32_t code(const chunk *c, const float values[9], int k, int bits)
 {
     const double width = (double)c->high[k] - c->low[k];
@@ -81,7 +81,7 @@ static void encode_words(const chunk *c, const fxs_held_gaussian *g, uint8_t *to
     fxs_put_u32(to, colour);
 }
 
-/* SH value = 8 ((code + 0.5) / 256 - 0.5), a channel after the other */
+/* Codes SH coefficients in 8 bits, all of red, then green, then blue: value = 8 ((code + 0.5) / 256 - 0.5). */
 static void encode_sh(const int16_t *sh, uint32_t coefficients, uint8_t *to)
 {
     for (uint32_t c = 0; c < 3; c++)

@@ -1,4 +1,5 @@
-/* Writes text: a line with the property names of Inria's .ply without normals, then a line of values per Gaussian. */
+/* Writes Gaussians as text. The first line has the property names of Inria's .ply without normals. Each further line
+   has the values of a Gaussian. */
 #include <string.h>
 
 #include "scene_write_internal.h"
@@ -8,7 +9,7 @@
 
 typedef struct csv_writer {
     fxs_output output;
-    int coefficients;              /* SH coefficients per channel above degree 0 */
+    int coefficients;              /* number of SH coefficients per channel above degree 0 */
     double origin[3];
     int digits;
 } csv_writer;

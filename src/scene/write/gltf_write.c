@@ -1,5 +1,5 @@
-/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate), all floats, a row per Gaussian.
-   Positions are rotated by half a turn about z, because y is up in glTF. */
+/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate). All numbers are floats, and each Gaussian has
+   a row. Positions are rotated by half a turn about z, because y is up in glTF. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/read/spz_internal.h"
 
-/* Byte offsets in a row of a Gaussian. glTF allows rows up to 252 bytes. */
+/* Byte offsets of the attributes in the row of a Gaussian. glTF allows rows of up to 252 bytes. */
 enum { SCALE = 12, ROTATION = 24, OPACITY = 40, SH = 44, MAX_ROW = SH + 16 * 12 };
 
 enum { JSON_MOST = 8000 };
@@ -113,7 +113,7 @@ static void write_header(FILE *file, const char *json, size_t length, uint32_t b
     fwrite(chunk, 1, sizeof chunk, file);
 }
 
-/* Opens a .glb and checks the sizes, which have 32 bits. */
+/* Opens a .glb and checks that all sizes fit 32 bits. */
 static int glb_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
 {
     glb_writer *w = writer;
@@ -131,7 +131,7 @@ static int glb_open(void *writer, const char *path, const fxs_scene_write_option
     return error;
 }
 
-/* Rotates by half a turn about z: (0, 0, 0, 1) q, normalised, as x, y, z, w */
+/* Rotates a quaternion q by half a turn about z: (0, 0, 0, 1) q, normalised. The result is in the order x, y, z, w. */
 static void turn_rotation(float to[4], const float q[4])
 {
     double norm = 0;
@@ -153,7 +153,8 @@ static void encode(const glb_writer *w, const fxs_gaussian *g, uint8_t *row)
     for (int i = 0; i < 3; i++)
         scale[i] = (float)fxs_exp(g->scale[i]);
     for (int k = 0; k < 15; k++) {
-        const int odd = fxs_spz_odd_in[k] & 3;   /* SH change sign if odd in x or in y, but not in both */
+        /* half a turn about z negates SH functions that are odd in only one of x and y */
+        const int odd = fxs_spz_odd_in[k] & 3;
         for (int c = 0; c < 3; c++)
             sh[3 * k + c] = odd == 1 || odd == 2 ? -g->sh[3 * k + c] : g->sh[3 * k + c];
     }

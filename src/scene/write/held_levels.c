@@ -1,4 +1,4 @@
-/* Builds levels of detail. Each set of Gaussians merges two sets of the previous level. */
+/* Builds levels of detail. Each set (about 256 neighbouring Gaussians) merges two sets of the previous level. */
 #include "held_levels_internal.h"
 
 #include <stdlib.h>

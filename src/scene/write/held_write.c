@@ -1,4 +1,5 @@
-/* Holds Gaussians in memory until all are known, and encodes numbers. */
+/* Keeps the Gaussians that a writer gets in memory until all are known. Also codes numbers as integers or 16-bit
+   floats. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -32,7 +33,8 @@ uint32_t fxs_code_half(double x)
     if (!(size > 0))
         return 0;
     frexp(size, &exponent);
-    exponent = exponent > -13 ? exponent : -13;         /* size < 2^exponent; halves below 2^-14 have steps of 2^-24 */
+    /* 16-bit floats below 2^-14 all have steps of 2^-24, so the exponent is not decreased further */
+    exponent = exponent > -13 ? exponent : -13;
     const uint32_t fraction = (uint32_t)floor(ldexp(size, 11 - exponent) + 0.5);
     return (x < 0 ? 0x8000u : 0) | ((uint32_t)(exponent + 13) * 1024 + fraction);
 }

@@ -1,16 +1,17 @@
-/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero. Far from 0, x, y and z are
-   double. */
+/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero. If the scene lies far from 0, x, y
+   and z are double. */
 #include <inttypes.h>
 #include <string.h>
 
 #include "scene_write_internal.h"
 #include "src/gaussian/origin_internal.h"
 
-#define MAX_PROPERTIES 62   /* position, normal, degree 0, degrees 1 to 3, opacity, scale, rotation */
+/* most properties: position, normal, SH of degree 0, SH of degrees 1 to 3, opacity, scale, rotation */
+#define MAX_PROPERTIES 62
 
 typedef struct ply_writer {
     fxs_output output;
-    size_t coefficients;   /* SH coefficients per channel above degree 0 */
+    size_t coefficients;   /* number of SH coefficients per channel above degree 0 */
     double origin[3];
     int is_far;
 } ply_writer;
@@ -18,7 +19,7 @@ typedef struct ply_writer {
 static void write_header(FILE *file, uint64_t count, const ply_writer *w, int antialiased)
 {
     const char *type = w->is_far ? "double" : "float";
-    /* Inria's viewer reads the count from the third line, so a comment must come later. */
+    /* Inria's viewer reads the number of Gaussians from the third line, so a comment must come later. */
     fprintf(file, "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64 "\n%s", count,
             antialiased ? "comment antialiased 1\n" : "");
     fprintf(file, "property %s x\nproperty %s y\nproperty %s z\n", type, type, type);

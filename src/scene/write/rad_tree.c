@@ -1,7 +1,7 @@
-/* Builds the level-of-detail tree of a .rad file. An inner node has the moments of its children, weighted by
-   opacity times area. Its opacity A preserves the sum of opacity times area and may exceed 1. Inner nodes hardly
-   larger than their descendants are left out (Spark's bhatt_lod.rs). Large nodes come first in the file, then the
-   rest by regions (chunk_tree.rs). */
+/* Builds the level-of-detail tree of a .rad file. An inner node has the moments of its children, weighted by opacity
+   times area. Its opacity A preserves the sum of opacity times area and may exceed 1. Inner nodes hardly larger than
+   their descendants are left out (Spark's bhatt_lod.rs). Large nodes come first in the file, then the rest by regions
+   (chunk_tree.rs). */
 #include "rad_tree_internal.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ enum {
 };
 
 #define NONE UINT32_MAX
-#define WORTH 1.75                 /* minimum ratio of an inner node's weight to the heaviest node below */
+#define WORTH 1.75   /* least ratio of an inner node's weight (opacity times area) to the heaviest node below */
 #define LEAST_OPACITY 1e-6
 #define MOST_OPACITY 1000.0
 
@@ -40,9 +40,10 @@ typedef struct builder {
     fxs_held *held;
     fxs_levels levels;
     uint32_t nodes;
-    uint32_t *parents;             /* parent of each node; NONE: the root */
-    uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
-    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times Spark's dilation D */
+    uint32_t *parents;             /* index of each node's parent; NONE: the node is the root */
+    uint32_t *firsts, *children;   /* node i has the children children[firsts[i]] to children[firsts[i + 1] - 1] */
+    /* size of a node: two sigmas of the longest axis times Spark's dilation D (fxs_rad_dilation) */
+    float *weights, *sizes;
     uint32_t *reps;
     moments *moments;
     sums sums[FXS_LEVEL_SET];
@@ -83,7 +84,7 @@ static int are_finite(const moments *m)
     return finite;
 }
 
-/* Adds an inner node to the tree. If its moments exceed floats, the node copies its last member. */
+/* Adds an inner node to the tree. If the node's moments are too large for floats, the node copies its last child. */
 static uint32_t add_node(builder *b, const sums *s)
 {
     fxs_held *h = b->held;
@@ -162,7 +163,8 @@ static void add_mean(const builder *b, sums *s, uint32_t member)
         s->colours[3 + k] += share * sh[k];
 }
 
-/* Adds a member's covariance, including that of its position about the mean. */
+/* Adds the covariance of a child to that of a tree node, including the covariance of the child's position about the
+   mean. */
 static void add_covariance(const builder *b, sums *s, uint32_t member)
 {
     const moments *m = &b->moments[member];
@@ -211,13 +213,13 @@ static void make_nodes(builder *b)
     }
 }
 
-/* Returns 1 for a node that is left out of the tree, which is its own parent. */
+/* Returns 1 for a node that is left out of the tree. Such a node is marked as its own parent. */
 static int is_left_out(const builder *b, uint32_t node)
 {
     return b->parents[node] == node;
 }
 
-/* Leaves out nodes hardly larger than their descendants. Children have smaller numbers than parents. */
+/* Leaves out tree nodes hardly larger than their descendants. Children have smaller indices than their parents. */
 static int thin_out(builder *b)
 {
     const uint32_t leaves = b->held->count;
@@ -354,7 +356,8 @@ static size_t place_children(const builder *b, fxs_rad_tree *t, uint32_t *heap, 
     return count;
 }
 
-/* Returns a node's octant in the box of all nodes. In a long box, returns its half along the longest side. */
+/* Returns the octant of the bounding box of all nodes in which a node lies. If the box is long, returns the half along
+   its longest side. */
 static int region_of(const builder *b, uint32_t node, const float low[3], const float high[3])
 {
     const float *at = b->held->gaussians[node].position;

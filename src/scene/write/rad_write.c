@@ -44,7 +44,8 @@ typedef struct rad_writer {
     fxs_held held;
     int sh_degree;
     fxs_rad_tree tree;
-    float rgb[2], scale[2], sh[3];     /* ranges of Spark's 8-bit codes: rgb, ln(sigma), +-SH of each degree */
+    /* ranges of Spark's 8-bit codes for colour, ln(sigma), and SH of each degree (from -sh to sh) */
+    float rgb[2], scale[2], sh[3];
     bytes file;
     size_t *ends;
     const fxs_progress *progress;
@@ -106,7 +107,7 @@ static int pad(rad_writer *w, bytes *b)
     return add(w, b, zeros, (8 - b->size % 8) % 8);
 }
 
-/* Codes an opacity. Opacities above 1 get codes from 1 to 2. */
+/* Codes an opacity. Opacities of tree nodes may be above 1; their codes are from 1 to 2. */
 static double code_of_opacity(double opacity)
 {
     return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
@@ -163,7 +164,8 @@ static int find_range(rad_writer *w, int property, double share, float range[2])
     return 1;
 }
 
-/* Chooses the ranges of 8-bit codes. The usual ranges are exceeded only if 1 % of the values lie beyond (SH: 5 %). */
+/* Chooses the ranges of the 8-bit codes of a .rad file. A range is enlarged only if 1 % of the values (5 % for SH) lie
+   outside Spark's usual range. */
 static int find_ranges(rad_writer *w)
 {
     float range[2];
@@ -215,7 +217,8 @@ static uint32_t code_of(const rad_writer *w, int property, int encoding, double 
     }
 }
 
-/* Stores a column dimension by dimension. f32_lebytes stores the lowest bytes of all numbers first. */
+/* Stores a column (one attribute of a chunk of Gaussians): all x, then all y, then all z. The encoding f32_lebytes
+   stores the lowest bytes of all numbers first. */
 static uint8_t *fill_column(const rad_writer *w, int column, uint32_t first, uint32_t count, uint8_t *to)
 {
     const int property = columns[column].property, encoding = columns[column].encoding;

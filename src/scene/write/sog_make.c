@@ -24,8 +24,8 @@ enum {
     EFFORT = 4
 };
 
-/* Weights ln(sigma) by sigma^1.25. With equal weights, the few largest Gaussians share an entry. With weights by
-   area, the sky takes too many entries. */
+/* The codebook of scales weights ln(sigma) by sigma^1.25. With equal weights, the few largest Gaussians share an entry.
+   With weights by area, the sky takes too many entries. */
 #define SCALE_POWER 1.25
 
 const char *const fxs_sog_names[FXS_SOG_FILES] = {
@@ -65,7 +65,7 @@ static int advance(fxs_sog *w, double done)
     return !w->error;
 }
 
-/* coded position: sign(x) ln(1 + |x|) */
+/* Codes a coordinate of a position: sign(x) ln(1 + |x|). */
 static double coded_position(float x)
 {
     return copysign(fxs_log(1 + fabs(x)), x);
@@ -188,7 +188,8 @@ static void encode(fxs_sog *w, const fxs_held_gaussian *g, size_t i)
         at[LABELS][k] = (uint8_t)(w->labels[i] >> 8 * k);
 }
 
-/* A row of the palette has 64 entries. An entry is a pixel per coefficient, with a channel in each of r, g, b. */
+/* Makes the image of the SH palette, with 64 entries in a row. An entry has a pixel for each coefficient, with red,
+   green and blue SH in the channels. */
 static void encode_palette(fxs_sog *w)
 {
     const uint32_t coefficients = w->from->coefficients / 3;
@@ -200,7 +201,7 @@ static void encode_palette(fxs_sog *w)
         }
 }
 
-/* Compresses an image and frees its pixels. Colours are kept where alpha is 0. */
+/* Compresses an image and frees its pixels. Keeps the colours of pixels with alpha 0. */
 static int compress(fxs_sog *w, image *m)
 {
     WebPConfig config;

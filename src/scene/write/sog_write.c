@@ -1,4 +1,4 @@
-/* Writes .sog version 2: a zip of images and JSON. */
+/* Writes .sog version 2: a zip archive of images and JSON. */
 #include "sog_internal.h"
 #include "src/base/report.h"
 

@@ -1,4 +1,4 @@
-/* Writes .splat: records of 32 bytes. Clamps scales to 4.85e8 and positions to 2^27. */
+/* Writes .splat files: a record of 32 bytes for each Gaussian. Clamps scales to 4.85e8 and positions to 2^27. */
 #include <math.h>
 
 #include "scene_write_internal.h"
@@ -7,7 +7,7 @@
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28 };
 
-/* Largest values that all readers accept. exp(20) is slightly larger than this scale. */
+/* Largest scale and position that all readers of .splat accept. The scale is slightly smaller than exp(20). */
 static const double largest_scale = 4.85e8, largest_position = 134217728;
 
 typedef struct splat_writer {

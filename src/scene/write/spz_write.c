@@ -1,5 +1,6 @@
-/* Writes .spz versions 3 (gzip) and 4 (zstd). Like the reference writer, keeps 5 of 8 bits for SH of degree 1 and
-   4 bits for higher degrees. Positions have 12 or a few more fractional bits. A fine file keeps all bits. */
+/* Writes .spz versions 3 (gzip) and 4 (zstd). Like the reference writer, keeps 5 of 8 bits for SH of degree 1 and 4
+   bits for higher degrees. Positions usually have 12 or a few more fractional bits. With the option `fine`, SH keep all
+   bits. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +32,8 @@ typedef struct spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased, fine;
     uint32_t count, next;
-    uint32_t fitting[MAX_BITS + 2];   /* [b + 1]: positions that fit b fractional bits, but no more */
+    /* fitting[b + 1]: number of positions that can be stored with at most b fractional bits */
+    uint32_t fitting[MAX_BITS + 2];
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
@@ -112,7 +114,8 @@ static void put_u32(uint8_t *to, uint32_t value)
         to[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* Codes a quaternion x, y, z, w without the largest component, with signs that make the largest positive. */
+/* Codes a quaternion x, y, z, w by all components except the largest. The sign of the quaternion is chosen so that the
+   largest component is positive. */
 static uint32_t code_rotation(const double q[4])
 {
     double norm = 0;
@@ -136,7 +139,7 @@ static uint8_t code_byte(double x)
     return (uint8_t)code(x, 0, 255);
 }
 
-/* Returns 1 if a code lies outside 0 to 255 by a step or more. */
+/* Returns 1 if a value to be stored in 8 bits lies outside 0 to 255 by more than 1. */
 static int is_beyond(double x)
 {
     return !(x >= -1 && x <= 256);
@@ -156,8 +159,8 @@ static int bits_for(const float position[3])
     return bits;
 }
 
-/* Codes the attributes other than positions and scales. Negates y and z: right, down, front becomes right, up,
-   back. */
+/* Codes all attributes of a Gaussian except position and scale. Negates y and z, which turns the axes right, down,
+   front into right, up, back. */
 static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];
@@ -176,7 +179,8 @@ static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
     at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + fxs_exp(-(double)g->opacity)));
     put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
     for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
-        int odd = fxs_spz_odd_in[i / 3] & 6;   /* SH change sign if odd in y or in z, but not in both */
+        /* turning the axes negates SH functions that are odd in only one of y and z */
+        int odd = fxs_spz_odd_in[i / 3] & 6;
         double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
         sh |= is_beyond(x);
         const int step = w->fine ? 1 : i < 9 ? 8 : 16;
@@ -195,9 +199,9 @@ static int spz_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-/* Chooses the fractional bits of positions, which have 24 bits with sign. `most` is the largest number that fits
-   all positions, or, up to 12, 99 % of the positions. A fine file uses `most`, up to 24. Others use `most` - 8,
-   but at least 12, if `most` is 12 or more. */
+/* Chooses the number of fractional bits of positions, which have 24 bits with sign. `most` is the largest number that
+   fits all positions. Up to 12, fitting 99 % of the positions is enough. A file with the option `fine` uses `most`, up
+   to 24. Other files use `most` - 8, but at least 12 if `most` is 12 or more. */
 static void choose_bits(spz_writer *w)
 {
     uint32_t beyond = 0;
@@ -219,7 +223,7 @@ static void place(spz_writer *w, size_t index)
     memcpy(g.scale, w->placements[index].scale, sizeof g.scale);
     w->clamped.position += (uint32_t)fxs_bring_in(&g, w->clamped.reach);
     held = g;
-    fxs_hold_scales(&held);            /* a clamped axis too thin to be seen is no loss */
+    fxs_hold_scales(&held);            /* clamping an axis that is too thin to be seen is not reported as a loss */
     for (int i = 0; i < 3; i++) {
         const double x = ldexp(i ? -g.position[i] : g.position[i], w->fractional_bits);
         const uint32_t bits = (uint32_t)code(x, -POSITION_MAX, POSITION_MAX);

@@ -1,5 +1,6 @@
-/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and folders with
-   the files of a .sog. A leaf of the tree is a region of neighbours. All levels have the same leaves. */
+/* Writes streamed SOG, version 1 (PlayCanvas, "The Streamed SOG Format"): an index lod-meta.json, and folders with the
+   files of a .sog. A leaf of the tree is a region of neighbouring Gaussians. All levels of detail have the same
+   leaves. */
 #include "sog_internal.h"
 #include "src/base/report.h"
 
@@ -19,12 +20,13 @@
 
 enum {
     LEAF_SETS = 64,
-    MOST_LEVELS = 7,               /* in the last level, a leaf is a single set of Gaussians */
+    MOST_LEVELS = 7,               /* most levels; in the last level, each leaf has a single set (256 Gaussians) */
     FILE_GAUSSIANS = 1 << 18,
     PRECISION = 7
 };
 
-#define PLANE 1.8137993642342178   /* pi / sqrt(3): integral of a squared Gaussian over a plane, per area */
+/* integral of a squared Gaussian over the plane, divided by the Gaussian's area: pi / sqrt(3) */
+#define PLANE 1.8137993642342178
 
 typedef struct part {
     uint32_t level, number, first, last;
@@ -75,7 +77,8 @@ static int advance(void *writer, double done)
     return !w->held.output.error;
 }
 
-/* Returns the first Gaussian of a leaf in a level, or the end beyond the last leaf. */
+/* Returns the index of the first Gaussian of a leaf in a level of detail. Beyond the last leaf, returns the number of
+   Gaussians. */
 static uint32_t leaf_begin(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     const uint64_t set = (uint64_t)leaf * LEAF_SETS >> level;
@@ -229,7 +232,8 @@ static void print_corner(FILE *json, const char *before, const float corner[3])
     fputs("]", json);
 }
 
-/* Returns a leaf's energy in the units of merging errors: the sum over its Gaussians, each alone. */
+/* Returns the energy of a leaf's Gaussians, in the units of merging errors. The energy is the sum of squared colours
+   times squared opacity, integrated over each Gaussian alone. */
 static double energy_of(const streamed_writer *w, uint32_t leaf)
 {
     double sum = 0;
