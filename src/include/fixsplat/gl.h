@@ -95,8 +95,8 @@ FXS_EXPERIMENTAL int fxs_gles_create(fxs_gles **gles, fxs_gl_load_fn *load, fxs_
                             fxs_message *message);
 
 /* Deletes the back end's GL objects and frees it; null is allowed. If its function `use` fails, because the context was
-   lost, only memory is freed. With a null `use`, the caller
-   makes the context current first, or no context if it was lost. */
+   lost, only memory is freed. With a null `use`, the caller makes the context current first, or no context if it
+   was lost. */
 FXS_EXPERIMENTAL void fxs_gles_destroy(fxs_gles *gles);
 
 FXS_EXPERIMENTAL fxs_gl_info fxs_gles_info(const fxs_gles *gles);
