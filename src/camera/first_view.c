@@ -118,7 +118,8 @@ static void count_detail(const look *l, sight *s)
         }
 }
 
-/* The bottom border of the picture counts a third, because a ground may continue there. */
+/* Counts covered pixels at the picture's border, where it may cut through the subject. The bottom border counts a
+   third, because a ground may continue there. */
 static void count_cut(const look *l, sight *s)
 {
     for (int y = 0; y < HEIGHT; y++)
