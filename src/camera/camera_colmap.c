@@ -12,7 +12,7 @@
 #define MAX_PARAMS 16
 
 /* COLMAP's camera models, indexed by model id. A model's parameters are focal lengths, principal point and lens
-   coefficients, one letter each. The letters are those of fxs_lens_coefficient. */
+   coefficients, one letter for each coefficient, as in fxs_lens_coefficient. */
 static const struct {
     const char *name;
     int focals;

@@ -37,7 +37,7 @@ static void find_away(const weighed *s, uint32_t i, double away[3])
         away[k] = s->points[i].place[k] - s->middle[k];
 }
 
-/* weight of a Gaussian = opacity * size^2 / (reach^2 + distance^2)^2 */
+/* Computes the weight of each Gaussian for finding the ground: opacity * size^2 / (reach^2 + distance^2)^2. */
 static void weigh(weighed *s)
 {
     double *w = s->weights, away[3];

@@ -6,7 +6,8 @@
 
 enum { STEPS = 24, SAMPLES = 64, RINGS = 16 };
 
-#define WIDEST 1.7320508075688772   /* tangent of 60 degrees */
+#define WIDEST 1.7320508075688772   /* tangent of 60 degrees, the largest angle between the axis and a side of the
+                                       pinhole view */
 #define WIDEST_FOV 3.14
 
 double *fxs_lens_coefficient(fxs_lens *lens, char letter)

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#define FARTHEST 3.7320508075688772    /* tangent of 75 degrees */
+#define FARTHEST 3.7320508075688772    /* tangent of 75 degrees, the largest angle between the axis and a point of the
+                                          picture */
 #define DIFFERENCE 1e-6
 #define NEAR_ENOUGH 1e-8
 

@@ -87,8 +87,8 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     for (int i = 0; i < 3; i++)
         p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
     p.size = exp2_of((s[a] + s[b]) / 2) * scale;
-    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* less by 1/32, because quantised spheres are
-                                                                            slightly flat */
+    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* 1/32 is subtracted, because quantised
+                                                                            spheres are slightly flat */
     p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
     return p;
 }

@@ -37,7 +37,7 @@ typedef struct fxs_backend_options {
 FXS_INIT(fxs_backend_options)
 
 /* A back end as a table of functions. Unless stated otherwise, a function returns 0 or an FXS_ERR_*. After an error,
-   *why has a message; the pointer `why` must not be null. */
+   `why` has a message; the pointer must not be null. */
 typedef struct fxs_backend {
     const char *name;              /* name of the back end, as in fxs_backend_find and the command's option --backend */
     const char *does;              /* description of the back end in a few words */

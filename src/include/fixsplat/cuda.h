@@ -45,7 +45,8 @@ enum fxs_cuda_stage {
 };
 
 typedef struct fxs_cuda_stats {
-    uint32_t gaussians;            /* sum over all frames of the batch, like `visible` and `entries` */
+    uint32_t gaussians;            /* number of Gaussians, summed over all frames of the batch, like `visible` and
+                                      `entries` */
     uint32_t visible;
     uint64_t entries;
     float milliseconds[FXS_CUDA_STAGES];   /* time of each stage, summed over the last frame of each slot (frame in

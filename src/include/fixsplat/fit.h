@@ -133,8 +133,8 @@ typedef struct fxs_fit_options {
 FXS_API void fxs_fit_options_init(fxs_fit_options *options, uint32_t size);
 #define fxs_fit_options_init(options) fxs_fit_options_init(options, (uint32_t)sizeof *(options))
 
-/* Return the defaults of a recipe. Number of steps: 30,000; fast 8,000. Largest number of Gaussians: reference 2^22,
-   mcmc 1,000,000, fast 250,000. */
+/* Return the defaults of a recipe (method of fitting). Number of steps: 30,000; fast 8,000. Largest number of
+   Gaussians: reference 2^22, mcmc 1,000,000, fast 250,000. */
 FXS_API uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
 FXS_API size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
 
@@ -155,7 +155,7 @@ typedef struct fxs_fit_report {
    CUDA. */
 FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                            size_t point_count, const fxs_fit_options *options, fxs_message *message);
-FXS_API void fxs_fit_destroy(fxs_fit *fit);      /* `fit` may be null */
+FXS_API void fxs_fit_destroy(fxs_fit *fit);      /* frees a fit; `fit` may be null */
 
 /* Makes one step of a fit. `report` may be null; then a device may still be working on the step when the function
    returns, and a later call may return the step's error. After an error, FXS_ERR_MEMORY or FXS_ERR_DEVICE, the fit can

@@ -75,9 +75,9 @@ FXS_EXPERIMENTAL void fxs_gl_target_init(fxs_gl_target *target);
 
 /* ---- OpenGL ES 3.0 ----------------------------------------------------------------------------------------------- */
 
-/* A back end for OpenGL ES 3.0: the core projects, shades, sorts and bins on the processor; a fragment shader blends
-   and resolves, with the same bytes. It runs in any context of OpenGL ES 3.0, or of OpenGL 3.3 with
-   GL_ARB_ES3_compatibility, on one thread at a time.
+/* A back end for OpenGL ES 3.0: the library projects, shades, sorts and bins Gaussians on the processor; a fragment
+   shader blends them and writes the pixels, with the same bytes as fxs_render. It runs in any context of OpenGL ES 3.0,
+   or of OpenGL 3.3 with GL_ARB_ES3_compatibility, on one thread at a time.
 
        fxs_gles *gles;
        if (fxs_gles_create(&gles, load, use, argument, &message)) ...

@@ -79,7 +79,7 @@ FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_
                      fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
 /* Returns 1 if fxs_pack keeps a Gaussian, with SH up to the given degree. Otherwise returns 0, counts the reason in
-   *dropped and adds the Gaussian's weight to dropped->weight. The caller adds the weights of kept Gaussians to
+   `dropped` and adds the Gaussian's weight to dropped->weight. The caller adds the weights of kept Gaussians to
    dropped->kept. */
 FXS_API int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
 

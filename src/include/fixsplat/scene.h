@@ -180,7 +180,8 @@ FXS_API void fxs_scene_file_close(fxs_scene_file *file);
 typedef struct fxs_gaussian_source {
     uint64_t count;       /* number of Gaussians, up to FXS_MAX_COUNT */
     int sh_degree;        /* SH degree of the Gaussians, 0 to 3 */
-    int antialiased;      /* as in fxs_scene_file_info */
+    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation, a small blur of
+                             each Gaussian */
     /* Callback that writes 1 to `capacity` Gaussians, starting with number `first`, to `out`, which is zeroed before.
        SH above sh_degree are set to 0. It returns the number written, or a negative FXS_ERR_*. In the first call of
        each pass `first` is 0, in the others the number after the last Gaussian of the previous call; `first` is always
@@ -415,9 +416,9 @@ typedef struct fxs_scene_write_report {
                                     positions */
 } fxs_scene_write_report;
 
-/* Begins a file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an anti-aliased
-   scene. A .glb has KHR_gaussian_splatting with floats. If options->origin is not 0, a .ply has x, y and z as doubles,
-   a .glb a translated node, and a .csv more digits; other formats get the nearest floats.
+/* Begins a scene file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an
+   anti-aliased scene. A .glb has KHR_gaussian_splatting with floats. If options->origin is not 0, a .ply has x, y and z
+   as doubles, a .glb a translated node, and a .csv more digits; other formats get the nearest floats.
 
    Until it is complete, the file has a temporary name next to `path` (system.h). fxs_scene_writer_close frees *writer,
    which is null after an error. A lod-meta.json creates folders next to it, 0_0 and so on; after an error, their new

@@ -115,8 +115,9 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* Reciprocal: returns about 2^62 / m, in [2^30, 2^31), for m in [2^31, 2^32). Newton's method from 48/17 - 32/17 x
-   (error 1/17), three times: y' = y (2 - x y). fxs_mulhi of doubled factors below 2^31 gives a product over 2^30. */
+/* Reciprocal: returns about 2^62 / m, in [2^30, 2^31), for m in [2^31, 2^32). With x = m * 2^-32, Newton's method from
+   48/17 - 32/17 x (error 1/17), three times: y' = y (2 - x y). fxs_mulhi of doubled factors below 2^31 gives a product
+   over 2^30. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);
@@ -125,8 +126,9 @@ static inline uint32_t fxs_reciprocal(uint32_t m)
     return y_q30;
 }
 
-/* Reciprocal square root: returns about 1 / sqrt(m * 2^-32) in Q30, in [2^30 - 1024, 2^31), for m in [2^30, 2^32).
-   Newton's method from 2.2 - 1.333 x (error 1/8), three times: y' = y (3 - x y^2) / 2. Relative error below 2^-19. */
+/* Reciprocal square root: returns about 1 / sqrt(m * 2^-32) in Q30, in [2^30 - 1024, 2^31), for m in [2^30, 2^32). With
+   x = m * 2^-32, Newton's method from 2.2 - 1.333 x (error 1/8), three times: y' = y (3 - x y^2) / 2. Relative error
+   below 2^-19. */
 static inline uint32_t fxs_rsqrt(uint32_t m)
 {
     uint32_t y_q30 = 2369829601u - fxs_mulhi(m, 1431655765u);

@@ -19,7 +19,7 @@ enum fxs_cpu {
     FXS_CPU_AVX2 = 2,
     FXS_CPU_AVX512 = 4,            /* instruction sets AVX-512 F, BW, DQ, VL, CD and VBMI */
     FXS_CPU_NEON = 8,
-    FXS_CPU_MVE = 16,              /* vector instructions Helium, on Cortex-M */
+    FXS_CPU_MVE = 16,              /* Helium, the vector instructions of some Cortex-M processors */
     FXS_CPU_CORTEX_M = 32,         /* Cortex-M processors without the vector instructions Helium */
     FXS_CPU_SIMD128 = 64           /* WebAssembly */
 };

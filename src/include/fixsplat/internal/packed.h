@@ -56,14 +56,14 @@ extern "C" {
 #endif
 
 #define FXS_CHUNK 256
-#define FXS_PACKED_MAGIC 0x31535846u      /* the bytes "FXS1" */
+#define FXS_PACKED_MAGIC 0x31535846u      /* first four bytes of a packed scene, "FXS1" */
 #define FXS_PACKED_VERSION 5u             /* file version of scenes without a level-of-detail tree */
 #define FXS_PACKED_VERSION_TREE 6u        /* file version of scenes with a level-of-detail tree */
 #define FXS_PACKED_ANTIALIASED 1u
 #define FXS_PACKED_UP 0x80000000u       /* header flag: the lower bits of `flags` store the up vector
                                            (docs/format.md) */
 
-typedef struct fxs_packed_header {   /* the struct has 192 bytes */
+typedef struct fxs_packed_header {   /* the header of a packed scene has 192 bytes */
     uint32_t magic, version;
     uint32_t count, chunk_count;     /* `count` is the number of slots up to the last Gaussian, including empty slots */
     uint32_t chunk_bytes;            /* size of the rows (Gaussian codes) of a chunk, bytes */
@@ -89,7 +89,7 @@ typedef struct fxs_packed_header {   /* the struct has 192 bytes */
    ((c - 1) / 254)^2 for c > 0, and 0 for c = 0. Higher laws give finer steps for chunks of faint Gaussians. */
 #define FXS_OPACITY_LAWS 4u
 
-typedef struct fxs_chunk {           /* the struct has 128 bytes */
+typedef struct fxs_chunk {           /* the header of a chunk has 128 bytes */
     int64_t origin_q32[3];           /* decodes positions: origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
     int32_t scale_q16;               /* decodes sizes: log2(sigma) = scale - code^2 * scale_step, within +-32 */
@@ -106,9 +106,9 @@ typedef struct fxs_chunk {           /* the struct has 128 bytes */
                                         SH */
 } fxs_chunk;
 
-#define FXS_TREE_MAGIC 0x54535846u        /* the bytes "FXST" */
+#define FXS_TREE_MAGIC 0x54535846u        /* first four bytes of a level-of-detail tree, "FXST" */
 
-typedef struct fxs_tree_header {     /* the struct has 64 bytes */
+typedef struct fxs_tree_header {     /* the header of a level-of-detail tree has 64 bytes */
     uint32_t magic;
     uint32_t node_count;             /* number of tree nodes, chunk_count - 1 */
     uint32_t checksum;               /* in a file: CRC-32 of the tree header with checksum 0, nodes and padding */
@@ -117,11 +117,12 @@ typedef struct fxs_tree_header {     /* the struct has 64 bytes */
 
 /* A node of the level-of-detail tree. The node's chunk of coarse Gaussians replaces both children's chunks. Leaves
    have the chunk numbers from 0 on; node i has number chunk_count + i. A node comes before its children. */
-typedef struct fxs_node {            /* the struct has 16 bytes */
+typedef struct fxs_node {            /* a node of the level-of-detail tree has 16 bytes */
     uint32_t children[2];            /* chunk numbers of the node's two children */
     int16_t gain_q8;                 /* log2 of the squared error that drawing the children removes, in colours^2
                                         units^2 */
-    int16_t size_q8;                 /* log2 of the size (sigma) of the differences to the children, in units */
+    int16_t size_q8;                 /* log2 of the size (sigma) of the differences between the node and its children,
+                                        in units */
     int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of the node's Gaussians, in units^2 */
     uint16_t swell_q8;               /* log2 of a ratio: the opacity sum of all leaves below, each opacity 1/255.5 or
                                         more, over the node's own sum */

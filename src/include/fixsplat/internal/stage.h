@@ -1,5 +1,5 @@
-/* The records that the rendering stages pass to each other, and the table of stage functions. Used by faster versions
-   of the stages and by back ends. A splat is a projected Gaussian, and its slot is its index in a frame. A list has
+/* The records that the rendering stages pass to each other, and the table of stage functions. Faster versions of the
+   stages and the back ends use them. A splat is a projected Gaussian, and its slot is its index in a frame. A list has
    the splats of a tile of 16x16 pixels. Lists are made for macro tiles of 2x2 tiles.
 
    Not stable: may change with every version. */
@@ -288,9 +288,9 @@ typedef struct fxs_kernels {
                   const uint32_t *entries, uint32_t count, fxs_tile *tile);
 
     /* Blends like the stage `blend`, with auxiliary outputs: also fills *trace, the source of depths and ids. It blends
-       a part of a list, from entry `first` to before `end` (at most 32767), and continues from the present state of
-       *tile and *trace. depths_q15 has a depth code for each entry of the part, if a mean depth is wanted; else it may
-       be null. */
+       a part of a list, from entry `first` to before `end` (at most 32767), and continues from the present state of the
+       tile and its trace. depths_q15 has a depth code for each entry of the part, if a mean depth is wanted; else it
+       may be null. */
     void (*trace)(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   fxs_tile *tile, fxs_trace *trace);
@@ -301,10 +301,10 @@ typedef struct fxs_kernels {
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
 
-/* Working memory of a frame of the given size. With `total` the frame is rendered in one pass, for every camera,
-   placement and set of targets: the memory holds a splat for every Gaussian of every object. With less, but at least
-   `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or 200 KB a thread
-   with several; plus 24 bytes a chunk, the objects and the tiles.)
+/* Computes the working memory of a frame of the given size. With `total` bytes the frame is rendered in one pass, for
+   every camera, placement and set of targets: the memory holds a splat for every Gaussian of every object. With less,
+   but at least `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or
+   200 KB a thread with several; plus 24 bytes a chunk, the objects and the tiles.)
      Bands   An extra pass projects every Gaussian and counts the splats on each tile row. Then the frame is rendered in
              bands, each with as many tile rows as fit: 88 bytes for each Gaussian that touches the band.
      Slices  A tile row that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones. The
