@@ -125,7 +125,7 @@ double fxs_near_of_box(const double low[3], const double high[3])
     return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
 }
 
-/* Returns the camera distance at which all corners of a box are within 95 % of the picture and beyond the near
+/* Returns the smallest camera distance that keeps all corners of a box within 95 % of the picture and beyond the near
    plane. */
 static double distance_for(const fxs_view *view, const double half[3], double near)
 {

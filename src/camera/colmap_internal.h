@@ -26,7 +26,7 @@ void fxs_colmap_skip(fxs_colmap_cursor *in, uint64_t count, size_t bytes);
 /* Returns the next line of a text without leading blanks; NULL at the end. */
 char *fxs_colmap_line(char **rest);
 
-/* Returns the next line of a text that is neither empty nor a comment; NULL at the end. */
+/* Returns the next line of a text, without empty lines and comments; NULL at the end. */
 char *fxs_colmap_entry(char **rest);
 
 /* Returns the next word of a text line; an empty word at the end. */

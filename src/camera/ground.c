@@ -64,7 +64,7 @@ static double weight_across(const weighed *s, uint32_t i, const double axis[3])
     return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
 }
 
-/* Returns the share, by weight, of flat Gaussians whose normals lie along the axis. */
+/* Returns the share, by weight, of flat Gaussians with normals along the axis. */
 static double share_of(const weighed *s, const double axis[3])
 {
     double all = 0, across = 0;

@@ -8,8 +8,8 @@ typedef struct fxs_ground {
     double axis[3];                  /* unit normal of the ground, pointing up or down */
     double spread;                   /* spread of the scene: radius of 98 % of the Gaussians / radius of 50 % of the
                                         Gaussians */
-    double sided;                    /* side of the ground with most of the scene, -1 to 1; positive: the side to which
-                                        the axis points */
+    double sided;                    /* side of the ground with most of the scene, -1 to 1; positive: the axis points
+                                        there */
 } fxs_ground;
 
 /* Finds the normal of the ground near -y or z. `standing` is 1 or 2 for a subject standing along y or z, else 0.

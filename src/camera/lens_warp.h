@@ -16,8 +16,8 @@ typedef struct fxs_lens_warp {
     fxs_view photograph;
     fxs_view cover;
     double step;                   /* spacing of the table's entries, in focal lengths */
-    double reach[FXS_WARP_STEPS + 1];    /* table whose entry i is the radius in the photograph of a point at i * step
-                                            from the axis */
+    double reach[FXS_WARP_STEPS + 1];    /* table of radii: entry i is the radius in the photograph of a point at i *
+                                            step from the axis */
     int steps;                     /* number of table entries, which reach up to 75 degrees from the axis */
 } fxs_lens_warp;
 

@@ -281,7 +281,7 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* Growth of log2(sigma) with which every x-th Gaussian fills space as well as all of them: log2(x) / 3, linear between
+/* Growth of log2(sigma) that lets every x-th Gaussian fill space as well as all of them: log2(x) / 3, linear between
    powers of two. */
 static int32_t larger_of(uint64_t x)
 {

@@ -60,7 +60,7 @@ static void set_colours(colours *c, double kr, double kb, int is_full)
     c->green[1] = fixed(chroma * 2 * kr * (1 - kr) / kg);
 }
 
-/* Takes the colour matrix that the HEIF file states, else the one of its video stream. The default is BT.601 in full
+/* Takes the colour matrix that the HEIF file states, else the matrix of its video stream. The default is BT.601 in full
    range, as in libheif. */
 static const char *find_colours(const reading *r, colours *c)
 {

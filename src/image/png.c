@@ -48,7 +48,8 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
 
 /* PNG filters: the first row of a picture has filter 0 (none), the other rows 2 (difference from the row above). */
 
-/* Subtracts the four bytes of b from those of a at once. The upper bit of each byte catches the borrow. */
+/* Subtracts four bytes at once: each byte of b from the same byte of a. The upper bit of each byte catches the
+   borrow. */
 static inline uint32_t minus_bytes(uint32_t a, uint32_t b)
 {
     return ((a | 0x80808080u) - (b & 0x7f7f7f7fu)) ^ ((a ^ ~b) & 0x80808080u);
@@ -107,7 +108,7 @@ static uint8_t *put_32(uint8_t *out, uint32_t value)
     return out;
 }
 
-/* Completes a PNG chunk whose data are at out + 8: adds length, type and checksum. */
+/* Completes a PNG chunk around its data at out + 8: adds length, type and checksum. */
 static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 {
     put_32(out, (uint32_t)length);

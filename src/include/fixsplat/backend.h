@@ -63,7 +63,7 @@ typedef struct fxs_backend {
     /* Returns the kernel version that computes a rendering stage, such as "avx2" or "cuda". */
     const char *(*version)(const void *self, enum fxs_stage stage);
 
-    /* Returns the time of the last frame on the device, in nanoseconds. Returns 0 if there is no clock or the time is
+    /* Returns the time of the last frame on the device, in nanoseconds. Returns 0 without a clock, or if the time is
        unknown. */
     uint64_t (*nanoseconds)(const void *self);
 

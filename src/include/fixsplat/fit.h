@@ -45,7 +45,7 @@ typedef struct fxs_fit_photo {
                                       the fit does not depend on its colour. Null: no mask */
 } fxs_fit_photo;
 
-/* A point of the scene at which the fit starts with a Gaussian. */
+/* A point of the scene; the fit starts with a Gaussian at each point. */
 typedef struct fxs_fit_point {
     float position[3];             /* scene units */
     uint8_t colour[3];             /* colour of the point: red, green, blue */
@@ -148,11 +148,10 @@ typedef struct fxs_fit_report {
                                       pass, update; 0 without a clock */
 } fxs_fit_report;
 
-/* Creates a fit. It copies its arguments, except the photographs' pixels and masks. If there are more than
-   max_gaussians points, the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_destroy frees *fit,
-   which is null after an error. Errors: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in
-   front of a camera), FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no
-   CUDA. */
+/* Creates a fit. It copies its arguments, except the photographs' pixels and masks. Of more than max_gaussians points,
+   the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_destroy frees *fit, which is null after an
+   error. Errors: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a camera),
+   FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no CUDA. */
 FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                            size_t point_count, const fxs_fit_options *options, fxs_message *message);
 FXS_API void fxs_fit_destroy(fxs_fit *fit);      /* frees a fit; `fit` may be null */
@@ -179,7 +178,7 @@ FXS_API int fxs_fit_pose_photos(fxs_fit *fit, fxs_fit_photo *photos, fxs_message
 FXS_API int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_message *message);
 
 /* Packs the current Gaussians of a fit, with the profile in its options, for rendering or for an .fxs file. Errors and
-   ownership are those of fxs_pack. `report` may be null. */
+   ownership are as in fxs_pack. `report` may be null. */
 FXS_API int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
 
 /* The subject of a fit, as a sphere: fxs_fit_crop_to_subject drops the Gaussians outside. */
@@ -267,8 +266,8 @@ typedef void fxs_left_out_fn(void *argument, const char *why);
    pixels are reduced to 1600. */
 typedef struct fxs_photos_options {
     uint32_t size;
-    int resolution;                /* largest width or height of the photographs in pixels, to which larger ones are
-                                      reduced; 0: 1600 */
+    int resolution;                /* largest width or height of a photograph in pixels; larger ones are reduced to it;
+                                      0: 1600 */
     uint32_t hold_out;             /* 0: no photograph is held out (kept from the fit for comparison). n: every n-th by
                                       name is held out, from the first on. If the files name test photographs, any n
                                       above 0 holds out the named ones instead */

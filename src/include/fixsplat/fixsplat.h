@@ -59,7 +59,7 @@ extern "C" {
 /* Zeroes a struct of `size` bytes and stores the size in its first field. */
 FXS_API void fxs_struct_init(void *options, uint32_t size);
 
-/* Declares the init function of an options struct whose defaults are 0 in each field: void TYPE_init(TYPE *options). */
+/* Declares the init function of an options struct with the default 0 in each field: void TYPE_init(TYPE *options). */
 #define FXS_INIT(type) \
     static inline void type##_init(type *options) { fxs_struct_init(options, (uint32_t)sizeof *options); }
 
@@ -88,7 +88,7 @@ enum fxs_error {
     FXS_ERR_UNSUPPORTED = -7,   /* this build, machine or back end lacks a feature that the call needs */
     FXS_ERR_DEVICE = -8,        /* the device of a back end is missing, failed or was lost */
     FXS_ERR_OBJECT = -9,        /* a field of an object (a placed scene) is out of range, such as its rotation or scale;
-                                   or there are too many objects */
+                                   or the frame has too many objects */
     FXS_ERR_TARGET = -10,       /* a target (output picture) is missing, misaligned, overlaps another, has rows longer
                                    than its stride, or does not suit the format */
     FXS_ERR_FILE = -11,         /* a file is missing, cannot be read or written, or has the wrong content */
@@ -212,11 +212,11 @@ typedef struct fxs_camera {
     int64_t near_q32;              /* depth of the near plane, world units, 2^-20 to 2^28; 0: the default, 0.2 */
     enum fxs_projection projection;
 
-    /* Cropping of a camera whose picture is a window of a larger one: size of the larger picture (whole_width,
-       whole_height), and position of the window's first pixel in it. All 0: not cropped. The window has the same pixels
-       as that part of the larger picture, except that Gaussians larger than 65536 pixels, or with a centre more than
-       65536 pixels outside, may differ in the last bit. With FXS_CUTOFF_SQUARE, whose cut-off depends on tiles, the
-       pixels are the same only if whole_x and whole_y are multiples of 16. */
+    /* Cropping: the camera's picture may be a window of a larger picture. The fields are the size of the larger picture
+       (whole_width, whole_height), and position of the window's first pixel in it. All 0: not cropped. The window has
+       the same pixels as that part of the larger picture, except that Gaussians larger than 65536 pixels, or with a
+       centre more than 65536 pixels outside, may differ in the last bit. With FXS_CUTOFF_SQUARE, whose cut-off depends
+       on tiles, the pixels are the same only if whole_x and whole_y are multiples of 16. */
     int32_t whole_width, whole_height;
     int32_t whole_x, whole_y;
     int32_t reserved[8];           /* 0 */
@@ -262,7 +262,7 @@ typedef struct fxs_options {
        below it. With `budget` and `detail_q8` both 0, the finest Gaussians are drawn, as in scenes without a tree. */
     uint32_t budget;               /* most Gaussians to draw, counted in whole chunks of 256; 0: no limit. The root of
                                       each tree and objects without a tree are always drawn, even beyond the budget */
-    uint32_t detail_q8;            /* smallest size of details, pixels: a tree node whose details are smaller is drawn
+    uint32_t detail_q8;            /* smallest size of details, pixels: a tree node with smaller details is drawn
                                       instead of its children; 0: no limit */
     fxs_want want;                 /* callback for scenes that are partly in memory (`places`): called for each chunk to
                                       be drawn, most important first, before drawing starts, on the thread that called

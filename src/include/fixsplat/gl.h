@@ -16,8 +16,8 @@ extern "C" {
 /* Types that the OpenGL ES back ends share, for programs with their own GL context: how GL functions are found, how the
    context is made current, and where a frame is drawn. */
 
-/* A function that finds a function of OpenGL ES by its name, such as "glDrawArrays". It returns null if there is none.
-   eglGetProcAddress is similar. */
+/* A function that finds a function of OpenGL ES by its name, such as "glDrawArrays". It returns null for an unknown
+   name. eglGetProcAddress is similar. */
 typedef void (*fxs_gl_function)(void);
 typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
 

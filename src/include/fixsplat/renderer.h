@@ -85,7 +85,7 @@ FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, double box[2][3], double up[3],
                            const fxs_picture *picture, fxs_view *view, fxs_message *message);
 
-/* Makes a camera for an open scene: from the start view in its .fxs (camera.h), if there is one. Otherwise it uses
+/* Makes a camera for an open scene: from the start view in its .fxs (camera.h), if it has one. Otherwise it uses
    fxs_first_view on the scene alone, with a field of view of 50 degrees and the file's up direction. A scene with a
    pager but no start view is framed as a whole. Errors: as fxs_first_view, FXS_ERR_CAMERA. */
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,

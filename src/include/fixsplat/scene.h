@@ -57,7 +57,7 @@ FXS_API size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
 /* The start data of a packed scene: its up direction and a start view (the first camera for viewers). Both are in the
    header (internal/packed.h) and optional. The renderer does not read them. */
 
-/* Up direction and start view of a scene. All fields 0: neither is known. */
+/* Up direction and start view of a scene. All fields 0: both are unknown. */
 typedef struct fxs_start {
     double up[3];         /* up direction in the scene, of length 1; all 0: unknown */
     double tangent;       /* tangent of half the start view's vertical field of view, up to 12; 0: no start view */
@@ -98,7 +98,7 @@ typedef struct fxs_scene_file_options {
 } fxs_scene_file_options;
 FXS_INIT(fxs_scene_file_options)
 
-/* A scene file whose bytes come from the program's callbacks. */
+/* A scene file with bytes from the program's callbacks. */
 typedef struct fxs_scene_input fxs_scene_input;
 struct fxs_scene_input {
     uint64_t size;        /* bytes */
@@ -281,9 +281,9 @@ FXS_API int fxs_scene_file_open_input(const char *name, const fxs_scene_input *i
 typedef struct fxs_pack_dropped {
     uint64_t not_finite;      /* number of Gaussians with a value that is NaN or infinite; only ln(sigma) may be minus
                                  infinity */
-    uint64_t rotation;        /* number of Gaussians whose quaternion is zero */
-    uint64_t transparent;     /* number of Gaussians whose opacity is minus infinity, exactly 0 after the sigmoid: not a
-                                 fault of the file */
+    uint64_t rotation;        /* number of Gaussians with a quaternion of zero */
+    uint64_t transparent;     /* number of Gaussians with an opacity of minus infinity, exactly 0 after the sigmoid: not
+                                 a fault of the file */
     double weight, kept;      /* sums of fxs_weight over the dropped Gaussians and over the kept ones */
 } fxs_pack_dropped;
 
@@ -396,8 +396,8 @@ typedef struct fxs_scene_write_options {
 } fxs_scene_write_options;
 FXS_INIT(fxs_scene_write_options)
 
-/* Numbers of Gaussians whose values were clamped to the range of an .spz, by at least a step of the format. Axes too
-   thin to be seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of
+/* Numbers of Gaussians with values that were clamped to the range of an .spz, by at least a step of the format. Axes
+   too thin to be seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of
    1/128. */
 typedef struct fxs_spz_clamped {
     uint32_t position, scale, dc, sh;
@@ -411,9 +411,9 @@ typedef struct fxs_scene_write_report {
     int lost_antialiased;        /* 1: opacities compensate for the renderer's dilation (a small blur), but the format
                                     cannot record it */
     fxs_spz_clamped clamped;     /* clamped values of an .spz; all 0 for other formats */
-    double moved;                /* largest distance in scene units by which positions moved when they were rounded to
-                                    floats far from 0; 0 if `origin` is 0, and for formats that can store the
-                                    positions */
+    double moved;                /* largest distance in scene units between a position and its written value, if
+                                    positions were rounded to floats far from 0; 0 if `origin` is 0, and for formats
+                                    that can store the positions */
 } fxs_scene_write_report;
 
 /* Begins a scene file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an

@@ -17,7 +17,7 @@ extern "C" {
    makes it current on this thread. Returns 0, or -1 and a message. */
 FXS_EXPERIMENTAL int fxs_egl_open(void **egl, fxs_message *message);
 
-/* Finds a function of OpenGL ES by its name. It is an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */
+/* Finds a function of OpenGL ES by its name. It is an fxs_gl_load_fn; its argument is the context of fxs_egl_open. */
 FXS_EXPERIMENTAL void (*fxs_egl_load(void *egl, const char *name))(void);
 
 /* Makes an OpenGL ES context current on this thread again. Returns 0, or -1. */
@@ -34,7 +34,7 @@ FXS_EXPERIMENTAL void fxs_egl_close(void *egl);
 /* Makes an OSMesa context and makes it current on this thread. Returns 0, or -1 and a message. */
 FXS_EXPERIMENTAL int fxs_osmesa_open(void **osmesa, fxs_message *message);
 
-/* Finds a function of OpenGL by its name. It is an fxs_gl_load_fn, whose argument is the context of fxs_osmesa_open. */
+/* Finds a function of OpenGL by its name. It is an fxs_gl_load_fn; its argument is the context of fxs_osmesa_open. */
 FXS_EXPERIMENTAL void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
 
 /* Makes an OSMesa context current on this thread again. Returns 0, or -1. */

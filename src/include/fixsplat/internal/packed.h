@@ -99,7 +99,7 @@ typedef struct fxs_chunk {           /* the header of a chunk has 128 bytes */
     uint32_t checksum;               /* in a file: CRC-32 of the chunk header with checksum 0, and of its rows */
     uint16_t sh_step_q19[3];         /* decodes SH in profile default: coefficient of degree d = code * sh_step[d -
                                         1] */
-    uint16_t step_shift;             /* bits by which position codes are shifted left, 0 to 12 */
+    uint16_t step_shift;             /* left shift of position codes, 0 to 12 bits */
     uint16_t scale_step_q24;         /* step of size codes, at most 1026 */
     uint16_t opacity_law;            /* number of the opacity law, 0 to 3 */
     int8_t sh_mean[48];              /* for profiles compact and small: mean SH of the chunk, added to each Gaussian's

@@ -50,7 +50,7 @@ FXS_FN int fxs_level_q11(int u_q13, int row_level_q11)
     return fxs_min(fxs_mul_q15(u_q13, u_q13) + row_level_q11, FXS_LEVEL_MAX_Q11);
 }
 
-/* Returns the largest level, -2 ln(alpha), at which a Gaussian contributes. `cut` is 9, or 16 without the Mahalanobis
+/* Returns the largest level, -2 ln(alpha), that still contributes to a pixel. `cut` is 9, or 16 without the Mahalanobis
    cut-off. */
 FXS_FN int fxs_limit_q11(int offset_q11, int cut_q11)
 {

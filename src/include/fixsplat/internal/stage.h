@@ -48,8 +48,8 @@ typedef struct fxs_stage_view {
                                                       projection */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* slopes x/z and y/z 18 pixels outside the picture's edges, clamped
                                                       to +-64 */
-    int32_t veil_exponent;         /* for a Gaussian whose centre is out of range: smallest size exponent with which it
-                                      is visible */
+    int32_t veil_exponent;         /* smallest size exponent that makes a Gaussian visible although its centre is out of
+                                      range */
     int32_t jacobian_exponent;     /* exponent that scales the projection's Jacobian: 2^jacobian_exponent >= length of a
                                       row (1, 0, -x/z) of the Jacobian times z / f */
     int32_t row_q15[2][3];         /* first and second row of the rotation, each times its focal length / larger focal
@@ -58,7 +58,7 @@ typedef struct fxs_stage_view {
     int32_t cut_q11;               /* for fxs_limit_q11 */
     int32_t offset_q11;            /* opacity factor of an object, as -2 ln(factor), at most FXS_FAINT_Q11 + 1 */
     uint32_t share_q8;             /* share of a chunk's optical depth that is drawn: 256 means all; 1 to 4096 */
-    int32_t grow_q16;              /* log2 of the factor by which a chunk's sigmas grow; 0 to 1 */
+    int32_t grow_q16;              /* growth of a chunk's sigmas: log2 of a factor, 0 to 1 */
     int sh_degree, antialiased;    /* SH degree and anti-aliasing flag of an object's scene */
     enum fxs_cutoff cutoff;
     int orthographic;              /* 1: orthographic, so all Gaussians are projected as if z were 2^plane_exponent */
@@ -137,7 +137,7 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* Auxiliary outputs of the stage `trace` for each pixel of a tile, from which depths and ids are made. `which` selects
+/* Auxiliary outputs of the stage `trace` for each pixel of a tile; depths and ids are made from them. `which` selects
    the arrays. Entries are numbered by their index in the list passed to `trace`. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
@@ -166,7 +166,7 @@ typedef struct fxs_tile_run {
     const fxs_splat *splats;       /* splats (projected Gaussians), indexed by slot */
     const fxs_bounds *bounds;
     const uint32_t *depths;        /* depth keys of the splats, indexed by slot */
-    const fxs_key *keys;           /* sort keys of the splats, near to far; null if there are tile lists */
+    const fxs_key *keys;           /* sort keys of the splats, near to far; null if the run has tile lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
@@ -283,7 +283,7 @@ typedef struct fxs_kernels {
        room for `count`. Returns the length of the list. */
     uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
-    /* Blends a list of splats, near to far, into the tile whose first pixel is (x, y). */
+    /* Blends a list of splats, near to far, into the tile with first pixel (x, y). */
     void (*blend)(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, fxs_tile *tile);
 
