@@ -1,5 +1,5 @@
-/* Creates and changes views. The rows of a view's rotation are its axes right, down and forward in world
-   coordinates. */
+/* Creates and changes views (cameras in double precision). The rows of a view's rotation are its axes right, down and
+   forward in world coordinates. */
 #include <fixsplat/camera.h>
 
 #include <math.h>
@@ -76,8 +76,8 @@ int fxs_view_level(fxs_view *view, const double up[3])
     return 1;
 }
 
-/* The up vector u minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2. With R the mean of right right^T, (R
-   + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
+/* Mean up direction of several cameras. The vector u minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2. With R
+   the mean of right right^T, it solves (R + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
 int fxs_views_up(const fxs_view *views, size_t count, size_t stride, double up[3])
 {
     const char *at = (const char *)views;
@@ -125,7 +125,8 @@ double fxs_near_of_box(const double low[3], const double high[3])
     return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
 }
 
-/* Distance at which all corners of a box are within 95 % of the picture and beyond `near`. */
+/* Returns the smallest camera distance that keeps all corners of a box within 95 % of the picture and beyond the near
+   plane. */
 static double distance_for(const fxs_view *view, const double half[3], double near)
 {
     const double tangent[2] = {0.95 * view->width / 2 / view->fx, 0.95 * view->height / 2 / view->fy};
@@ -136,7 +137,7 @@ static double distance_for(const fxs_view *view, const double half[3], double ne
         const double x = fabs(dot(view->rotation, sides)), y = fabs(dot(view->rotation + 3, sides));
         const double depth = fmax(fmax(x / tangent[0], y / tangent[1]), near);
         const double needed = depth - dot(view->rotation + 6, sides);
-        if (needed > distance)               /* no fmax, which crashes gcc 12 for AArch64 */
+        if (needed > distance)               /* compares by hand, because fmax crashes gcc 12 for AArch64 */
             distance = needed;
     }
     return distance;
@@ -190,7 +191,7 @@ void fxs_view_resize(fxs_view *view, int width, int height)
     const double scale = (double)width / view->width;
     view->fx *= scale;
     view->fy *= scale;
-    /* A centred principal point stays exactly centred. */
+    /* A principal point in the middle of the picture stays exactly in the middle. */
     view->cx = width / 2.0 + scale * (view->cx - view->width / 2.0);
     view->cy = height / 2.0 + scale * (view->cy - view->height / 2.0);
     view->width = width;
@@ -211,7 +212,7 @@ int fxs_view_set_tangents(fxs_view *view, const double tangents[4], fxs_message 
     return 0;
 }
 
-/* Rodrigues' rotation formula, for an axis of length 1. */
+/* Rotates a vector about an axis of length 1, by Rodrigues' formula. */
 static void turn(double out[3], const double v[3], const double axis[3], double angle)
 {
     double across[3], c = cos(angle), s = sin(angle), along = dot(axis, v) * (1 - c);
@@ -247,7 +248,8 @@ static int rotation_valid(const double r[9])
     return determinant > 0;
 }
 
-/* Nearest rotation by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) / 2. */
+/* Finds the rotation nearest to a matrix, by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) /
+   2. */
 static void orthonormalise(double r[9])
 {
     for (int step = 0; step < 3; step++) {
@@ -271,8 +273,9 @@ int fxs_to_rotation(double r[9])
     return valid;
 }
 
-/* With q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ... on its diagonal, and sums and
-   differences of r elsewhere. Each row is parallel to q. The row with the largest diagonal is the most accurate. */
+/* Converts a rotation matrix r to a quaternion q = (w, v). The matrix 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ...
+   on its diagonal, and sums and differences of r elsewhere. Each row is parallel to q. The row with the largest
+   diagonal is the most accurate. */
 void fxs_quaternion_of(const double r[9], double q[4])
 {
     const double trace = r[0] + r[4] + r[8];
@@ -331,8 +334,8 @@ static int is_near(double x, double wanted)
     return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
 }
 
-/* The upper rows of the matrix are [R | t] for an OpenGL eye with y up and z backwards. The camera's axes are the
-   rows x, -y and -z of R. Its centre is -R^T t. */
+/* Reads the camera's pose from an OpenGL view matrix. Its upper rows are [R | t] for an eye with y up and z backwards.
+   The camera's axes are the rows x, -y and -z of R. Its centre is -R^T t. */
 static int take_view_matrix(fxs_view *view, const double m[16], fxs_message *message)
 {
     double *axes = view->rotation;
@@ -354,8 +357,9 @@ static int take_view_matrix(fxs_view *view, const double m[16], fxs_message *mes
                                                    "the view matrix scales, shears or mirrors");
 }
 
-/* Near plane, where -near c + d = -w. Perspective, w = near: d / (c - 1). Orthographic, w = 1: (d + 1) / c. The
-   far plane, where -far c + d = w, must lie beyond the near plane or at infinity. */
+/* Finds the near plane of an OpenGL projection, where -near c + d = -w. In perspective w = near, so near = d / (c - 1).
+   Orthographic, w = 1: near = (d + 1) / c. The far plane, where -far c + d = w, must lie beyond the near plane or at
+   infinity. */
 static int take_near(fxs_view *view, double c, double d, fxs_message *message)
 {
     const int flat = view->projection == FXS_ORTHOGRAPHIC;
@@ -367,7 +371,8 @@ static int take_near(fxs_view *view, double c, double d, fxs_message *message)
                                  "of -1 to 1");
 }
 
-/* Pixels from clip coordinates: x = width (x_clip / w + 1) / 2, y = height (1 - y_clip / w) / 2. */
+/* Reads focal lengths and principal point from an OpenGL projection. Pixels from clip coordinates: x = width (x_clip /
+   w + 1) / 2, y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_view *view, const double m[16], fxs_message *message)
 {
     static const int zeros[] = {1, 2, 3, 4, 6, 7};

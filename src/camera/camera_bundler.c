@@ -11,7 +11,7 @@
 
 enum { SIZE = 800 };
 
-/* Tries the names that Bundler, VisualSFM, COLMAP and RealityCapture give to the list of photographs. */
+/* Finds the list of photographs, by the names that Bundler, VisualSFM, COLMAP and RealityCapture give to it. */
 static int find_list(const char *model, char path[FXS_CAMERA_PATH])
 {
     static const struct {
@@ -33,7 +33,7 @@ static int find_list(const char *model, char path[FXS_CAMERA_PATH])
     return 0;
 }
 
-/* Cuts off the "0 FOCAL" that Bundler writes after a photograph's name. */
+/* Cuts off the "0 FOCAL" that Bundler writes after a photograph's name in its list. */
 static void cut_focal(char *line)
 {
     double numbers[2];
@@ -53,7 +53,8 @@ static void cut_focal(char *line)
         ends[0][-1] = ' ';
 }
 
-/* Adds a view. r and t map world to camera, with y up and z backwards. */
+/* Adds a camera to the list of views. The rotation r and translation t map world to camera, with y up and z
+   backwards. */
 static int add_view(fxs_view_list *list, const char *name, const double camera[3], const double r[9], const double t[3])
 {
     fxs_listed_view *listed;
@@ -84,7 +85,7 @@ static int read_numbers(char **rest, double *out, int lines, int a_line)
     return 1;
 }
 
-/* Skips cameras with focal length 0, which Bundler could not locate. */
+/* Skips cameras with focal length 0: Bundler could not locate them. */
 int fxs_camera_bundler_parse(fxs_view_list *list, const fxs_text *model, const fxs_text *photographs)
 {
     char *rest = fxs_text_begin(model), *names = fxs_text_begin(photographs);

@@ -1,4 +1,5 @@
-/* Reads COLMAP sparse models. Formats: COLMAP's page "Output Format" and its src/colmap/sensor/models.h. */
+/* Reads cameras from COLMAP's sparse models. The formats are described on COLMAP's page "Output Format" and in its
+   src/colmap/sensor/models.h. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -10,8 +11,8 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 16
 
-/* COLMAP's camera models, indexed by model id. A camera's parameters are focal lengths, principal point and lens
-   coefficients. Letters are those of fxs_lens_coefficient. */
+/* COLMAP's camera models, indexed by model id. A model's parameters are focal lengths, principal point and lens
+   coefficients, one letter for each coefficient, as in fxs_lens_coefficient. */
 static const struct {
     const char *name;
     int focals;
@@ -110,7 +111,7 @@ static int quaternion_rows(const double q[4], double r[9])
     return 1;
 }
 
-/* Adds a view. pose: quaternion w, x, y, z and translation, world to camera. */
+/* Adds a camera to the list of views. `pose` is a quaternion w, x, y, z and a translation, from world to camera. */
 static int add_image(fxs_view_list *list, const camera_list *cameras, const char *name, const double pose[7],
                      double camera_id)
 {
@@ -126,7 +127,7 @@ static int add_image(fxs_view_list *list, const camera_list *cameras, const char
     const double *t = pose + 4;
     if (!quaternion_rows(pose, r))
         return fxs_view_list_fault(list, "its quaternion is zero or not finite");
-    /* camera centre = -R^T t */
+    /* The camera's centre is -R^T t, for rotation R and translation t from world to camera. */
     for (int i = 0; i < 3; i++)
         view->position[i] = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
     view->fx = found->fx;
@@ -204,7 +205,7 @@ static int read_images_txt(fxs_view_list *list, const camera_list *cameras, cons
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[9];   /* values of an image: id, quaternion, translation, camera id */
+        double values[9];   /* numbers of an image in a COLMAP model: id, quaternion, translation, camera id */
         char *name = NULL;
         if (fxs_colmap_numbers(&line, values, 9))
             name = fxs_colmap_rest(line);

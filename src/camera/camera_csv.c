@@ -1,4 +1,5 @@
-/* Reads "internal/external camera parameters" of RealityCapture and RealityScan, a text line per photograph. */
+/* Reads the cameras that RealityCapture and RealityScan export as "internal/external camera parameters": a text line
+   per photograph. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -13,13 +14,13 @@ enum { COLUMNS_MOST = 64, SIZE = 800 };
 static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading", "pitch", "roll", "f", "px", "py",
                                              "k1", "k2", "k3", "k4", "t1", "t2"};
 
-#define FILM 36.0                  /* width of 35 mm film in mm, to which focal lengths refer */
+#define FILM 36.0                  /* width of 35 mm film in millimetres; the focal lengths in the file refer to it */
 #define RADIANS 0.017453292519943295
 
 typedef struct table {
     int columns[COLUMNS_MOST];
     int count;
-    char separator;                /* between fields: comma, or semicolon if decimals have commas */
+    char separator;                /* character between fields: a comma, or a semicolon if decimals have commas */
 } table;
 
 static char *next_field(char **rest, char separator)
@@ -60,7 +61,7 @@ static int read_headings(const fxs_view_list *list, char *line, table *t)
     return 0;
 }
 
-/* Sine and cosine of an angle from the tangent t of its half: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
+/* Computes sine and cosine of an angle from the tangent t of its half: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
 static void turn(double degrees, double *sine, double *cosine)
 {
     const double within = fmod(degrees, 360), sign = within < 0 ? -1 : 1;
@@ -70,8 +71,8 @@ static void turn(double degrees, double *sine, double *cosine)
     *cosine = (a > 90 ? -1 : 1) * (1 - square) / (1 + square);
 }
 
-/* Camera to world, with x right, y up and z backwards: Rz(-heading) Rx(pitch) Ry(roll). World: x east, y north, z
-   up. */
+/* Computes the rotation from camera (x right, y up, z backwards) to world (x east, y north, z up): Rz(-heading)
+   Rx(pitch) Ry(roll). */
 static void set_pose(fxs_view *view, const double v[VALUES])
 {
     double sh, ch, sp, cp, sr, cr;

@@ -1,4 +1,4 @@
-/* Chooses the reader of a camera file by its name and content. */
+/* Reads a camera file with the reader that suits its name and content. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

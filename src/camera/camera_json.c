@@ -9,7 +9,7 @@
 
 #include <cjson/cJSON.h>
 
-/* Reads a number from a JSON object: `absent` if missing, INFINITY if not a number. */
+/* Reads a number from a JSON object. Returns `absent` if it is missing, INFINITY if it is not a number. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
@@ -29,7 +29,8 @@ static int matrix(const cJSON *array, double *out, int size)
     return 1;
 }
 
-/* The member "rotation" maps camera to world. Inria's own files lack cx, cy and orthographic. */
+/* Reads a camera of cameras.json. The member "rotation" maps camera to world. Inria's own files lack the members cx, cy
+   and orthographic. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
@@ -55,8 +56,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* Lens coefficients of each camera_model, as letters of fxs_lens_coefficient; -: unused. Coefficient k4 belongs to
-   r^8, except in FULL_OPENCV. */
+/* Lens models of transforms.json by their "camera_model". Their coefficients are letters of fxs_lens_coefficient; -
+   means unused. Coefficient k4 belongs to r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;
@@ -70,7 +71,7 @@ static const struct lens_model {
 };
 enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
-/* Intrinsics in a file; NAN: absent. */
+/* Focal lengths, principal point and size in a transforms.json. NAN: absent. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];
@@ -122,7 +123,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     FXS_TRY(fxs_view_list_mask(list, listed, fxs_json_string(frame, "mask_path")));
     fxs_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
-        width = height = 800;   /* Blender's synthetic scenes state no size */
+        width = height = 800;   /* Blender's synthetic scenes state no picture size */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;
     }
     FXS_TRY(read_lens(list, model, &own, file, &listed->lens));
@@ -131,7 +132,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return fxs_view_list_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
-    /* The matrix maps camera to world, with y up and z backwards. */
+    /* Reads the pose of a frame in transforms.json. Its matrix maps camera to world, with y up and z backwards. */
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = m[4 * i];
         view->rotation[3 + i] = -m[4 * i + 1];
@@ -148,8 +149,8 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     return fxs_view_list_finish(list, width, height);
 }
 
-/* Finds a lens model by name; NULL: unknown. A file without camera_model has FULL_OPENCV if k5 or k6 exists,
-   OPENCV_FISHEYE for instant-ngp's "is_fisheye", else OPENCV. */
+/* Finds the lens model of a transforms.json by name; NULL: unknown. A file without camera_model has FULL_OPENCV if k5
+   or k6 exists, OPENCV_FISHEYE for instant-ngp's "is_fisheye", else OPENCV. */
 static const struct lens_model *find_model(const cJSON *root, const char *name)
 {
     const int full = cJSON_HasObjectItem(root, "k5") || cJSON_HasObjectItem(root, "k6");
@@ -212,7 +213,7 @@ static int meets(name_list *names, const char *name)
     return found != NULL;
 }
 
-/* Test views are listed in test_filenames, or in val_filenames if that list is empty. */
+/* Photographs for testing are listed in test_filenames, or in val_filenames if that list is empty. */
 static int choose_parts(fxs_view_list *list, name_list parts[PARTS])
 {
     for (size_t i = 0; i < list->count; i++) {

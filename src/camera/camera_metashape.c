@@ -1,4 +1,5 @@
-/* Reads cameras exported by Agisoft Metashape as .xml. Formulas: appendix "Camera models" of its user manual. */
+/* Reads cameras that Agisoft Metashape exports as .xml. The formulas are in the appendix "Camera models" of its user
+   manual. */
 #include "camera_internal.h"
 
 #ifdef FXS_WITH_EXPAT
@@ -20,7 +21,7 @@ enum { F, CX, CY, B1, B2, K1, K2, K3, K4, P1, P2, P3, P4, NUMBERS };
 static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2",
                                                    "p3", "p4"};
 
-/* The sensor's id must be the first field, for find_item. */
+/* The id must be the first field of a sensor, because find_item reads it there. */
 typedef struct sensor {
     char id[ID_ROOM], type[ID_ROOM];
     double width, height, numbers[NUMBERS];
@@ -34,7 +35,8 @@ typedef struct placement {
     int given;
 } placement;
 
-#define ON_EARTH 65536.0           /* scene units; a larger translation is geographic, too far for floats */
+#define ON_EARTH 65536.0           /* largest translation in scene units that is kept; a larger one is geographic, too
+                                      far for floats */
 
 typedef struct photographed {
     char *label;
@@ -90,7 +92,7 @@ static void *add_item(reader *r, items *i, size_t size)
     return memset((char *)i->data + i->count++ * size, 0, size);
 }
 
-/* Returns 1 if the innermost XML element and its parent have these names. */
+/* Returns 1 if the innermost open XML element and its parent have these names. */
 static int is(const reader *r, const char *name, const char *parent)
 {
     return r->depth > 1 && r->depth <= DEPTH_MOST && !strcmp(r->path[r->depth - 1], name) &&
@@ -251,7 +253,7 @@ static void end(void *argument, const char *name)
     r->length = 0;
 }
 
-/* Refuses XML document types, because declared entities could expand without limit. */
+/* Refuses an XML file with a document type, because entities that it declares could expand without limit. */
 static void begin_declarations(void *argument, const char *name, const char *system, const char *public, int internal)
 {
     (void)system, (void)public, (void)internal;
@@ -280,13 +282,14 @@ static const placement *find_placement(const reader *r, const char *id)
     return of && of->given ? of : r->chunk.given ? &r->chunk : NULL;
 }
 
-/* A camera that Metashape did not align has no pose. */
+/* Returns 1 if a camera has a pose and is not disabled. Metashape gives no pose to a camera that it did not align. */
 static int is_view(const photographed *c)
 {
     return c->has_pose && !c->disabled;
 }
 
-/* Sets the origin to the first geographic translation in whole units, which doubles subtract exactly. */
+/* Sets the origin of all cameras to the first geographic translation, in whole units, which doubles subtract
+   exactly. */
 static void find_origin(reader *r)
 {
     const photographed *cameras = r->cameras.data;
@@ -299,7 +302,8 @@ static void find_origin(reader *r)
     }
 }
 
-/* Places a view. Columns of `pose`: the axes x, y (down), z (forward), and the camera's centre. */
+/* Places a camera in the world. The columns of `pose` are the camera's axes x, y (down), z (forward), and its
+   centre. */
 static int place(fxs_view_list *list, fxs_view *view, const double pose[16], const placement *p,
                  const double origin[3])
 {
@@ -319,8 +323,8 @@ static int place(fxs_view_list *list, fxs_view *view, const double pose[16], con
     return 0;
 }
 
-/* Projection to pixels: u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' includes P1 (r^2 +
-   2 x^2) + 2 P2 x y. */
+/* Converts Metashape's lens coefficients. It projects to pixels by u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 +
+   cy + y' f, where x' includes P1 (r^2 + 2 x^2) + 2 P2 x y. */
 static int set_intrinsics(fxs_view_list *list, fxs_listed_view *listed, const sensor *s)
 {
     const double *n = s->numbers;

@@ -1,4 +1,4 @@
-/* Writes cameras.json, as camera_json.c reads it. */
+/* Writes cameras.json, the format that camera_json.c reads. */
 #include <fixsplat/camera.h>
 #include "src/base/output_internal.h"
 #include "view_print.h"

@@ -1,7 +1,7 @@
-/* Chooses a first view of a scene by rendering a small sample from many camera positions. The score counts visible
-   Gaussians. A single Gaussian that fills the picture, or a border that cuts through the subject, lowers the
-   score. Steps: find the scene's core and free places inside, choose the up direction, try 12 yaws around each
-   box, then refine height and distance. */
+/* Chooses a first view of a scene by rendering a small sample of it from many camera positions. The score of a view
+   counts visible Gaussians. A single Gaussian that fills the picture, or a border that cuts through the subject, lowers
+   the score. Steps: find the scene's core and free places inside, choose the up direction, try 12 yaws around each box,
+   then refine height and distance. */
 #include "first_view.h"
 
 #include <math.h>
@@ -22,12 +22,15 @@ enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
 #define FOV 50
-#define LARGEST (PIXELS / 16)        /* pixels; a larger Gaussian lowers the score */
-#define UNBOUNDED 2                  /* minimum size of an unbounded scene relative to its core */
-#define OPEN 0.65                    /* minimum mean coverage of views from a useful place inside */
-#define CLOSED 0.88                  /* minimum mean coverage of views inside a closed room */
-#define WITHIN 0.74                  /* minimum ratio of Gaussians seen inside to outside, for an inside view */
-#define WITHIN_STANDING 1.1          /* maximum ratio of Gaussians seen inside to outside, for a standing figure */
+#define LARGEST (PIXELS / 16)        /* largest size of a Gaussian in a picture, pixels, that does not lower the view's
+                                        score */
+#define UNBOUNDED 2                  /* an unbounded scene is at least this many times as large as its core */
+#define OPEN 0.65                    /* least mean coverage of the pictures from a useful place inside the scene */
+#define CLOSED 0.88                  /* least mean coverage of the pictures inside a closed room */
+#define WITHIN 0.74                  /* least ratio of the Gaussians seen from inside to those seen from outside, for a
+                                        view from inside */
+#define WITHIN_STANDING 1.1          /* largest ratio of the Gaussians seen from inside to those seen from outside, for
+                                        a standing figure */
 
 typedef struct look {
     unsigned char colour[PIXELS][4], coverage[PIXELS];
@@ -37,10 +40,10 @@ typedef struct look {
 } look;
 
 typedef struct sight {
-    int64_t seen;                    /* number of Gaussians that contribute most to some pixel */
+    int64_t seen;                    /* number of Gaussians that contribute most to some pixel of the picture */
     int64_t largest;
     int64_t detail;
-    int64_t covered;                 /* sum of the pixels' coverage, 255 per pixel */
+    int64_t covered;                 /* sum of the coverage of all pixels, up to 255 per pixel */
     int64_t close;
     int64_t cut;
 } sight;
@@ -50,8 +53,8 @@ typedef struct box {
 } box;
 
 typedef struct stand {
-    int yaw;                         /* angle in twelfths of a turn */
-    double out, rise;                /* horizontal and upward part of the direction to the camera */
+    int yaw;                         /* yaw of the camera, in twelfths of a turn */
+    double out, rise;                /* horizontal and upward part of the direction from the scene to the camera */
     double part;
     const box *about;
 } stand;
@@ -62,14 +65,15 @@ typedef struct chooser {
     uint32_t threads;
     fxs_sample sample;
     fxs_core core;
-    box boxes[BOXES];                /* boxes of the scene, and if unbounded, of its core and the core's middle */
+    box boxes[BOXES];                /* boxes of the scene, and if it is unbounded, of its core and of the core's
+                                        middle */
     int box_count;
     box places[FXS_WITHIN_MOST];
     int place_count;
-    int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
+    int standing;                    /* 1 or 2: the scene is a subject that stands along the axis y or z */
     int is_within;
-    int outlined;                    /* 0: no outline, as the surroundings thin out with distance */
-    double up[3], close;             /* close: depth below which pixels block the view */
+    int outlined;                    /* 0: the subject has no outline, as the surroundings thin out with distance */
+    double up[3], close;             /* depth below which a pixel counts as close, because it blocks the view */
     size_t frame_bytes;
     unsigned char *frames;
     look *looks;
@@ -96,7 +100,7 @@ static void count_seen(look *l, double close, double far, sight *s)
     }
 }
 
-/* Luminance difference, at most 40, so that bright spots do not dominate. */
+/* Returns the luminance difference of two pixels, at most 40, so that bright spots do not dominate. */
 static int difference(const unsigned char *a, const unsigned char *b)
 {
     const int d = abs(2 * (a[0] - b[0]) + 5 * (a[1] - b[1]) + a[2] - b[2]) / 8;
@@ -114,7 +118,8 @@ static void count_detail(const look *l, sight *s)
         }
 }
 
-/* The bottom border of the picture counts a third, because a ground may continue there. */
+/* Counts covered pixels at the picture's border, where it may cut through the subject. The bottom border counts a
+   third, because a ground may continue there. */
 static void count_cut(const look *l, sight *s)
 {
     for (int y = 0; y < HEIGHT; y++)
@@ -243,8 +248,8 @@ static int is_direction(const double up[3])
     return up && (up[0] != 0 || up[1] != 0 || up[2] != 0);
 }
 
-/* Decides which direction is up. Captures show most from above, and subjects stand on the ground. In doubt, up is
-   -y or z, as in most files. */
+/* Decides which direction is up. Captured scenes show most from above, and subjects stand on the ground. In doubt, up
+   is -y or z, as in most files. */
 static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
@@ -274,8 +279,8 @@ typedef struct choice {
     double score, scores[YAWS];
 } choice;
 
-/* Score factor: 0.5 if the border cuts through the subject, up to 1 if not. A completely covered border has no
-   outline to cut. */
+/* Returns a factor for a view's score: 0.5 if the picture's border cuts through the subject, up to 1 if not. A
+   completely covered border has no outline to cut. */
 static double uncut(const chooser *c, const sight *s)
 {
     const double cut = (double)s->cut / BORDER, covered = (double)s->covered / (255 * PIXELS);
@@ -344,8 +349,8 @@ static int try_heights(chooser *c, choice *made)
     return 0;
 }
 
-/* Renders several views. Returns the largest number of Gaussians seen, the mean coverage and the mean share of
-   close pixels. */
+/* Renders several views of a place. Returns the largest number of Gaussians seen, the mean coverage and the mean share
+   of close pixels. */
 static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
     sight sights[STANDS];
@@ -365,8 +370,9 @@ static int is_amid(const chooser *c, const double place[3])
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* Finds places inside the scene. seen: most Gaussians seen from such a place. weighed: `seen`, raised in a room or
-   a hollow core. Elsewhere in an unbounded scene `weighed` is lowered, because the sky covers every view. */
+/* Finds camera places inside the scene. `seen` is the most Gaussians seen from such a place. `weighed` is `seen`,
+   raised in a room or a hollow core. Elsewhere in an unbounded scene `weighed` is lowered, because the sky covers every
+   view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];

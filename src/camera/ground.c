@@ -1,5 +1,5 @@
-/* Finds the ground of a scene from flat Gaussians, because their thinnest axes gather around the up direction.
-   Refines -y and z to the mean normal within a cone, then compares the results. */
+/* Finds the ground of a scene from its flat Gaussians, because their thinnest axes gather around the up direction. It
+   refines each of the axes -y and z to the mean normal within a cone, then compares the two results. */
 #include "ground.h"
 
 #include <math.h>
@@ -8,9 +8,10 @@
 #include <fixsplat/internal/allocator.h>
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
-#define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close */
+#define ALIGNED 0.94                 /* cosine of 20 degrees: normals this close to the axis belong to the ground; 6 %
+                                        of random directions do */
 #define GROWN 2
-#define TURNED 0.86                  /* cosine of 30 degrees, the ground's largest tilt */
+#define TURNED 0.86                  /* cosine of 30 degrees, the largest tilt of the ground */
 
 typedef struct weighed {
     const fxs_sample_point *points;
@@ -36,7 +37,7 @@ static void find_away(const weighed *s, uint32_t i, double away[3])
         away[k] = s->points[i].place[k] - s->middle[k];
 }
 
-/* weight of a Gaussian = opacity * size^2 / (reach^2 + distance^2)^2 */
+/* Computes the weight of each Gaussian for finding the ground: opacity * size^2 / (reach^2 + distance^2)^2. */
 static void weigh(weighed *s)
 {
     double *w = s->weights, away[3];
@@ -63,7 +64,7 @@ static double weight_across(const weighed *s, uint32_t i, const double axis[3])
     return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
 }
 
-/* Returns the share of flat Gaussians with normals along the axis, by weight. */
+/* Returns the share, by weight, of flat Gaussians with normals along the axis. */
 static double share_of(const weighed *s, const double axis[3])
 {
     double all = 0, across = 0;
@@ -91,8 +92,8 @@ static void refine(const weighed *s, double axis[3])
     }
 }
 
-/* Finds the two neighbouring layers with most weight of flat Gaussians. Returns the shares of weight above and
-   below these layers. */
+/* Finds the two neighbouring layers of the scene with most weight of flat Gaussians. Returns the shares of weight above
+   and below these layers. */
 static void weigh_sides(const weighed *s, const double axis[3], double thickness, double *above, double *below)
 {
     double across[LAYERS] = {0}, all[LAYERS] = {0}, total = 0, away[3];
@@ -114,8 +115,8 @@ static void weigh_sides(const weighed *s, const double axis[3], double thickness
     }
 }
 
-/* Measures on which side of the ground most of the scene lies. Layers are reach / 16 thick. The result is damped
-   for few Gaussians and for a share of flat Gaussians near the random 6 %. */
+/* Measures on which side of the ground most of the scene lies. The scene is cut into layers of thickness reach / 16.
+   The result is damped for few Gaussians, and if the share of flat Gaussians is near the 6 % of random directions. */
 static double sides_of(const weighed *s, const double axis[3], double share)
 {
     double above = 0, below = 0, thickness = s->reach / 16;
@@ -126,7 +127,7 @@ static double sides_of(const weighed *s, const double axis[3], double share)
     return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
 }
 
-/* Median size of the Gaussians in the last eighth along an axis, relative to the first eighth. */
+/* Compares sizes along an axis: median size of the Gaussians in the last eighth, relative to the first eighth. */
 static double growth_of(const weighed *s, const double axis[3], double *values)
 {
     const uint32_t step = s->count / GROWTH_POINTS + 1;
@@ -148,9 +149,9 @@ static double growth_of(const weighed *s, const double axis[3], double *values)
     return size[1] / size[0];
 }
 
-/* Picks the axis, y or z, that most flat Gaussians have as normal; y in doubt. The refined axis must be clearly
-   better, so that an upright scene stays upright. A wall captured from the front also faces z. Such a scene has
-   its subjects on the -z side, or Gaussians that grow along z. */
+/* Picks the axis, y or z, that most flat Gaussians have as normal; y in doubt. The refined axis must be clearly better,
+   so that an upright scene stays upright. A wall captured from the front also faces z. Such a scene has its subjects on
+   the -z side, or Gaussians that grow along z. */
 static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)
 {
     static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};

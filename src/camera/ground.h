@@ -5,13 +5,15 @@
 #include "sample.h"
 
 typedef struct fxs_ground {
-    double axis[3];                  /* unit normal of the ground, up or down */
-    double spread;                   /* radius of 98 % of the Gaussians / radius of 50 % of the Gaussians */
-    double sided;                    /* -1 to 1; positive: most of the scene lies on the axis's side */
+    double axis[3];                  /* unit normal of the ground, pointing up or down */
+    double spread;                   /* spread of the scene: radius of 98 % of the Gaussians / radius of 50 % of the
+                                        Gaussians */
+    double sided;                    /* side of the ground with most of the scene, -1 to 1; positive: the axis points
+                                        there */
 } fxs_ground;
 
-/* Finds a ground axis near -y or z. standing: 1 or 2 for a subject standing along y or z, else 0. Returns 0, or
-   FXS_ERR_MEMORY and a message. */
+/* Finds the normal of the ground near -y or z. `standing` is 1 or 2 for a subject standing along y or z, else 0.
+   Returns 0, or FXS_ERR_MEMORY and a message. */
 int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, int standing, fxs_message *message);
 
 #endif

@@ -6,7 +6,8 @@
 
 enum { STEPS = 24, SAMPLES = 64, RINGS = 16 };
 
-#define WIDEST 1.7320508075688772   /* tangent of 60 degrees */
+#define WIDEST 1.7320508075688772   /* tangent of 60 degrees, the largest angle between the axis and a side of the
+                                       pinhole view */
 #define WIDEST_FOV 3.14
 
 double *fxs_lens_coefficient(fxs_lens *lens, char letter)
@@ -38,7 +39,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     return lens->kind != FXS_LENS_FISHEYE && lens->kind != FXS_LENS_FISHEYE_AFTER && lens->skew == 0;
 }
 
-/* Tangent by Lambert's continued fraction for angle / 8, then three doublings of the angle. */
+/* Computes a tangent by Lambert's continued fraction for angle / 8, then three doublings of the angle. */
 double fxs_tangent(double angle)
 {
     const double z = angle / 8, square = z * z;
@@ -51,7 +52,8 @@ double fxs_tangent(double angle)
     return t;
 }
 
-/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), applied four times, then ten terms of the series. */
+/* Computes an arc tangent: atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), applied four times, then ten terms of the
+   series. */
 static double arc_tangent(double x)
 {
     double sum = 0;
@@ -109,8 +111,8 @@ void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2])
     bent[0] += lens->skew * bent[1];
 }
 
-/* Returns 1 if the lens maps the line from the principal point to a border pixel into the photograph, with growing
-   radius. */
+/* Returns 1 if the lens maps the line from the principal point to a border pixel of the pinhole picture into the
+   photograph, with growing radius. */
 static int filled_along(const fxs_lens *lens, const fxs_view *photograph, double x, double y)
 {
     double bent[2], last = 0;

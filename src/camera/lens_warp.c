@@ -1,11 +1,12 @@
-/* Renders through a lens by resampling a perspective picture of the whole photograph. A pixel's position is the
-   inverse of the lens, by Newton's method from a table of the radial part. */
+/* Renders a photograph through a lens: resamples a perspective picture that shows all of it. The position of each pixel
+   comes from the inverse of the lens, by Newton's method, started from a table of the radial part. */
 #include "lens_warp.h"
 
 #include <math.h>
 #include <string.h>
 
-#define FARTHEST 3.7320508075688772    /* tangent of 75 degrees */
+#define FARTHEST 3.7320508075688772    /* tangent of 75 degrees, the largest angle between the axis and a point of the
+                                          picture */
 #define DIFFERENCE 1e-6
 #define NEAR_ENOUGH 1e-8
 
@@ -30,7 +31,7 @@ static void make_table(fxs_lens_warp *w)
     }
 }
 
-/* Returns the distance from the axis for a radius in the photograph, by table. */
+/* Looks up in the table the distance from the axis that has a given radius in the photograph. */
 static double look_up(const fxs_lens_warp *w, double reach)
 {
     int low = 0, high = w->steps;
@@ -76,7 +77,8 @@ typedef struct box {
     double low[2], high[2], farthest;
 } box;
 
-/* Extends a box by a border point. Where the lens sees nothing, uses the farthest visible point. */
+/* Extends the box of the perspective picture by a border point of the photograph. Where the lens sees nothing, it uses
+   the farthest visible point. */
 static void take_place(const fxs_lens_warp *w, double x, double y, box *b)
 {
     const fxs_view *p = &w->photograph;

@@ -1,4 +1,5 @@
-/* Interpolates views between key views. Positions, intrinsics and quaternions follow Catmull-Rom splines. */
+/* Interpolates views (cameras) between key views. Positions, focal lengths, principal points and quaternions follow
+   Catmull-Rom splines. */
 #include <math.h>
 
 #include "src/base/exponential.h"
@@ -10,8 +11,8 @@ typedef struct spline {
     double weight[4];
 } spline;
 
-/* Catmull-Rom weights: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. Both ends
-   continue linearly: 2 v0 - v1. */
+/* Catmull-Rom weights of four neighbouring keys: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) /
+   2. Both ends of the path continue linearly: 2 v0 - v1. */
 static spline spline_at(long count, double at)
 {
     const long first = at >= (double)(count - 1) ? count - 2 : (long)at;
@@ -89,7 +90,7 @@ static void turn_between(const spline *s, const fxs_view *keys, double rotation[
     matrix_of(sum, rotation);
 }
 
-/* Interpolates key views. A whole number `at` returns exactly that key. */
+/* Interpolates key views. If `at` is a whole number, the result is exactly that key. */
 void fxs_view_between(const fxs_view *keys, long count, double at, fxs_view *view)
 {
     double lens[5];

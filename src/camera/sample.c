@@ -1,5 +1,5 @@
-/* Samples Gaussians of objects. Every step-th Gaussian becomes a point, and some points are packed again for
-   drawing, in profile default with SH degree 0. Uses fixed point and exact doubles only. */
+/* Takes a sample of the Gaussians of objects. Every step-th Gaussian becomes a point, and some points are packed again
+   for drawing, in profile default with SH degree 0. It uses fixed point and exact doubles only. */
 #include "sample.h"
 
 #include <math.h>
@@ -16,14 +16,15 @@ typedef struct loose {
     int32_t scale_q16[3];            /* log2(sigma) */
     int32_t colour_q16[3];
     uint32_t rotation;
-    int32_t axis_bits;               /* bits of x and y in the rotation word */
-    uint32_t opacity;                /* 0 to 255 */
+    int32_t axis_bits;               /* number of bits of x and of y in the rotation word */
+    uint32_t opacity;                /* opacity, 0 to 255 */
 } loose;
 
-/* Decodes an opacity code c. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
+/* Decodes an opacity code c to 0..255. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. */
 static uint32_t opacity_of(uint32_t code, uint32_t law)
 {
-    static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* 255 * 4^(1 - law) - 1 */
+    static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* factors of the opacity laws in Q4:
+                                                                                      255 * 4^(1 - law) - 1 */
     if (law == 0 || code == 0)
         return code;
     return 1 + (reach_q4[law] * (code - 1) * (code - 1) + 254 * 254 * 8) / (254 * 254 * 16);
@@ -51,7 +52,7 @@ static loose loosen(enum fxs_profile profile, const fxs_chunk *chunk, const fxs_
     return l;
 }
 
-/* 2^(x / 65536) */
+/* Power of two: returns 2^(x / 65536). */
 static double exp2_of(int32_t x_q16)
 {
     const int32_t whole = -(-x_q16 >> 16);
@@ -86,7 +87,8 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     for (int i = 0; i < 3; i++)
         p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
     p.size = exp2_of((s[a] + s[b]) / 2) * scale;
-    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* quantised spheres are slightly flat */
+    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* 1/32 is subtracted, because quantised
+                                                                            spheres are slightly flat */
     p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
     return p;
 }
@@ -139,7 +141,8 @@ static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
     return (word - y + half) >> (32 - to) << (32 - to) | y;
 }
 
-/* Packs sizes, after adding larger_q16 to all log2(sigma). The code of a size x is sqrt((scale - x) / step). */
+/* Packs the sizes of Gaussians, after adding larger_q16 to all log2(sigma). The code of a size x is sqrt((scale - x) /
+   step). */
 static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
@@ -162,7 +165,7 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
     }
 }
 
-/* Packs colours. Call after pack_scales, because scale words hold the lowest colour bits. */
+/* Packs the colours of Gaussians. Call it after pack_scales, because scale words hold the lowest colour bits. */
 static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
 {
     uint32_t words[FXS_CHUNK], scales[FXS_CHUNK];
@@ -278,8 +281,8 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* Growth of log2(sigma) that keeps space equally filled by every x-th Gaussian: log2(x) / 3, linear between powers
-   of two. */
+/* Growth of log2(sigma) that lets every x-th Gaussian fill space as well as all of them: log2(x) / 3, linear between
+   powers of two. */
 static int32_t larger_of(uint64_t x)
 {
     const int whole = 63 - fxs_clz64(x);

@@ -1,4 +1,4 @@
-/* Reads and writes the start view in the header of a packed scene. */
+/* Reads and writes the start view (the first camera for viewers) in the header of a packed scene. */
 #include <math.h>
 #include <string.h>
 

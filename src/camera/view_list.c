@@ -1,4 +1,4 @@
-/* Grows the list of views that camera readers fill, and validates views. */
+/* Grows the list of views (cameras) that camera file readers fill, and checks views. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,7 +104,7 @@ static int size_valid(double size)
     return size >= 1 && size <= MAX_SIZE && size == floor(size);
 }
 
-/* Converts a matrix to a rotation. A uniform scale is accepted. */
+/* Replaces a matrix by the nearest rotation. A uniform scale of the matrix is accepted. */
 static int make_rotation(double r[9])
 {
     double squares = 0, divided[9];

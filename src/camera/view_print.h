@@ -1,4 +1,4 @@
-/* Prints a view as an object of cameras.json. */
+/* Prints a view (camera) as an object of cameras.json. */
 #ifndef FXS_VIEW_PRINT_H
 #define FXS_VIEW_PRINT_H
 

@@ -1,5 +1,6 @@
 /* Finds the core of a scene, the region of its small Gaussians, and free places in the core's lower half. The
-   surroundings of a place are binned by direction. Merit: (covered bins)^2 * harmonic mean distance. */
+   surroundings of a place are divided by direction into bins. The place's rating is (covered bins)^2 * harmonic mean
+   distance. */
 #include "within.h"
 
 #include <math.h>
@@ -10,8 +11,8 @@ enum { FACE = 6, BINS = 6 * FACE * FACE };
 enum { GRID = 7, PLACES = GRID * GRID * GRID };
 enum { CORE_POINTS = 8192, POINTS = 2048 };
 
-#define TALL 1.8                     /* minimum height / width of a standing subject */
-#define FLAT 0.25                    /* minimum width / depth of a standing subject */
+#define TALL 1.8                     /* least height / width of a standing subject */
+#define FLAT 0.25                    /* least width / depth of a standing subject */
 
 double fxs_distance(const double a[3], const double b[3])
 {
@@ -84,7 +85,7 @@ static int bin_of(const double d[3])
     return ((axis * 2 + (d[axis] > 0)) * FACE + i) * FACE + j;
 }
 
-/* Rates a place. A direction is covered if Gaussians span half of its solid angle. */
+/* Rates a place inside the scene. A direction is covered if Gaussians span half of its solid angle. */
 static void look_about(fxs_within *w, const fxs_sample *s)
 {
     const double pi = 3.141592653589793, most = 4 * pi / BINS;
@@ -111,7 +112,7 @@ static void look_about(fxs_within *w, const fxs_sample *s)
     w->merit = (double)covered * covered * w->clear;
 }
 
-/* Returns 1 if a place is not above the core's middle. */
+/* Returns 1 if a place is not higher than the middle of the scene's core. */
 static int is_low(const double place[3], const fxs_core *core, const double up[3])
 {
     double height = 0, size = 0;

@@ -6,27 +6,27 @@
 
 #define FXS_WITHIN_MOST 3
 
-/* Region of most small Gaussians, which captures have near their cameras. */
+/* The core of a scene: the region of most small Gaussians, which captured scenes have near their cameras. */
 typedef struct fxs_core {
     double middle[3];
-    double reach;                    /* median distance from the middle */
-    double low[3], high[3];          /* box without the outer 2 % of the points on each side */
+    double reach;                    /* median distance of the small Gaussians from the core's middle */
+    double low[3], high[3];          /* box of the core, without the outer 2 % of the points on each side */
 } fxs_core;
 
 typedef struct fxs_within {
     double place[3];
-    double clear;                    /* harmonic mean distance of the surroundings */
-    double merit;                    /* rating; grows with covered directions and free distance */
+    double clear;                    /* harmonic mean distance from the place to its surroundings */
+    double merit;                    /* rating of the place; it grows with covered directions and free distance */
 } fxs_within;
 
 double fxs_distance(const double a[3], const double b[3]);
 
 int fxs_core_find(fxs_core *core, const fxs_sample *s, fxs_message *message);
 
-/* Returns 1 or 2 if the core stands tall along y or z, like a figure; else 0. */
+/* Returns 1 or 2 if the scene's core stands tall along y or z, like a figure; else 0. */
 int fxs_core_stands(const fxs_core *core);
 
-/* Finds places in the lower half of the core, best first. Returns the number of places. */
+/* Finds free places in the lower half of the scene's core, best first. Returns the number of places. */
 int fxs_within_find(fxs_within found[FXS_WITHIN_MOST], const fxs_sample *sample, const fxs_core *core,
                     const double up[3]);
 

@@ -1,4 +1,4 @@
-/* Writes depth targets (.png, .pfm) and id targets (.png, .raw). */
+/* Writes targets (output pictures) to files: depths (.png, .pfm) and ids of Gaussians (.png, .raw). */
 #include "depth_file.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ double fxs_depths_farthest(const fxs_depths *d)
     return ldexp(farthest, -d->depth_bits);
 }
 
-/* Converts a depth to 1..65535, clamped; 0: no depth. */
+/* Converts a depth to a grey value, 1 to 65535, clamped; 0: no depth. */
 static unsigned grey(uint32_t depth, uint64_t range)
 {
     const uint64_t value = ((uint64_t)depth * 65535 + range / 2) / range;
@@ -122,7 +122,7 @@ static uint32_t scramble(uint32_t x)
     return x ^ x >> 16;
 }
 
-/* Colour of a hue, 0 to 1535, with white, 0 to 255, mixed in. */
+/* Computes a colour of a hue (0 to 1535), with white (0 to 255) mixed in. */
 static void colour_of(uint8_t rgb[3], uint32_t hue, uint32_t white, uint32_t value)
 {
     for (uint32_t c = 0; c < 3; c++) {
@@ -139,7 +139,7 @@ static void paint(uint8_t rgba[4], const fxs_id *id, int by_object)
     rgba[3] = 255;
     if (id->gaussian == FXS_NOTHING)
         return;
-    if (by_object)                           /* golden section spreads the hues of consecutive ids */
+    if (by_object)                           /* the golden section spreads the hues of objects with consecutive ids */
         colour_of(rgba, (uint32_t)((uint64_t)(id->object * 0x9e3779b9u) * 1536 >> 32), 40, 120 + mixed % 136);
     else
         colour_of(rgba, mixed % 1536, mixed >> 12 & 127, 128 + (mixed >> 20 & 127));

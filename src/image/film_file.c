@@ -22,7 +22,7 @@ static int check(const char *path, enum fxs_image_format format, int width, int 
     return 0;
 }
 
-/* Opens a film unbuffered, because readers of a pipe wait for whole frames. */
+/* Opens a film without buffering its output, because readers of a pipe wait for whole frames. */
 int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height, int rate,
                   fxs_message *message)
 {

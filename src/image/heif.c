@@ -19,7 +19,8 @@ typedef struct reading {
     size_t size;
 } reading;
 
-/* Samples above 8 bits are 16-bit words in native byte order. Their upper 8 bits are used. */
+/* A plane (channel) of a HEIF picture. Samples with more than 8 bits are 16-bit words in native byte order; their upper
+   8 bits are used. */
 typedef struct plane {
     const uint8_t *samples;
     int width, height, stride, bits;
@@ -35,8 +36,8 @@ static int sample(const plane *p, int x, int y)
     return wide >> (p->bits - 8) & 255;
 }
 
-/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb. Factors are Q16. `black` is subtracted
-   from Y; Cb and Cr begin at -128. */
+/* Factors in Q16 that convert YCbCr to RGB: R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb.
+   `black` is subtracted from Y before. Cb and Cr begin at -128. */
 typedef struct colours {
     int black, y, red, green[2], blue;
 } colours;
@@ -46,8 +47,8 @@ static int fixed(double x)
     return (int)(x * 65536 + 0.5);
 }
 
-/* ITU-T H.273: R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B. Limited range: 219
-   levels of Y from 16, 224 levels of chroma. */
+/* Computes the colour factors as ITU-T H.273 says: R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr -
+   kb) G + kb B. Limited range has 219 levels of Y from 16, and 224 levels of chroma. */
 static void set_colours(colours *c, double kr, double kb, int is_full)
 {
     const double kg = 1 - kr - kb, chroma = is_full ? 1 : 255.0 / 224;
@@ -59,7 +60,8 @@ static void set_colours(colours *c, double kr, double kb, int is_full)
     c->green[1] = fixed(chroma * 2 * kr * (1 - kr) / kg);
 }
 
-/* Takes the colour matrix of the file, else of its stream. Default: BT.601 in full range, as in libheif. */
+/* Takes the colour matrix that the HEIF file states, else the matrix of its video stream. The default is BT.601 in full
+   range, as in libheif. */
 static const char *find_colours(const reading *r, colours *c)
 {
     struct heif_color_profile_nclx *stated = NULL;
@@ -107,7 +109,7 @@ static int halved(int at, int size)
     return at / 2 < size ? at / 2 : size - 1;
 }
 
-/* Converts YCbCr to RGBA. Chroma is taken from the nearest sample. */
+/* Converts YCbCr to RGBA. The chroma of a pixel is taken from the nearest sample. */
 static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
 {
     const int width = planes[0].width, height = planes[0].height;
@@ -126,7 +128,8 @@ static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
         }
 }
 
-/* Asks for YCbCr 4:2:0, which HEVC specifies bit-exactly. libheif's colour conversion uses floats. */
+/* Asks libheif for YCbCr 4:2:0 pixels, which HEVC specifies bit-exactly. libheif's own colour conversion uses
+   floats. */
 static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int *height)
 {
     static const enum heif_channel channels[4] = {heif_channel_Y, heif_channel_Cb, heif_channel_Cr, heif_channel_Alpha};
@@ -153,7 +156,8 @@ static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int
     return NULL;
 }
 
-/* Bit reader of a NAL unit (ITU-T H.265, 7.3.1.1). Skips the 3 of bytes 0 0 3. Returns 0 past the end. */
+/* Reads bits of a NAL unit, a packet of a HEVC stream (ITU-T H.265, 7.3.1.1). It skips the 3 of bytes 0 0 3. Bits past
+   the end are 0. */
 typedef struct bits {
     const uint8_t *bytes;
     size_t size, at;
@@ -173,7 +177,7 @@ static uint32_t take(bits *b, int count)
     return value;
 }
 
-/* Reads an Exp-Golomb code: ue(v) of ITU-T H.265, 9.2. */
+/* Reads an Exp-Golomb code, a number of variable length: ue(v) of ITU-T H.265, 9.2. */
 static uint32_t take_code(bits *b)
 {
     int zeros = 0;
@@ -205,8 +209,9 @@ static uint64_t stated_pixels(const uint8_t *unit, size_t size)
     return width * take_code(&b);
 }
 
-/* The HEVC decoder allocates by the size in its stream. Every sequence parameter set is therefore limited to twice
-   the pixels of a picture, because sizes are whole blocks. */
+/* Finds a HEVC stream that is too large. The decoder allocates memory by the picture size that the stream states. Every
+   sequence parameter set is therefore limited to twice the allowed pixels of a picture, because sizes are whole
+   blocks. */
 static const char *find_large_stream(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 2; at + 2 < size; at++) {
@@ -220,8 +225,8 @@ static const char *find_large_stream(const uint8_t *bytes, size_t size)
     return NULL;
 }
 
-/* A picture may refer to tiles (dimg) and to its alpha (auxl). libheif follows cycles until the stack overflows,
-   and decodes a tile once per reference. */
+/* Limits on references between the pictures of a HEIF: to tiles (dimg) and to a picture's alpha (auxl). Without them,
+   libheif follows cycles until the stack overflows, and decodes a tile once per reference. */
 enum { ITEMS = 65536, DEEPEST = 3, MOST_TILES = 1 << 15 };
 
 static uint32_t number_at(const uint8_t *bytes, size_t count)
@@ -232,8 +237,8 @@ static uint32_t number_at(const uint8_t *bytes, size_t count)
     return number;
 }
 
-/* Adds up how often each picture is decoded because other pictures refer to it. A child of an iref box has size,
-   type, number, count, then numbers of `wide` bytes. Returns 0 if a number is too large or *left is used up. */
+/* Adds up how often each picture of a HEIF is decoded because other pictures refer to it. A child of an iref box has
+   size, type, number, count, then numbers of `wide` bytes. Returns 0 if a number is too large or *left is used up. */
 static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to,
                      size_t *left)
 {
@@ -305,7 +310,7 @@ static const char *said(struct heif_error error)
                                                               : words;
 }
 
-/* The first four bytes of an EXIF block are the offset of its TIFF data. */
+/* Reads the EXIF block of a HEIF. Its first four bytes are the offset of its TIFF data. */
 static void take_exif(const reading *r, fxs_exif_bytes *exif)
 {
     heif_item_id id;

@@ -1,4 +1,4 @@
-/* Loads libheif on first use, because it depends on a dozen libraries. */
+/* Loads libheif at run time, on first use, because it depends on a dozen libraries. */
 #ifndef FXS_HEIF_LIBRARY_H
 #define FXS_HEIF_LIBRARY_H
 

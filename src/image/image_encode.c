@@ -83,8 +83,9 @@ static int encode_ppm(const uint8_t *rgba, int width, int height, fxs_encoded *p
     return 0;
 }
 
-/* BT.709, 8 bits, limited range; factors are Q16. Y = 16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B), Cb = 128 +
-   224/255 (B - Y') / 1.8556, Cr = 128 + 224/255 (R - Y') / 1.5748; Y' is the sum in brackets. */
+/* Converts RGB to YCbCr by BT.709 in 8 bits, limited range, with factors in Q16. Y = 16 + 219/255 (0.2126 R + 0.7152 G
+   + 0.0722 B), Cb = 128 + 224/255 (B - Y') / 1.8556, Cr = 128 + 224/255 (R - Y') / 1.5748; Y' is the sum in
+   brackets. */
 static int encode_y4m(const uint8_t *rgba, int width, int height, fxs_encoded *y4m)
 {
     static const char head[6] = "FRAME\n";
@@ -144,7 +145,8 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 #endif
 
 #ifdef FXS_WITH_WEBP
-/* Checks that a lossless picture decodes to these pixels, because libwebp 1.2.4 may truncate when memory runs out. */
+/* Checks that a lossless .webp decodes to the original pixels, because libwebp 1.2.4 may truncate it when memory runs
+   out. */
 static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
 {
     const size_t bytes = 4 * (size_t)width * (size_t)height;

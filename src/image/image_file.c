@@ -30,9 +30,10 @@
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
 #define FREE_PIXELS (1 << 20)
-#define MAX_BYTE_PIXELS 512       /* maximum number of pixels per byte of the file */
+#define MAX_BYTE_PIXELS 512       /* largest number of pixels per byte of a compressed file */
 #define MAX_WEBP_BYTES (1 << 28)
-#define MAX_JPEG_SCANS 100        /* a JPEG scan of a few bytes takes time for the whole picture */
+#define MAX_JPEG_SCANS 100        /* largest number of JPEG scans: even a scan of a few bytes takes time for the whole
+                                     picture */
 
 static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
@@ -82,7 +83,7 @@ static void make_room(decoding *picture, uint8_t **rgba, int width, int height, 
 #endif
 
 #ifdef FXS_WITH_PNG
-/* Refuses a .png also after warnings, where libpng would skip damaged parts. */
+/* Refuses a damaged .png. libpng also calls this for warnings, after which it would skip damaged parts. */
 static void refuse_png(png_structp png, const char *fault)
 {
     static __thread char words[200];
@@ -110,7 +111,7 @@ typedef struct png_reading {
     png_infop info;
 } png_reading;
 
-/* Decodes a .png without gamma and colour profiles. An index beyond the palette reads black. */
+/* Decodes a .png, ignoring gamma and colour profiles. A pixel with an index beyond the palette becomes black. */
 static void decode_png(png_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     decoding *picture = &reading->picture;
@@ -167,7 +168,7 @@ static void refuse_by_code(j_common_ptr jpeg)
     refuse(jpeg->client_data, code == JERR_OUT_OF_MEMORY ? fxs_no_memory : code == JWRN_JPEG_EOF ? cut_short : words);
 }
 
-/* Turns libjpeg's warnings into faults. Extra bytes between segments, which some cameras write, are harmless. */
+/* Turns libjpeg's warnings into errors. Extra bytes between segments, which some cameras write, are harmless. */
 static void refuse_damage(j_common_ptr jpeg, int level)
 {
     if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA)
@@ -180,7 +181,7 @@ static void limit_scans(j_common_ptr jpeg)
         refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
-/* Converts CMYK without profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
+/* Converts CMYK pixels to RGB without a colour profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
 static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
 {
     const int flip = is_inverted ? 0 : 255;
@@ -191,7 +192,7 @@ static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
     }
 }
 
-/* Decodes a .jpg with integer inverse DCT and smooth chroma, which are identical on every processor. */
+/* Decodes a .jpg with an integer inverse DCT and smooth chroma, which are identical on every processor. */
 static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, fxs_exif_bytes *exif)
 {
     j_decompress_ptr jpeg = &reading->jpeg;
@@ -314,7 +315,7 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return fxs_no_memory;
-    uint8_t *rgb = *rgba + pixels;   /* RGB is read into the end of the block, then spread to RGBA */
+    uint8_t *rgb = *rgba + pixels;   /* RGB pixels are read into the end of the block, then spread to RGBA */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
     for (size_t i = 0; i < pixels; i++) {

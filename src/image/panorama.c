@@ -7,13 +7,14 @@
 #define ONE_Q30 ((int64_t)1 << 30)
 #define HALF_PI_Q30 1686629713
 
-/* A cube face: `side` pixels span 90 degrees, and `margin` is added on all sides. */
+/* A square face of a cube around the camera: `side` pixels span 90 degrees, and `margin` pixels are added on all
+   sides. */
 typedef struct face {
     int side, margin, size;
 } face;
 
-/* The side of a cube face is even, so that focal length and middle are integers. A pixel of the panorama spans 1
-   to 2 pixels of a face. */
+/* Chooses the size of a cube face. Its side is even, so that focal length and middle are integers. A pixel of the
+   panorama spans 1 to 2 pixels of a face. */
 static face face_of(int width)
 {
     const int side = (width / 2 + 3) / 4 * 4, margin = side / 16 + 2;
@@ -25,7 +26,7 @@ int fxs_panorama_face_size(int width)
     return face_of(width).size;
 }
 
-/* Axes right, down and forward of each cube face: 1 is the view's x, -3 its -z. */
+/* The axes right, down and forward of each cube face, as axes of the panorama's camera: 1 is its x, -3 its -z. */
 static const signed char axes[FXS_PANORAMA_FACES][3] = {
     {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
 };
@@ -50,7 +51,7 @@ static int64_t times_q30(int64_t a, int64_t b)
     return (a * b) >> 30;
 }
 
-/* Sine of 0 to a quarter turn by its series to x^13; error below 2^-28. */
+/* Computes the sine of 0 to a quarter turn by its series to x^13; error below 2^-28. */
 static int64_t sin_of_quarter_q30(int64_t part_q30)
 {
     static const int divisors[] = {156, 110, 72, 42, 20, 6};
@@ -95,7 +96,8 @@ static int64_t component(const int64_t d[3], int axis)
     return axis < 0 ? -d[-axis - 1] : d[axis - 1];
 }
 
-/* Weights each cube face by the distance from its edge, so that no seam is visible. */
+/* Computes a pixel of the panorama. It weights each cube face by the distance from the face's edge, so that no seam is
+   visible. */
 static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
 {
     const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;

@@ -1,4 +1,4 @@
-/* Reads EXIF of photographs with libexif: orientation, exposure, and a name of camera and lens. */
+/* Reads the EXIF data of photographs with libexif: orientation, exposure, and a name of camera and lens. */
 #include "photograph_internal.h"
 
 #include <stdlib.h>
@@ -49,7 +49,7 @@ void fxs_exif_keep(fxs_exif_bytes *exif, const void *bytes, size_t size)
 
 #ifdef FXS_WITH_EXIF
 
-/* Loads EXIF without libexif's corrections of non-standard data. NULL: out of memory. */
+/* Parses EXIF bytes without libexif's corrections of non-standard data. Returns NULL if out of memory. */
 static ExifData *load(const fxs_exif_bytes *bytes)
 {
     ExifData *data = exif_data_new();
@@ -102,7 +102,7 @@ void fxs_exif_parse(const fxs_exif_bytes *bytes, fxs_exif *exif)
     const double sensitivity = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
     if (!bytes->is_upright && orientation >= 1 && orientation <= 8)
         exif->orientation = (int)orientation;
-    /* 65535 means that the sensitivity does not fit the EXIF field */
+    /* A sensitivity of 65535 means that the value does not fit the EXIF field. */
     if (seconds > 1e-6 && seconds < 1e5 && aperture > 0.1 && aperture < 1e3 && sensitivity > 0 && sensitivity < 65535)
         exif->exposure = seconds * sensitivity / (aperture * aperture);
     say_text(data, EXIF_TAG_MAKE, maker);

@@ -9,14 +9,16 @@
 
 enum fxs_photograph_kind { FXS_PHOTOGRAPH_NONE, FXS_PHOTOGRAPH, FXS_PHOTOGRAPH_HEIF };
 
-/* Returns the kind of a photograph by the ending of its name. FXS_PHOTOGRAPH: .png, .jpg, .jpeg, .ppm, .webp.
+/* Returns the kind of a photograph by the ending of its file name. FXS_PHOTOGRAPH: .png, .jpg, .jpeg, .ppm, .webp.
    FXS_PHOTOGRAPH_HEIF: .heic, .heif, .hif. */
 enum fxs_photograph_kind fxs_photograph_kind_of(const char *name);
 
 typedef struct fxs_exif {
-    int orientation;               /* 1 to 8: rotation and mirroring to apply (EXIF tag 274); unknown: 1 */
-    double exposure;               /* time * sensitivity / f-number^2, in seconds and ISO; unknown: 0 */
-    char lens[120];                /* text that is equal for photographs of one camera and zoom */
+    int orientation;               /* rotation and mirroring that make the photograph upright, 1 to 8 (EXIF tag 274);
+                                      unknown: 1 */
+    double exposure;               /* exposure of the photograph: time * sensitivity / f-number^2, in seconds and ISO;
+                                      unknown: 0 */
+    char lens[120];                /* camera and lens, as a text that is equal for photographs of one camera and zoom */
 } fxs_exif;
 
 /* Reads a photograph and its EXIF, which is supported for .jpg and HEIF in builds with libexif. Pixels of a HEIF

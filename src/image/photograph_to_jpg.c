@@ -9,7 +9,7 @@
 #include "png_internal.h"
 #include "src/base/try_internal.h"
 
-/* Inserts an APP1 segment with the EXIF after the start marker of a .jpg. */
+/* Writes a .jpg with EXIF: inserts an APP1 segment after its start marker. */
 static int write_jpg(const char *path, const fxs_encoded *jpg, const fxs_exif_bytes *exif, fxs_message *message)
 {
     fxs_output output;

@@ -46,15 +46,17 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
 }
 #endif
 
-/* PNG filter of the first row: 0 (none). Other rows: 2 (difference from the row above). */
+/* PNG filters: the first row of a picture has filter 0 (none), the other rows 2 (difference from the row above). */
 
-/* Subtracts four bytes at once. The upper bit of each byte catches the borrow. */
+/* Subtracts four bytes at once: each byte of b from the same byte of a. The upper bit of each byte catches the
+   borrow. */
 static inline uint32_t minus_bytes(uint32_t a, uint32_t b)
 {
     return ((a | 0x80808080u) - (b & 0x7f7f7f7fu)) ^ ((a ^ ~b) & 0x80808080u);
 }
 
-/* Filters the first `used` bytes of each pixel. Writes four bytes; the next pixel overwrites the rest. */
+/* Filters the rows of a picture for a .png, keeping the first `used` bytes of each pixel. It writes four bytes; the
+   next pixel overwrites the rest. */
 static inline void filter_colours(uint8_t *out, const uint8_t *rgba, size_t width, size_t height, size_t used)
 {
     for (size_t y = 0; y < height; y++) {
@@ -106,7 +108,7 @@ static uint8_t *put_32(uint8_t *out, uint32_t value)
     return out;
 }
 
-/* Adds length, type and checksum around a PNG chunk's data at out + 8. */
+/* Completes a PNG chunk around its data at out + 8: adds length, type and checksum. */
 static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 {
     put_32(out, (uint32_t)length);

@@ -23,24 +23,26 @@
 extern "C" {
 #endif
 
-/* Called with rows `first` to first + rows - 1 of the picture in strip->pixels. They stay unchanged until the function
-   returns. For a display that reads them asynchronously (DMA), set strip->pixels to another buffer here for the next
-   rows. Returns 0, or an FXS_ERR_* that ends the frame and that fxs_render returns. */
+/* A callback of fxs_strip_draw. It gets the finished rows `first` to first + rows - 1 of the picture, in strip->pixels.
+   They stay unchanged until the function returns. For a display that reads them asynchronously (DMA), set strip->pixels
+   to another buffer here for the next rows. Returns 0, or an FXS_ERR_* that ends the frame and that fxs_render
+   returns. */
 struct fxs_strip;
 typedef int fxs_rows_done_fn(void *argument, struct fxs_strip *strip, int32_t first, int32_t rows);
 
 typedef struct fxs_strip {
-    void *pixels;                  /* `rows` rows of the picture's width */
-    ptrdiff_t stride;              /* bytes from row to row, at least a row's size */
-    int32_t rows;                  /* a multiple of 16, at least 16; the last strip of a picture may have fewer */
+    void *pixels;                  /* buffer for one strip: `rows` rows of the picture's width */
+    ptrdiff_t stride;              /* bytes from one row of the buffer to the next, at least the size of a row */
+    int32_t rows;                  /* height of a strip: a multiple of 16, at least 16; the last strip of a picture may
+                                      be lower */
     enum fxs_format format;
     fxs_rows_done_fn *rows_done;   /* not null */
-    void *argument;                /* first argument of rows_done */
-    int16_t tile[4 * 256];         /* internal: the tile being blended */
+    void *argument;                /* first argument of the callback rows_done */
+    int16_t tile[4 * 256];         /* for the library only: the tile of 16x16 pixels that is being blended */
 } fxs_strip;
 
-/* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. Returns FXS_ERR_TARGET if the strip's fields are
-   invalid. The request's targets are not written. */
+/* Draws a frame in strips. It is an fxs_draw_fn for fxs_config.draw, and its `argument` is an fxs_strip. Returns
+   FXS_ERR_TARGET if a field of the strip is invalid. The request's own targets (output pictures) are not written. */
 struct fxs_tile_run;
 FXS_EXPERIMENTAL int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
 

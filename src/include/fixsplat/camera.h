@@ -1,10 +1,10 @@
-/* Cameras: made in doubles, read from camera files, and rounded to the renderer's integers. */
+/* Cameras: made in double precision, read from camera files, and rounded to the renderer's integers. */
 #ifndef FXS_CAMERA_H
 #define FXS_CAMERA_H
 
 #include "fixsplat.h"
 
-/* windows.h defines this word as nothing; below it is a member. */
+/* windows.h defines the word `near` as nothing; here it is the name of a struct member. */
 #ifdef near
 #undef near
 #undef NEAR
@@ -21,17 +21,19 @@ extern "C" {
    instant-ngp and Blender, .xml of Agisoft Metashape, .csv of RealityCapture and RealityScan, .out of Bundler. Writes
    cameras.json. */
 
-/* One camera in doubles. Its axes: x right, y down, z forward; pixel centres at +0.5. */
+/* One camera in double precision. Its axes are x right, y down, z forward. Pixel centres lie at +0.5. */
 typedef struct fxs_view {
-    char name[128];          /* image name, cut to fit */
-    int width, height;       /* pixels, 1 to FXS_MAX_SIZE */
-    double fx, fy, cx, cy;   /* pixels; in an orthographic camera, fx and fy are pixels per scene unit */
-    double rotation[9];      /* world to camera; its rows are the camera's x, y and z axes in the scene */
-    double position[3];      /* the camera's centre, scene units */
+    char name[128];          /* name of the camera's image in the file, cut to fit */
+    int width, height;       /* size of the picture in pixels, 1 to FXS_MAX_SIZE */
+    double fx, fy, cx, cy;   /* focal lengths and principal point, pixels; in an orthographic camera, fx and fy are
+                                pixels per scene unit */
+    double rotation[9];      /* rotation matrix from world to camera; its rows are the camera's x, y and z axes in the
+                                scene */
+    double position[3];      /* centre of the camera, scene units */
     double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
-    enum fxs_projection projection;   /* orthographic if a cameras.json says "orthographic": true */
-    int bends;               /* 1: the file states lens distortion (radial, tangential, fisheye), which the other fields
-                                ignore: they describe a pinhole camera */
+    enum fxs_projection projection;   /* perspective, or orthographic if a cameras.json says "orthographic": true */
+    int bends;               /* 1: the camera file states lens distortion (radial, tangential, fisheye). The other
+                                fields describe a pinhole camera without it */
 } fxs_view;
 
 /* Reads every camera of a file. A file named images or cameras with the ending .bin or .txt is a COLMAP model. For
@@ -54,60 +56,61 @@ typedef struct fxs_view {
    .xml without expat; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 FXS_API long fxs_camera_file_read(const char *path, fxs_view **views, fxs_message *message);
 
-/* Writes views as a cameras.json, as system.h says, with the extensions cx, cy and "orthographic", which Inria's code
-   does not know. `count` 0 writes an empty array, which fxs_camera_file_read refuses. Returns 0, or FXS_ERR_FILE or
-   FXS_ERR_MEMORY and a message. */
+/* Writes views (cameras in doubles) as a cameras.json, in the way that system.h describes. The file has the extensions
+   cx, cy and "orthographic", which Inria's code does not know. `count` 0 writes an empty array, which
+   fxs_camera_file_read refuses. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
 FXS_API int fxs_camera_file_write(const char *path, const fxs_view *views, size_t count, fxs_message *message);
 
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
-/* Makes cameras in doubles, changes them, and rounds them to the renderer's integers.
+/* Functions on cameras in double precision: they make them, change them, and round them to the renderer's integers. The
+   functions keep no state, so several threads may call them at the same time. */
 
-   The functions keep no state, so several threads may call them at the same time. */
-
-/* The picture that a camera is made for. */
+/* Size and field of view of the picture that a camera is made for. */
 typedef struct fxs_picture {
     double fov;              /* vertical field of view, degrees, 1 to 170 */
-    int width, height;       /* pixels, 1 to FXS_MAX_SIZE */
+    int width, height;       /* size of the picture in pixels, 1 to FXS_MAX_SIZE */
 } fxs_picture;
 
 /* Makes a camera at `eye` that looks towards `target`, both in scene units. `up` is any vector that points up in the
-   picture. The near plane is the renderer's default. Returns 0, or FXS_ERR_ARGUMENT and a message if no such camera
-   exists. */
+   picture. The near plane is the renderer's default, 0.2. Returns 0, or FXS_ERR_ARGUMENT and a message if no such
+   camera exists. */
 FXS_API int fxs_view_look_at(fxs_view *view, const double eye[3], const double target[3], const double up[3],
                              const fxs_picture *picture, fxs_message *message);
 
-/* Makes a camera that shows the whole box low..high (such as the inner bounds of fxs_pack_report) as large as possible,
-   from the front and slightly above. The near plane is a hundredth of half the box's diagonal, at most 0.2 units.
-   Errors: as fxs_view_look_at, and FXS_ERR_ARGUMENT for a box that is not finite. */
+/* Makes a camera that shows the whole box from corner `low` to corner `high` as large as possible, from the front and
+   slightly above. The inner bounds of fxs_pack_report are such a box. The near plane is a hundredth of half the box's
+   diagonal, at most 0.2 units. Errors: as fxs_view_look_at, and FXS_ERR_ARGUMENT for a box that is not finite. */
 FXS_API int fxs_view_frame_box(fxs_view *view, const double low[3], const double high[3], const double up[3],
                                const fxs_picture *picture, fxs_message *message);
 
-/* Stores a start view in the header of a packed scene at `data`: position, rotation and vertical field of view. Call
-   fxs_file_write or fxs_file_seal afterwards. Returns 0, or FXS_ERR_CAMERA and a message for a view that is
-   orthographic, out of the renderer's range, or wider than 170 degrees. */
+/* Stores a start view (the first camera for viewers) in the header of a packed scene at `data`: position, rotation and
+   vertical field of view. Call fxs_file_write or fxs_file_seal afterwards. Returns 0, or FXS_ERR_CAMERA and a message
+   for a view that is orthographic, out of the renderer's range, or wider than 170 degrees. */
 FXS_API int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message);
 
-/* Makes a camera of `width` x `height` pixels from the start view of an open packed scene at `data`. The near plane is
-   the renderer's default. Returns 1, or 0 if the scene has no start view or the size is out of range. */
+/* Makes a camera of `width` x `height` pixels from the start view that is stored in an open packed scene at `data`. The
+   near plane is the renderer's default, 0.2. Returns 1, or 0 if the scene has no start view or the size is out of
+   range. */
 FXS_API int fxs_view_of_start(fxs_view *view, const void *data, int width, int height);
 
-/* Changes the size of the picture: multiplies fx, fy and the distance of the principal point from the picture's centre
-   by new width / old width. */
+/* Changes a camera's picture size. It multiplies fx, fy and the distance of the principal point from the picture's
+   centre by new width / old width. */
 FXS_API void fxs_view_resize(fxs_view *view, int width, int height);
 
-/* Sets the field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left < right
-   and down < up; left and down are negative if the picture contains the axis. Pixels may become non-square. Returns 0,
-   or FXS_ERR_ARGUMENT and a message if the tangents are out of order or beyond +-64. */
+/* Sets a camera's field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left
+   < right and down < up. Left and down are negative if the picture contains the camera's axis. Pixels may become
+   non-square. Returns 0, or FXS_ERR_ARGUMENT and a message if the tangents are out of order or beyond +-64. */
 FXS_API int fxs_view_set_tangents(fxs_view *view, const double tangents[4], fxs_message *message);
 
-/* Interpolates the camera at `at` = 0 to count - 1 on a smooth path through `count` keys, 1 or more; key i lies at `at`
-   = i. Positions, rotations (as quaternions, the shorter way round), the logarithms of focal lengths and near planes,
-   and principal points follow Catmull-Rom splines. Size, name and projection come from the last key before `at`. */
+/* Interpolates a camera on a smooth path through `count` key cameras, 1 or more. The number `at` is the place on the
+   path, 0 to count - 1; key i lies at `at` = i. Positions, rotations (as quaternions, the shorter way round), the
+   logarithms of focal lengths and near planes, and principal points follow Catmull-Rom splines. Size, name and
+   projection come from the last key before `at`. */
 FXS_API void fxs_view_between(const fxs_view *keys, long count, double at, fxs_view *view);
 
-/* Rounds a camera to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message if a number is out of the
-   renderer's range. */
+/* Rounds a camera in double precision to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message if a
+   number is out of the renderer's range. */
 FXS_API int fxs_camera_from_view(fxs_camera *camera, const fxs_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the two matrices of an OpenGL program, each 16 numbers by columns

@@ -33,155 +33,170 @@ extern "C" {
 
 typedef struct fxs_fit fxs_fit;
 
-/* A photograph and its camera: perspective, of the photograph's size, and accepted by fxs_camera_from_view. */
+/* A photograph for a fit, with its camera. The camera is perspective, has the photograph's size, and is accepted by
+   fxs_camera_from_view. */
 typedef struct fxs_fit_photo {
     fxs_view view;
-    const uint8_t *pixels;         /* red, green, blue; rows from the top without padding; valid until the fit is
-                                      freed */
-    double exposure;               /* relative exposure, time * ISO / f^2, in any unit that all photographs share; 0:
-                                      unknown. Start value of the exposure fit */
-    const uint8_t *mask;           /* one byte per pixel, same layout; 0: the pixel is ignored, and the fit does not
-                                      depend on its colour. Null: no mask */
+    const uint8_t *pixels;         /* pixels of the photograph: red, green, blue; rows from the top without padding. The
+                                      caller keeps them until the fit is freed */
+    double exposure;               /* relative exposure of the photograph: time * ISO / f^2, in any unit that all
+                                      photographs share; 0: unknown. It gives the start value of the exposure fit */
+    const uint8_t *mask;           /* mask: one byte per pixel, rows as in the photograph. 0: the pixel is ignored, and
+                                      the fit does not depend on its colour. Null: no mask */
 } fxs_fit_photo;
 
-/* A point at which the fit starts with a Gaussian. */
+/* A point of the scene; the fit starts with a Gaussian at each point. */
 typedef struct fxs_fit_point {
     float position[3];             /* scene units */
-    uint8_t colour[3];             /* red, green, blue */
+    uint8_t colour[3];             /* colour of the point: red, green, blue */
 } fxs_fit_point;
 
 enum fxs_fit_recipe {
-    FXS_FIT_REFERENCE = 0,         /* the method of Kerbl et al. 2023 as in their code of 2025, but with splits along
-                                      the longest axis */
-    FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024: relocation, growth to max_gaussians; small photographs
-                                      first, then large ones */
-    FXS_FIT_FAST = 2               /* FXS_FIT_MCMC with fewer steps and Gaussians */
+    FXS_FIT_REFERENCE = 0,         /* fits by the method of Kerbl et al. 2023 as in their code of 2025, but splits
+                                      Gaussians along the longest axis */
+    FXS_FIT_MCMC = 1,              /* fits by the method of Kheradmand et al. 2024: dead Gaussians are relocated, and
+                                      their number grows to max_gaussians. Small versions of the photographs come first,
+                                      then large ones */
+    FXS_FIT_FAST = 2               /* fits like FXS_FIT_MCMC, with fewer steps and Gaussians by default */
 };
 
-#define FXS_FIT_SKY 20000          /* number of sky directions that suits most sets; the maximum is FXS_FIT_SKY_MOST */
+#define FXS_FIT_SKY 20000          /* a number of sky directions that suits most sets of photographs; the maximum is
+                                      FXS_FIT_SKY_MOST */
 #define FXS_FIT_SKY_MOST 1000000
 
-/* Correction of exposure differences between photographs. */
+/* How a fit corrects exposure differences between photographs. */
 enum fxs_fit_exposure {
-    FXS_FIT_EXPOSURE_NONE = 0,     /* none: all photographs have the same exposure */
-    FXS_FIT_EXPOSURE_GAIN = 1,     /* a gain and a colour balance per photograph: log2 of three factors that multiply
-                                      the picture before it is compared with the photograph. The mean of each over the
-                                      photographs is 0; the scene contains no correction. Start value 0; if the exposure
-                                      of every photograph is known, log2(exposure) / 2.2 minus its mean over all
-                                      photographs, as pixel values grow about as light^(1 / 2.2). White in a photograph
-                                      counts as clipped: the picture may be brighter */
-    FXS_FIT_EXPOSURE_AFFINE = 2    /* an affine map of colours per photograph instead: 3x3 factors and three constants,
-                                      as in the 2024 code of Kerbl et al. The mean of these maps over the photographs is
-                                      the identity map */
+    FXS_FIT_EXPOSURE_NONE = 0,     /* no correction: all photographs have the same exposure */
+    FXS_FIT_EXPOSURE_GAIN = 1,     /* corrects gain and colour balance for each photograph: fits log2 of three factors
+                                      (red, green, blue) that multiply the picture before it is compared with the
+                                      photograph. The mean of each over the photographs is 0; the scene contains no
+                                      correction. The start value is 0. If the exposure of every photograph is known, it
+                                      is log2(exposure) / 2.2 minus the mean of this over all photographs, as pixel
+                                      values grow about as light^(1 / 2.2). White in a photograph counts as clipped: the
+                                      picture may be brighter */
+    FXS_FIT_EXPOSURE_AFFINE = 2    /* corrects each photograph by an affine map of colours: 3x3 factors and three
+                                      constants, as in the 2024 code of Kerbl et al. The mean of these maps over the
+                                      photographs is the identity map */
 };
 
 typedef struct fxs_fit_options {
     uint32_t size;
     enum fxs_fit_recipe recipe;    /* initially fast */
-    uint32_t steps;                /* 1 or more; initially 8,000. mcmc and fast adapt their schedule to the number;
-                                      reference with fewer than 30,000 steps is the beginning of a fit with 30,000 */
-    int sh_degree;                 /* 0 to 3; initially 3 */
-    size_t max_gaussians;          /* initially 250,000; near the limit, the densification of reference takes the
-                                      largest gradients first */
+    uint32_t steps;                /* number of steps of the fit, 1 or more; initially 8,000. The recipes mcmc and fast
+                                      adapt their schedule to it. The recipe reference with fewer than 30,000 steps is
+                                      the beginning of a fit with 30,000 */
+    int sh_degree;                 /* SH degree of the fitted scene, 0 to 3; initially 3 */
+    size_t max_gaussians;          /* largest number of Gaussians; initially 250,000. Near this limit, the recipe
+                                      reference splits or copies the Gaussians with the largest gradients first */
     uint64_t seed;
-    uint32_t batch;                /* photographs per step, whose gradients are added up: 1 to 8; 0: one per device, or
-                                      one on the processor */
+    uint32_t batch;                /* number of photographs per step, 1 to 8; their gradients are added up. 0: one per
+                                      device, or one on the processor */
     uint8_t background[3];
     enum fxs_cutoff cutoff;
-    enum fxs_profile profile;      /* for fxs_fit_pack; the last tenth of the steps fits the codes of this profile */
-    unsigned cpu;                  /* allowed instruction sets, bits of enum fxs_cpu; initially all */
+    enum fxs_profile profile;      /* profile (packed format) of fxs_fit_pack; the last tenth of the steps fits the
+                                      codes of this profile */
+    unsigned cpu;                  /* instruction sets that the fit may use, as bits of enum fxs_cpu; initially all */
     fxs_workers workers;
-    fxs_clock_fn *clock;           /* null: no times are reported */
+    fxs_clock_fn *clock;           /* clock for the times in reports; null: no times are reported */
     float extent;                  /* size of the scene, which scales learning rates; 0: computed from the
                                       photographs */
-    uint32_t block, blocks;        /* for a block of a larger fit: the block's number and the number of blocks, up to
-                                      65535; a saved fit can only be resumed with the same two numbers. 0, 0: not a
-                                      block */
-    uint64_t coarse;               /* for a block: fxs_fit_coarse_number of the coarse fit that the block continues; a
-                                      saved fit can only be resumed with the same number. 0: none */
-    uint32_t device_count;         /* NVIDIA GPUs that share the photographs of a batch evenly; 0: the processor makes
-                                      the steps. The scene does not depend on it */
-    int devices[8];                /* numbers of these GPUs */
-    uint64_t max_memory;           /* most bytes to use on each device; 0: no limit */
-    enum fxs_fit_exposure exposure;    /* for a whole fit; a block uses the exposures of its coarse fit */
+    uint32_t block, blocks;        /* number of this block and number of blocks, up to 65535, if the fit is a block
+                                      (spatial part) of a larger fit. A saved fit can only be resumed with the same two
+                                      numbers. 0, 0: not a block */
+    uint64_t coarse;               /* for a block (spatial part) of a larger fit: fxs_fit_coarse_number of the coarse
+                                      fit that the block continues. A saved fit can only be resumed with the same
+                                      number. 0: none */
+    uint32_t device_count;         /* number of NVIDIA GPUs that share the photographs of a step evenly; 0: the
+                                      processor makes the steps. The fitted scene does not depend on this number */
+    int devices[8];                /* numbers of the NVIDIA GPUs to use */
+    uint64_t max_memory;           /* limit of memory on each GPU, bytes; 0: no limit */
+    enum fxs_fit_exposure exposure;    /* how exposure differences are corrected, for a whole fit; a block uses the
+                                          exposures of its coarse fit */
     int refine_poses;              /* 1: refines the photographs' camera poses together with the scene, from step 501
                                       on; fxs_fit_pose_photos returns the refined poses. For a whole fit; a block uses
                                       the poses of its coarse fit */
-    int antialiased;               /* 1: prefilter for views at other distances or sizes than the photographs
-                                      (Mip-Splatting, Yu et al. 2024): opacities compensate for the dilation, a blur
-                                      that the renderer adds to each Gaussian (the scene records this), and no sigma is
-                                      below 0.447 pixels in the photograph that shows the Gaussian largest. A block uses
-                                      its coarse fit's setting */
-    uint32_t sky;                  /* number of directions, at most FXS_FIT_SKY_MOST, spread evenly around the cameras
-                                      (spherical Fibonacci lattice). For each direction that photographs show and that
-                                      has no points, the fit starts with a distant Gaussian in the photographs' colour.
-                                      Beyond the extent, sizes are measured as angles from the cameras. For a whole fit;
-                                      must be 0 for a block, which gets the sky of its coarse fit. 0: no sky */
+    int antialiased;               /* 1: fits for views at other distances or sizes than the photographs (Mip-Splatting,
+                                      Yu et al. 2024). Opacities then compensate for the dilation, a blur that the
+                                      renderer adds to each Gaussian, and the scene records this. No sigma is below
+                                      0.447 pixels in the photograph that shows the Gaussian largest. A block uses its
+                                      coarse fit's setting */
+    uint32_t sky;                  /* number of sky directions, at most FXS_FIT_SKY_MOST, spread evenly around the
+                                      cameras (spherical Fibonacci lattice). For each direction that photographs show
+                                      and that has no points, the fit starts with a distant Gaussian in the photographs'
+                                      colour. Beyond the extent, sizes are measured as angles from the cameras. For a
+                                      whole fit; must be 0 for a block, which gets the sky of its coarse fit. 0: no
+                                      sky */
 } fxs_fit_options;
 
-/* Sets the initial values that the comments above name, and 0 (one thread) for the others. */
+/* Sets the options to their initial values: those that the comments of fxs_fit_options name, and 0 in the other fields
+   (one thread). */
 FXS_API void fxs_fit_options_init(fxs_fit_options *options, uint32_t size);
 #define fxs_fit_options_init(options) fxs_fit_options_init(options, (uint32_t)sizeof *(options))
 
-/* The default number of steps of a recipe (30,000; fast 8,000), and its default max_gaussians (2^22; mcmc 1,000,000;
-   fast 250,000). */
+/* Return the defaults of a recipe (method of fitting). Number of steps: 30,000; fast 8,000. Largest number of
+   Gaussians: reference 2^22, mcmc 1,000,000, fast 250,000. */
 FXS_API uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
 FXS_API size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
 
 typedef struct fxs_fit_report {
-    double absolute, dissimilar;   /* means of |picture - photograph| and of 1 - SSIM over pixels and channels; ignored
-                                      pixels count as 0 */
-    uint64_t entries;              /* splats in the lists of all tiles */
-    uint32_t visible;              /* Gaussians that the picture shows: those with a splat */
-    size_t gaussians;              /* Gaussians after the step */
-    uint64_t nanoseconds[6];       /* project, bin, blend, loss, backward pass, update; 0 without a clock */
+    double absolute, dissimilar;   /* loss of the step: means of |picture - photograph| and of 1 - SSIM over pixels and
+                                      channels; ignored pixels count as 0 */
+    uint64_t entries;              /* number of splats (projected Gaussians) in the lists of all tiles */
+    uint32_t visible;              /* number of Gaussians that the picture shows: those with a splat on a tile */
+    size_t gaussians;              /* number of Gaussians after the step */
+    uint64_t nanoseconds[6];       /* times of the parts of a step in nanoseconds: project, bin, blend, loss, backward
+                                      pass, update; 0 without a clock */
 } fxs_fit_report;
 
-/* Creates a fit. It copies its arguments, except the photographs' pixels and masks. If the set has more than
-   max_gaussians points, the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_destroy frees *fit,
-   which is null after an error: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a
-   camera), FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no CUDA. */
+/* Creates a fit. It copies its arguments, except the photographs' pixels and masks. Of more than max_gaussians points,
+   the fit uses max_gaussians of them, evenly spaced in their order. fxs_fit_destroy frees *fit, which is null after an
+   error. Errors: FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a camera),
+   FXS_ERR_MEMORY; with devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED if the library has no CUDA. */
 FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                            size_t point_count, const fxs_fit_options *options, fxs_message *message);
-FXS_API void fxs_fit_destroy(fxs_fit *fit);      /* null is allowed */
+FXS_API void fxs_fit_destroy(fxs_fit *fit);      /* frees a fit; `fit` may be null */
 
-/* Makes one step. `report` may be null; then a device may still be working on the step when the function returns,
-   and a later call may return the step's error. After an error, FXS_ERR_MEMORY or FXS_ERR_DEVICE, the fit can only
-   be freed. */
+/* Makes one step of a fit. `report` may be null; then a device may still be working on the step when the function
+   returns, and a later call may return the step's error. After an error, FXS_ERR_MEMORY or FXS_ERR_DEVICE, the fit can
+   only be freed. */
 FXS_API int fxs_fit_step(fxs_fit *fit, fxs_fit_report *report, fxs_message *message);
 
-/* The number of steps made so far. */
+/* Returns the number of steps that a fit has made so far. */
 FXS_API uint32_t fxs_fit_steps(const fxs_fit *fit);
 
-/* The options in use; after fxs_fit_resume, most come from the file. */
+/* Returns the options that a fit uses. After fxs_fit_resume, most of them come from the saved file. */
 FXS_API const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
 
-/* Replaces the views of `photos` by the refined poses. `photos` are the photographs that the fit was created with, with
-   their original views. Does nothing without refine_poses. Errors as fxs_fit_gaussians. */
+/* Replaces the views (cameras) of `photos` by the poses that the fit has refined. `photos` are the photographs that the
+   fit was created with, with their original views. Does nothing without the option refine_poses. Errors: as
+   fxs_fit_gaussians. */
 FXS_API int fxs_fit_pose_photos(fxs_fit *fit, fxs_fit_photo *photos, fxs_message *message);
 
-/* Gives the current Gaussians, for fxs_scene_file_open_gaussians; valid until the next step. This function and the next
-   two may also return FXS_ERR_DEVICE or FXS_ERR_MEMORY, like fxs_fit_step. */
+/* Gives the current Gaussians of a fit as a source for fxs_scene_file_open_gaussians; the source is valid until the
+   next step. This function, fxs_fit_pack and fxs_fit_crop_to_subject may also return FXS_ERR_DEVICE or FXS_ERR_MEMORY,
+   like fxs_fit_step. */
 FXS_API int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_message *message);
 
-/* Packs the current Gaussians with the profile of the options, for rendering or for an .fxs file. Errors and ownership
-   as fxs_pack. `report` may be null. */
+/* Packs the current Gaussians of a fit, with the profile in its options, for rendering or for an .fxs file. Errors and
+   ownership are as in fxs_pack. `report` may be null. */
 FXS_API int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
 
-/* The subject of a fit: a sphere to crop to. */
+/* The subject of a fit, as a sphere: fxs_fit_crop_to_subject drops the Gaussians outside. */
 typedef struct fxs_fit_subject {
     double middle[3], radius;      /* scene units */
-    size_t dropped;                /* Gaussians dropped by the crop */
+    size_t dropped;                /* number of Gaussians that the crop dropped */
 } fxs_fit_subject;
 
-/* Crops a finished fit to its subject: drops Gaussians whose distance from the middle plus largest sigma exceeds the
-   radius. Returns 0, or an error and a message: as fxs_fit_find_subject; FXS_ERR_ARGUMENT if no Gaussian would be left,
-   with the fit unchanged; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
+/* Crops a finished fit to its subject (a sphere that the cameras look at): drops Gaussians whose distance from the
+   sphere's middle plus largest sigma exceeds its radius. Returns 0, or an error and a message: as fxs_fit_find_subject;
+   FXS_ERR_ARGUMENT if no Gaussian would be left, with the fit unchanged; FXS_ERR_MEMORY or FXS_ERR_DEVICE like
+   fxs_fit_step. */
 FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
-/* Stores a start view in a packed scene at `data`, for fxs_file_write: the view of the most level photograph (the
-   first, if several are equal), rolled upright, where up is fxs_views_up of all photographs. If their up directions
-   cancel, the view of the first photograph. Errors as fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
+/* Stores a start view (the first camera for viewers) in a packed scene at `data`, for fxs_file_write. It is the view of
+   the most level photograph (the first, if several are equal), rolled upright, where up is fxs_views_up of all
+   photographs. If their up directions cancel each other, it is the view of the first photograph. Errors: as
+   fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
 FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message);
 
 /* Saves the whole state of the fit to a file, with the same bytes on every machine. An existing file of that name is
@@ -243,42 +258,49 @@ FXS_API int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo 
    states no size (Blender's synthetic scenes), else in a cube around the cameras, three times as wide as the cameras'
    bounding box (Kerbl et al. 2023), or 3 units wide if all cameras are in one place. */
 
-/* Reports why photographs were left out: one line with their names and the fault, valid during the call. */
+/* A callback that hears why photographs were left out. `why` is one line with their names and the fault, valid during
+   the call. */
 typedef void fxs_left_out_fn(void *argument, const char *why);
 
-/* All fields 0: no photograph is held out; photographs wider or higher than 1600 pixels are reduced to 1600. */
+/* How photographs are read. With all fields 0, no photograph is held out, and photographs wider or higher than 1600
+   pixels are reduced to 1600. */
 typedef struct fxs_photos_options {
     uint32_t size;
-    int resolution;                /* largest width or height, pixels; 0: 1600 */
-    uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. If the
-                                      files name test photographs, any n above 0 holds out the named ones instead */
-    uint8_t background[3];         /* behind photographs with alpha */
-    const char *masks;             /* folder of masks; null: found as described above; "": no masks */
-    int invert_masks;              /* 1: white means ignored */
+    int resolution;                /* largest width or height of a photograph in pixels; larger ones are reduced to it;
+                                      0: 1600 */
+    uint32_t hold_out;             /* 0: no photograph is held out (kept from the fit for comparison). n: every n-th by
+                                      name is held out, from the first on. If the files name test photographs, any n
+                                      above 0 holds out the named ones instead */
+    uint8_t background[3];         /* colour behind the transparent parts of photographs */
+    const char *masks;             /* folder of masks; null: the masks are found next to the photographs; "": no
+                                      masks */
+    int invert_masks;              /* 1: white pixels of a mask are ignored, instead of black ones */
     int ignore_transparent;        /* 1: pixels of photographs with an alpha below 128 are ignored, and the others
                                       become opaque */
     int held_out_alone;            /* 1: if photographs are held out, only the held-out ones are read, and no points:
                                       `fit` is empty */
-    int skip_bad;                  /* 1: photographs that cannot be read are left out and counted */
+    int skip_bad;                  /* 1: photographs that cannot be read are left out and counted, instead of an
+                                      error */
     fxs_left_out_fn *left_out;     /* called for each photograph left out, in the order of names, and before that for
-                                      each folder that has photographs without a camera; on the thread of `progress`;
-                                      may be null */
-    void *left_out_argument;       /* first argument of left_out */
-    uint64_t seed;                 /* for random points */
-    fxs_workers workers;           /* `count` is ignored */
-    fxs_progress progress;         /* called on the thread that called fxs_photos_read */
+                                      each folder that has photographs without a camera. It runs on the thread of
+                                      `progress`; may be null */
+    void *left_out_argument;       /* first argument of the callback left_out */
+    uint64_t seed;                 /* seed of the random points that a set without points gets */
+    fxs_workers workers;           /* threads that read photographs; the field `count` is ignored */
+    fxs_progress progress;         /* progress callback; it runs on the thread that called fxs_photos_read */
 } fxs_photos_options;
 FXS_INIT(fxs_photos_options)
 
 typedef struct fxs_photos {
-    fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one, except with
-                                      held_out_alone */
+    fxs_fit_photo *fit, *held_out; /* photographs to fit, and held-out ones, each sorted by the bytes of their names.
+                                      `fit` has at least one photograph, except with the option held_out_alone */
     size_t fit_count, held_out_count;
     fxs_fit_point *points;
     size_t point_count;
-    int points_are_random;         /* 1: the set had no points */
-    size_t skipped;                /* photographs left out by skip_bad */
-    size_t with_mask, without_mask;    /* photographs with and without a mask, in a set that has masks */
+    int points_are_random;         /* 1: the set of photographs had no points, so `points` are random */
+    size_t skipped;                /* number of photographs left out because of the option skip_bad */
+    size_t with_mask, without_mask;    /* numbers of photographs with a mask and without one, in a set that has masks;
+                                          else both 0 */
 } fxs_photos;
 
 /* Reads a set of photographs. During the call, each thread holds one photograph, and its mask, in the size of the file.
@@ -305,37 +327,39 @@ FXS_API void fxs_photos_free(fxs_photos *photos);
 
 /* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
-/* Refines the levels of detail of a packed scene: fits coarse Gaussians to pictures of the fine ones, and measures for
-   each node how much its children improve these pictures, occlusion included.
+/* Refines the levels of detail of a packed scene: fits coarse Gaussians to pictures of the fine ones. For each node of
+   the tree, it also measures how much the node's children improve these pictures, occlusion included. The result is a
+   function of the scene, the views and the number of steps, the same with any number of threads and on every processor.
+   docs/convert.md has measurements. */
 
-   The result is a function of the scene, the views and the number of steps, the same with any number of threads and on
-   every processor. docs/convert.md has measurements. */
-
-#define FXS_REFINE_STEPS 200u          /* usual steps per level */
-#define FXS_REFINE_STEPS_MOST 100000u  /* most steps per level */
+#define FXS_REFINE_STEPS 200u          /* usual number of refinement steps for each level of detail */
+#define FXS_REFINE_STEPS_MOST 100000u  /* largest number of refinement steps for each level of detail */
 #define FXS_REFINE_VIEWS 64u           /* most views */
-#define FXS_REFINE_MEASURED 16u        /* most views without steps */
+#define FXS_REFINE_MEASURED 16u        /* largest number of views for a refinement without steps, which only measures */
 
 typedef struct fxs_refine_options {
     uint32_t size;
-    const fxs_context *context;        /* renders; its workers also make the steps. Not null */
-    uint32_t steps;                    /* per level, at most FXS_REFINE_STEPS_MOST. 0: leaves the Gaussians unchanged
-                                          and only measures the gain of drawing each node's children */
+    const fxs_context *context;        /* context that renders the pictures; its workers also make the steps. Not
+                                          null */
+    uint32_t steps;                    /* number of steps for each level of detail, at most FXS_REFINE_STEPS_MOST. 0:
+                                          leaves the Gaussians unchanged and only measures the gain of drawing each
+                                          node's children */
     /* Cameras that show the scene as viewers will see it; null: none. Only perspective views are used, at most
-       FXS_REFINE_VIEWS (without steps FXS_REFINE_MEASURED), evenly spaced. */
+       FXS_REFINE_VIEWS (without steps FXS_REFINE_MEASURED), evenly spaced in the array. */
     const fxs_view *views;
     size_t view_count;
-    unsigned cpu;                      /* allowed instruction sets for the steps, bits of enum fxs_cpu */
+    unsigned cpu;                      /* instruction sets that the steps may use, as bits of enum fxs_cpu */
     fxs_progress progress;
 } fxs_refine_options;
 FXS_INIT(fxs_refine_options)
 
-/* Refines the packed scene of `bytes` bytes at `data` (aligned to 64), in place; call fxs_file_write or fxs_file_seal
-   afterwards. A scene without a tree is unchanged. Without perspective views, it uses views from around and inside the
-   box of the scene's visible part. Takes 1.3 KB for each Gaussian of the finest refined level, and up to 200 MB of
-   pictures, or 1.4 GB for a scene of more than a million Gaussians; without steps an eighth of that. Returns 0, or an
-   error and a message; levels may then be partly refined, and the scene can still be drawn. Errors: FXS_ERR_ARGUMENT,
-   FXS_ERR_STOPPED, FXS_ERR_MEMORY, and the errors of fxs_scene_open, also for nodes. */
+/* Refines the levels of detail of the packed scene of `bytes` bytes at `data` (aligned to 64), in place. Call
+   fxs_file_write or fxs_file_seal afterwards. A scene without a tree is unchanged. Without perspective views, the
+   function uses views from around and inside the box of the scene's visible part. It takes 1.3 KB for each Gaussian of
+   the finest refined level, and up to 200 MB of pictures, or 1.4 GB for a scene of more than a million Gaussians;
+   without steps an eighth of that. Returns 0, or an error and a message; levels may then be partly refined, and the
+   scene can still be drawn. Errors: FXS_ERR_ARGUMENT, FXS_ERR_STOPPED, FXS_ERR_MEMORY, and the errors of
+   fxs_scene_open, also for nodes. */
 FXS_API int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_message *message);
 
 #ifdef __cplusplus

@@ -43,7 +43,7 @@ extern "C" {
 #endif
 #endif
 
-/* Marks an experimental function: it may change or go with every version. */
+/* Marks an experimental function: any later version may change or remove it. */
 #define FXS_EXPERIMENTAL FXS_API
 
 /* Marks a public function that the next major version will remove: the compiler warns and names the replacement.
@@ -59,88 +59,99 @@ extern "C" {
 /* Zeroes a struct of `size` bytes and stores the size in its first field. */
 FXS_API void fxs_struct_init(void *options, uint32_t size);
 
-/* Declares the init function of a struct with the default 0 in each field: void TYPE_init(TYPE *options). */
+/* Declares the init function of an options struct with the default 0 in each field: void TYPE_init(TYPE *options). */
 #define FXS_INIT(type) \
     static inline void type##_init(type *options) { fxs_struct_init(options, (uint32_t)sizeof *options); }
 
-/* FXS_VERSION_NUMBER of the linked library. The library suits programs that were built with the same major version and
-   with the same or a lower minor version. */
+/* Returns FXS_VERSION_NUMBER of the linked library. The library suits programs that were built with the same major
+   version and with the same or a lower minor version. */
 FXS_API int fxs_version(void);
 
-#define FXS_NOTHING UINT32_MAX       /* no Gaussian, no depth, no place */
+#define FXS_NOTHING UINT32_MAX       /* special value for "no Gaussian", "no depth" and "not in memory" */
 #define FXS_MAX_SIZE 16384           /* largest width and height of a picture, pixels */
-#define FXS_MAX_COUNT (1u << 30)     /* Gaussians in a scene, and in all objects of a frame (in whole chunks of 256) */
+#define FXS_MAX_COUNT (1u << 30)     /* largest number of Gaussians in a scene, and in all objects of a frame (counted
+                                        in whole chunks of 256) */
 #define FXS_MAX_OBJECTS 65536u       /* per frame */
 #define FXS_MAX_CROPS 8u             /* per object */
 
 enum fxs_error {
-    FXS_ERR_ARGUMENT = -1,      /* a null pointer, or an option out of range */
-    FXS_ERR_SCENE = -2,         /* not a packed scene, or truncated, damaged or changed during rendering */
-    FXS_ERR_VERSION = -3,       /* a packed scene of another version */
-    FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units,
-                                   near plane out of range */
-    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window outside the whole picture; two
-                                   eyes with different sizes or projections */
+    FXS_ERR_ARGUMENT = -1,      /* an argument is a null pointer, or an option is out of range */
+    FXS_ERR_SCENE = -2,         /* the data are not a packed scene, or are truncated, damaged or changed during
+                                   rendering */
+    FXS_ERR_VERSION = -3,       /* the data are a packed scene of another version */
+    FXS_ERR_CAMERA = -4,        /* a field of the camera is out of range: focal length not above 0, rotation not
+                                   orthonormal, position beyond +-2^28 units, or near plane */
+    FXS_ERR_SIZE = -5,          /* the picture's width or height is outside 1..FXS_MAX_SIZE; a cropped camera's window
+                                   is outside the whole picture; or two eyes have different sizes or projections */
     FXS_ERR_MEMORY = -6,        /* too little working memory, or working memory not aligned to 64; or too little device
                                    memory */
-    FXS_ERR_UNSUPPORTED = -7,   /* a feature that this build, machine or back end lacks */
-    FXS_ERR_DEVICE = -8,        /* a back end's device is missing, failed or was lost */
-    FXS_ERR_OBJECT = -9,        /* a field of an object is out of range, such as its rotation or scale; or too many
-                                   objects */
-    FXS_ERR_TARGET = -10,       /* a target is missing, misaligned, overlaps another, has rows longer than its stride,
-                                   or does not suit the format */
+    FXS_ERR_UNSUPPORTED = -7,   /* this build, machine or back end lacks a feature that the call needs */
+    FXS_ERR_DEVICE = -8,        /* the device of a back end is missing, failed or was lost */
+    FXS_ERR_OBJECT = -9,        /* a field of an object (a placed scene) is out of range, such as its rotation or scale;
+                                   or the frame has too many objects */
+    FXS_ERR_TARGET = -10,       /* a target (output picture) is missing, misaligned, overlaps another, has rows longer
+                                   than its stride, or does not suit the format */
     FXS_ERR_FILE = -11,         /* a file is missing, cannot be read or written, or has the wrong content */
-    FXS_ERR_STOPPED = -12,      /* a callback asked to stop: fxs_options.stop, or progress of a long call */
-    FXS_ERR_STRUCT = -13        /* the `size` of a struct is 0 or above 65535: its init function was not called */
+    FXS_ERR_STOPPED = -12,      /* a callback asked to stop: fxs_options.stop, or the progress callback of a long
+                                   call */
+    FXS_ERR_STRUCT = -13        /* the field `size` of an options struct is 0 or above 65535: the struct's init function
+                                   was not called */
 };
 
-/* Describes an error code: one line, a static string, never null. */
+/* Describes an error code in one line. The string is static and never null. */
 FXS_API const char *fxs_strerror(int error);
 
 /* Why a call failed, as text for users. Functions outside the core fill it in when they return an error. */
 typedef struct fxs_message {
     char text[512];                /* one line */
-    uint64_t bytes_needed;         /* for FXS_ERR_MEMORY: the memory that would be enough, if known; else 0 */
+    uint64_t bytes_needed;         /* for FXS_ERR_MEMORY: number of bytes that would be enough, if known; else 0 */
     uint64_t reserved[3];
 } fxs_message;
 
-/* Memory for reading and packing scenes. A null allocator stands for malloc and free. fxs_pack calls the functions from
-   any thread of the pool, one call at a time. */
+/* Callbacks that provide memory for reading and packing scenes. A null allocator stands for malloc and free. fxs_pack
+   calls the functions from any thread of the pool, one call at a time. */
 typedef struct fxs_allocator {
-    void *(*allocate)(void *argument, size_t bytes);   /* 1 byte or more, aligned as by malloc; null on failure */
-    void (*release)(void *argument, void *block);      /* frees a block that allocate returned, never null */
-    void *argument;                                    /* first argument of both */
+    void *(*allocate)(void *argument, size_t bytes);   /* returns a block of `bytes` bytes, 1 or more, aligned as by
+                                                          malloc; null on failure */
+    void (*release)(void *argument, void *block);      /* frees a block that `allocate` returned; the block is never
+                                                          null */
+    void *argument;                                    /* first argument of allocate and release */
 } fxs_allocator;
 
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
-/* A packed scene as the renderer sees it (layout: internal/packed.h). It points into the caller's bytes. */
+/* A packed scene (Gaussians as integer codes) as the renderer sees it. Its layout is in internal/packed.h. The struct
+   points into the caller's bytes. */
 
-enum fxs_profile {                 /* bytes per Gaussian of a large scene, SH degree 3: */
+enum fxs_profile {                 /* packed formats, and their bytes per Gaussian in a large scene of SH degree 3 */
     FXS_PROFILE_DEFAULT = 0,       /* 63.5 */
-    FXS_PROFILE_COMPACT = 1,       /* 39.6: SH by a palette, with a residual of 3 bits */
-    FXS_PROFILE_SMALL = 2          /* 19.6: SH by a palette, the rest in 6 to 11 bits */
+    FXS_PROFILE_COMPACT = 1,       /* 39.6 bytes: stores SH by a palette, with a residual of 3 bits */
+    FXS_PROFILE_SMALL = 2          /* 19.6 bytes: stores SH by a palette, and all other numbers in 6 to 11 bits */
 };
 
 typedef struct fxs_scene {
-    const unsigned char *chunks;      /* headers of the chunks; a chunk has 256 slots, and a few slots hold no
+    const unsigned char *chunks;      /* headers of the scene's chunks; a chunk has 256 slots, and a few slots hold no
                                          Gaussian */
-    const unsigned char *rows;        /* the chunks' rows, from the first chunk on; aligned to 64, like `chunks` */
-    const int8_t *palette;            /* null: no palette */
+    const unsigned char *rows;        /* rows (codes of the Gaussians) of all chunks, from the first chunk on; aligned
+                                         to 64, like `chunks` */
+    const int8_t *palette;            /* palette of SH coefficients; null: the scene has no palette */
     enum fxs_profile profile;
     uint32_t count;                   /* Gaussians */
     uint32_t chunk_count, chunk_bytes;
     uint32_t palette_entries, palette_step_q19;
-    int sh_degree;                    /* 0 to 3 */
+    int sh_degree;                    /* SH degree of the scene, 0 to 3 */
     int antialiased;                  /* 1: opacities compensate for the dilation, a blur that the renderer adds to each
                                          Gaussian */
-    const unsigned char *nodes;       /* chunk_count - 1 nodes of the tree over the chunks; null: no tree */
-    const unsigned char *node_chunks, *node_rows;   /* chunk headers and rows of the nodes; aligned to 64 */
+    const unsigned char *nodes;       /* the chunk_count - 1 nodes of the level-of-detail tree over the chunks; null: no
+                                         tree */
+    const unsigned char *node_chunks, *node_rows;   /* chunk headers and rows (codes) of the tree's coarse Gaussians;
+                                                       aligned to 64 */
 
-    /* For programs that keep only a part of the rows in memory; null after fxs_scene_open: all rows lie as in the file.
-       `places` has one number for each chunk of the leaves, then one for each chunk of the nodes. The rows of chunk i
-       start at `rows` + places[i] * chunk_bytes. FXS_NOTHING: the chunk is not in memory. In a scene with a tree its
-       nearest ancestor in memory is drawn instead; otherwise the chunk is skipped. */
+    /* Places of chunks, for programs that keep only a part of a scene's rows (Gaussian codes) in memory. Null after
+       fxs_scene_open: all rows lie as in the file. `places` has one number for each chunk of the leaves, then one for
+       each chunk of the nodes. The rows of chunk i start at `rows` + places[i] * chunk_bytes. FXS_NOTHING: the chunk is
+       not in memory. In a scene with a tree its nearest ancestor in memory is drawn instead; otherwise the chunk is
+       skipped. */
     const uint32_t *places;
 } fxs_scene;
 
@@ -154,31 +165,31 @@ FXS_API int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
 /* ---- Objects --------------------------------------------------------------------------------------------------- */
 
-/* A box in the object's own space, low <= x, y, z <= high, that is tested against the centres of Gaussians. A low above
+/* A crop box in an object's own space: it keeps or drops the Gaussians with centres low <= x, y, z <= high. A low above
    its high is FXS_ERR_OBJECT. */
 typedef struct fxs_crop {
-    int64_t low_q32[3], high_q32[3];   /* the object's units */
-    int outside;                   /* 0: keeps Gaussians inside; 1: drops Gaussians inside */
+    int64_t low_q32[3], high_q32[3];   /* corners of the crop box, in units of the object's scene */
+    int outside;                   /* 0: the box keeps only Gaussians inside; 1: the box drops Gaussians inside */
 } fxs_crop;
 
-/* A packed scene placed in the world: world = translation + scale * rotation * position. SH are rotated too. With
-   keeping crop boxes (outside = 0), only Gaussians in at least one of them are drawn. Gaussians in a dropping crop box
-   (outside = 1) are never drawn. */
+/* An object: a packed scene placed in the world, by world = translation + scale * rotation * position. SH are rotated
+   too. With keeping crop boxes (outside = 0), only Gaussians in at least one of them are drawn. Gaussians in a dropping
+   crop box (outside = 1) are never drawn. */
 typedef struct fxs_object {
     uint32_t size;
-    const fxs_scene *scene;        /* any number of objects may share it */
-    int32_t rotation_q30[9];       /* object to world, row by row */
-    int64_t translation_q32[3];    /* world units, within +-2^28 */
-    int64_t scale_q32;             /* 2^-16 to 2^16 */
-    uint32_t opacity_q16;          /* factor, 0 to 1 */
-    uint32_t tint_q13[3];          /* factors of red, green, blue, 0 to 4 */
-    int visible;                   /* 0: not drawn */
-    uint32_t id;                   /* chosen by the caller, for id targets and fxs_pick */
-    const fxs_crop *crops;         /* null: no crops */
-    uint32_t crop_count;           /* 0 to FXS_MAX_CROPS */
+    const fxs_scene *scene;        /* scene of the object; any number of objects may share it */
+    int32_t rotation_q30[9];       /* rotation matrix from object to world, row by row */
+    int64_t translation_q32[3];    /* position of the object's origin, world units, within +-2^28 */
+    int64_t scale_q32;             /* size of the object's unit in world units, 2^-16 to 2^16 */
+    uint32_t opacity_q16;          /* factor for all opacities of the object, 0 to 1 */
+    uint32_t tint_q13[3];          /* factors for red, green and blue of the object, 0 to 4 */
+    int visible;                   /* 0: the object is not drawn */
+    uint32_t id;                   /* number of the object, chosen by the caller, for id targets and fxs_pick */
+    const fxs_crop *crops;         /* crop boxes of the object; null: none */
+    uint32_t crop_count;           /* number of crop boxes, 0 to FXS_MAX_CROPS */
 } fxs_object;
 
-/* Identity placement: at the origin of the world, unscaled, visible, id 0, no crops. */
+/* Initialises an object: its scene lies at the origin of the world, unscaled, visible, with id 0 and without crops. */
 FXS_API void fxs_object_init(fxs_object *object, const fxs_scene *scene, uint32_t size);
 #define fxs_object_init(object, scene) fxs_object_init(object, scene, (uint32_t)sizeof *(object))
 
@@ -186,107 +197,115 @@ FXS_API void fxs_object_init(fxs_object *object, const fxs_scene *scene, uint32_
 
 enum fxs_projection {
     FXS_PERSPECTIVE = 0,
-    FXS_ORTHOGRAPHIC = 1           /* parallel rays along z; fx, fy are pixels per unit. As in perspective, positions
-                                      are exact to 2^-29 of the distance from the camera, so keep the camera close to
-                                      the scene */
+    FXS_ORTHOGRAPHIC = 1           /* orthographic: rays are parallel to z, and fx, fy are pixels per unit. As in
+                                      perspective, positions are exact to 2^-29 of the distance from the camera, so keep
+                                      the camera close to the scene */
 };
 
 typedef struct fxs_camera {
-    int32_t width, height;         /* pixels, 1 to FXS_MAX_SIZE */
-    int32_t fx_q12, fy_q12;        /* focal lengths, pixels; above 0 */
-    int32_t cx_q12, cy_q12;        /* principal point, pixels from the top left corner */
-    int32_t rotation_q30[9];       /* world to camera; rows: the camera's x, y and z axes in the world */
-    int64_t position_q32[3];       /* the camera's centre, world units, within +-2^28 */
-    int64_t near_q32;              /* depth of the near plane, world units, 2^-20 to 2^28; 0: 0.2 */
+    int32_t width, height;         /* size of the picture in pixels, 1 to FXS_MAX_SIZE */
+    int32_t fx_q12, fy_q12;        /* focal lengths in pixels, above 0 */
+    int32_t cx_q12, cy_q12;        /* principal point, in pixels from the picture's top left corner */
+    int32_t rotation_q30[9];       /* rotation matrix from world to camera; its rows are the camera's x, y and z axes in
+                                      the world */
+    int64_t position_q32[3];       /* centre of the camera, world units, within +-2^28 */
+    int64_t near_q32;              /* depth of the near plane, world units, 2^-20 to 2^28; 0: the default, 0.2 */
     enum fxs_projection projection;
 
-    /* For a cropped camera, whose picture is a window of a larger one: size of the larger picture (whole_width,
-       whole_height), and position of the window's first pixel in it. All 0: not cropped. The window has the same pixels
-       as that part of the larger picture, except that Gaussians larger than 65536 pixels, or with a centre more than
-       65536 pixels outside, may differ in the last bit. With FXS_CUTOFF_SQUARE, whose cut-off depends on tiles, the
-       pixels are the same only if whole_x and whole_y are multiples of 16. */
+    /* Cropping: the camera's picture may be a window of a larger picture. The fields are the size of the larger picture
+       (whole_width, whole_height), and position of the window's first pixel in it. All 0: not cropped. The window has
+       the same pixels as that part of the larger picture, except that Gaussians larger than 65536 pixels, or with a
+       centre more than 65536 pixels outside, may differ in the last bit. With FXS_CUTOFF_SQUARE, whose cut-off depends
+       on tiles, the pixels are the same only if whole_x and whole_y are multiples of 16. */
     int32_t whole_width, whole_height;
     int32_t whole_x, whole_y;
     int32_t reserved[8];           /* 0 */
 } fxs_camera;
 
-/* A camera at the origin that looks along z, with a horizontal field of view of 90 degrees. */
+/* Initialises a camera: at the origin, looking along z, with a horizontal field of view of 90 degrees. */
 FXS_API void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height);
 
 enum fxs_cutoff {
-    FXS_CUTOFF_MAHALANOBIS = 0,    /* a Gaussian covers pixels up to a Mahalanobis distance of 3 */
-    FXS_CUTOFF_SQUARE = 1          /* a Gaussian covers the tiles of 16x16 pixels that a square around its centre
-                                      touches, with sides of 6 sigma_max (Kerbl et al. 2023) */
+    FXS_CUTOFF_MAHALANOBIS = 0,    /* cut-off by distance: a Gaussian covers pixels up to a Mahalanobis distance of 3
+                                      from its centre */
+    FXS_CUTOFF_SQUARE = 1          /* cut-off by tiles: a Gaussian covers the tiles of 16x16 pixels that a square around
+                                      its centre touches, with sides of 6 sigma_max (Kerbl et al. 2023) */
 };
 
-/* Returns nonzero to end the frame early with FXS_ERR_STOPPED. The renderer calls it every 4096 Gaussians and every
-   macro tile of 32x32 pixels, from all rendering threads concurrently, so it must be quick and thread-safe. A GPU back
-   end calls it once, before each frame. */
+/* A callback that may end a frame early: it returns nonzero, and the frame ends with FXS_ERR_STOPPED. The renderer
+   calls it every 4096 Gaussians and every macro tile of 32x32 pixels, from all rendering threads concurrently, so it
+   must be quick and thread-safe. A GPU back end calls it once, before each frame. */
 typedef int fxs_stop_fn(void *argument);
 
 typedef struct fxs_stop {
-    fxs_stop_fn *call;             /* null: the frame is always finished */
-    void *argument;                /* first argument of `call` */
+    fxs_stop_fn *call;             /* the stop callback; null: every frame is finished */
+    void *argument;                /* first argument of the stop callback `call` */
 } fxs_stop;
 
-/* Called for each chunk that a frame wants to draw, if only a part of the scene's rows is in memory (fxs_scene.places).
-   `there`: 1 if the chunk's rows are in memory. The callback must not change `places`. */
+/* A callback for each chunk (256 Gaussians) that a frame wants to draw, if only a part of the scene's rows is in memory
+   (fxs_scene.places). `there`: 1 if the chunk's rows are in memory. The callback must not change `places`. */
 typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
 
 typedef struct fxs_want {
-    fxs_want_fn *call;             /* null: nothing is called */
-    void *argument;                /* first argument of `call` */
+    fxs_want_fn *call;             /* the callback for wanted chunks; null: none */
+    void *argument;                /* first argument of the callback `call` */
 } fxs_want;
 
 typedef struct fxs_options {
     uint32_t size;
     enum fxs_cutoff cutoff;
-    int sh_degree;                 /* highest degree evaluated, 0 to 3; limited by the scene's degree */
-    uint8_t background[3];         /* red, green, blue */
+    int sh_degree;                 /* highest SH degree to evaluate, 0 to 3; limited by the scene's degree */
+    uint8_t background[3];         /* background colour: red, green, blue */
     fxs_stop stop;
 
-    /* Level of detail, for scenes with a tree (internal/packed.h): a coarse chunk replaces all chunks below it. Budget
-       and detail_q8 both 0: the leaves are drawn, as in scenes without a tree. */
+    /* Level of detail, for scenes with a tree (internal/packed.h): a coarse chunk of Gaussians replaces all chunks
+       below it. With `budget` and `detail_q8` both 0, the finest Gaussians are drawn, as in scenes without a tree. */
     uint32_t budget;               /* most Gaussians to draw, counted in whole chunks of 256; 0: no limit. The root of
                                       each tree and objects without a tree are always drawn, even beyond the budget */
-    uint32_t detail_q8;            /* pixels: a node whose details are smaller than this is drawn instead of its
-                                      children; 0: no limit */
-    fxs_want want;                 /* for scenes with `places`: called for each chunk to be drawn, most important first,
-                                      before drawing starts, on the thread that called fxs_render */
+    uint32_t detail_q8;            /* smallest size of details, pixels: a tree node with smaller details is drawn
+                                      instead of its children; 0: no limit */
+    fxs_want want;                 /* callback for scenes that are partly in memory (`places`): called for each chunk to
+                                      be drawn, most important first, before drawing starts, on the thread that called
+                                      fxs_render */
     int show_levels;               /* debug view of the levels of detail: 1 gives each Gaussian the colour of its
                                       chunk's level, with the Gaussian's own brightness; leaves are white. Processor
                                       only; other back ends ignore it */
 } fxs_options;
 
-/* Mahalanobis cut-off, SH degree 3, black background, no stop callback, no budget. */
+/* Initialises rendering options: Mahalanobis cut-off, SH degree 3, black background, no stop callback, no budget. */
 FXS_API void fxs_options_init(fxs_options *options, uint32_t size);
 #define fxs_options_init(options) fxs_options_init(options, (uint32_t)sizeof *(options))
 
 /* ---- Targets --------------------------------------------------------------------------------------------------- */
 
 enum fxs_format {
-    FXS_FORMAT_RGBA8 = 0,          /* 4 bytes a pixel: r, g, b, 255 */
-    FXS_FORMAT_RGBA8_COVERAGE = 1, /* 4 bytes a pixel: r, g, b times coverage, then coverage; no background */
-    FXS_FORMAT_RGB565 = 2,         /* 2 bytes a pixel, low byte first: r in bits 15..11, g 10..5, b 4..0 */
-    FXS_FORMAT_RGBA16_COVERAGE = 3, /* 4 uint16_t a pixel: as RGBA8_COVERAGE, times 65535 */
-    FXS_FORMAT_BGRA8 = 4,          /* 4 bytes a pixel: b, g, r, 255. Processor only, else FXS_ERR_UNSUPPORTED */
-    FXS_FORMAT_RGB565_SWAPPED = 5  /* RGB565, high byte first. Processor only, else FXS_ERR_UNSUPPORTED */
+    FXS_FORMAT_RGBA8 = 0,          /* pixel of 4 bytes: red, green, blue, 255 */
+    FXS_FORMAT_RGBA8_COVERAGE = 1, /* pixel of 4 bytes: red, green, blue times coverage, then coverage; no background */
+    FXS_FORMAT_RGB565 = 2,         /* pixel of 2 bytes, low byte first: red in bits 15..11, green in 10..5, blue in
+                                      4..0 */
+    FXS_FORMAT_RGBA16_COVERAGE = 3, /* pixel of 4 uint16_t: as FXS_FORMAT_RGBA8_COVERAGE, with a largest value of
+                                       65535 */
+    FXS_FORMAT_BGRA8 = 4,          /* pixel of 4 bytes: blue, green, red, 255. Processor only, else
+                                      FXS_ERR_UNSUPPORTED */
+    FXS_FORMAT_RGB565_SWAPPED = 5  /* pixel of 2 bytes as FXS_FORMAT_RGB565, but high byte first. Processor only, else
+                                      FXS_ERR_UNSUPPORTED */
 };
 
-/* A picture in the caller's memory, of the camera's size. `pixels` is the top left pixel, `stride` the bytes from row
-   to row, at least a row's size (negative: bottom up). If the pixels are uint16_t, uint32_t or fxs_id, the address and
-   the stride are multiples of 2, 4 and 4 bytes. */
+/* A picture in the caller's memory, of the camera's size. `pixels` is the top left pixel. `stride` is the number of
+   bytes from row to row, at least a row's size (negative: bottom up). If the pixels are uint16_t, uint32_t or fxs_id,
+   the address and the stride are multiples of 2, 4 and 4 bytes. */
 typedef struct fxs_image {
-    void *pixels;                  /* null: not wanted */
+    void *pixels;                  /* address of the picture; null: the picture is not wanted */
     ptrdiff_t stride;
 } fxs_image;
 
 /* A pixel of an id target, 8 bytes. Both fields are FXS_NOTHING if no Gaussian contributes. */
 typedef struct fxs_id {
-    uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* slot in the packed scene; in a scene without empty slots (holes) the Gaussian's
-                                      number. An empty slot appears only if a damaged scene has codes there.
-                                      256 * chunk_count and above: a coarse Gaussian of the tree */
+    uint32_t object;               /* id of the object that the pixel shows */
+    uint32_t gaussian;             /* slot (place in the packed scene) of the Gaussian that the pixel shows; in a scene
+                                      without empty slots the Gaussian's number. An empty slot appears only if a damaged
+                                      scene has codes there. From 256 * chunk_count on: a coarse Gaussian of the
+                                      level-of-detail tree */
 } fxs_id;
 
 /* Outputs of a frame: colour and auxiliary outputs (coverage, depths, ids), any subset, in one pass. Unused outputs
@@ -303,70 +322,76 @@ typedef struct fxs_targets {
     uint32_t size;
     fxs_image colour;
     enum fxs_format format;        /* of colour */
-    fxs_image coverage;            /* uint8_t: 255 times the light that the Gaussians absorb */
+    fxs_image coverage;            /* output of coverage, uint8_t: 255 times the light that the Gaussians absorb */
     fxs_image mean_depth;          /* uint32_t */
     fxs_image median_depth;        /* uint32_t */
-    fxs_image id;                  /* fxs_id of the largest contribution; of equal ones, the nearest */
-    int depth_bits;                /* 1 to 28; 0: 16. For both depth targets and the occluder */
+    fxs_image id;                  /* output of ids, fxs_id: the Gaussian with the largest contribution to the pixel; of
+                                      equal ones, the nearest */
+    int depth_bits;                /* fraction bits of both depth targets and of the occluder, 1 to 28; 0: 16 */
 
-    /* Inputs: pictures that the caller has drawn. */
-    fxs_image occluder;            /* uint32_t: the depth of a surface at each pixel; a Gaussian behind the surface adds
-                                      nothing to the pixel */
-    fxs_image backdrop;            /* RGBA8, alpha ignored: replaces the background. Not allowed for formats with
-                                      coverage. May be the colour target if its format is RGBA8 */
+    /* Inputs of a frame: pictures that the caller has drawn. */
+    fxs_image occluder;            /* input of depths, uint32_t: the depth of a surface at each pixel; a Gaussian behind
+                                      the surface adds nothing to the pixel */
+    fxs_image backdrop;            /* input picture that replaces the background: RGBA8, alpha ignored. Not allowed for
+                                      formats with coverage. May be the colour target if its format is RGBA8 */
 } fxs_targets;
 
-/* No targets, format RGBA8. */
+/* Initialises the targets of a frame: no picture is wanted, and the colour format is RGBA8. */
 FXS_API void fxs_targets_init(fxs_targets *targets, uint32_t size);
 #define fxs_targets_init(targets) fxs_targets_init(targets, (uint32_t)sizeof *(targets))
 
 /* ---- Context --------------------------------------------------------------------------------------------------- */
 
-/* Runs job(argument, i) for every i in 0..jobs-1, in any order, on any threads. Returns when all jobs are done. */
+/* A function that runs job(argument, i) for every i in 0..jobs-1, in any order, on any threads. It returns when all
+   jobs are done. */
 typedef void fxs_run_fn(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
 
-/* Who runs the jobs. The result of the library's functions does not depend on it. */
+/* Who runs the library's parallel jobs. The result of its functions does not depend on it. */
 typedef struct fxs_workers {
-    fxs_run_fn *run;               /* null: the calling thread, one job after the other */
-    void *pool;                    /* first argument of `run` */
-    uint32_t count;                /* threads that `run` uses, 1 to 64; 0: 1 */
+    fxs_run_fn *run;               /* function that runs jobs; null: the calling thread runs one job after the other */
+    void *pool;                    /* first argument of the function `run` */
+    uint32_t count;                /* number of threads that `run` uses, 1 to 64; 0: 1 */
 } fxs_workers;
 
-/* A monotonic clock, in nanoseconds. */
+/* A clock function: returns nanoseconds of a clock that never goes back. */
 typedef uint64_t fxs_clock_fn(void *clock);
 
-/* Draws a run of tiles (internal/stage.h) instead of blend and resolve, on the thread that called fxs_render. Returns
-   0, or an FXS_ERR_* that ends the frame and that fxs_render returns. */
+/* A function that draws a run of tiles (internal/stage.h) in place of the stages blend and resolve, on the thread that
+   called fxs_render. Returns 0, or an FXS_ERR_* that ends the frame and that fxs_render returns. */
 struct fxs_tile_run;
 typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
 
 typedef struct fxs_config {
     uint32_t size;
     fxs_workers workers;
-    fxs_clock_fn *clock;           /* null: stage times are reported as 0 */
+    fxs_clock_fn *clock;           /* clock for stage times; null: stage times are reported as 0 */
     void *clock_argument;
-    fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
+    fxs_draw_fn *draw;             /* function that draws tiles, such as a back end's; null: the library's own stages
+                                      blend and resolve */
     void *draw_argument;
-    int draw_blended;              /* 1: draw expects all tiles row by row, and also accepts tiles that the kernels have
-                                      blended (fxs_tile_run.blended), which it only resolves */
-    int draw_unlisted;             /* 1: draw needs no tile lists; it is called once per band of a frame */
-    const struct fxs_kernels *kernels;   /* null: the plain C versions of the stages. internal/kernels.h makes a table
-                                            of the fastest versions for a processor. Must stay valid */
+    int draw_blended;              /* 1: the function `draw` expects all tiles row by row. It also accepts tiles that
+                                      the kernels have blended (fxs_tile_run.blended), which it only resolves (converts
+                                      to pixels) */
+    int draw_unlisted;             /* 1: the function `draw` needs no tile lists; it is called once per band (some rows
+                                      of tiles) of a frame */
+    const struct fxs_kernels *kernels;   /* versions of the rendering stages; null: plain C. internal/kernels.h makes a
+                                            table of the fastest versions for a processor. The table must stay valid */
 } fxs_config;
 FXS_INIT(fxs_config)
 
 enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE, FXS_STAGES };
 
-/* The name of a stage: "project", "shade", ... */
+/* Returns the name of a rendering stage: "project", "shade", ... */
 FXS_API const char *fxs_stage_name(enum fxs_stage stage);
 
-/* A configuration, ready for rendering. Its fields are the library's; the struct keeps its size within 1.x. */
+/* A context: a configuration that is ready for rendering. Its fields are the library's; the struct keeps its size
+   within 1.x. */
 typedef struct fxs_context {
     fxs_config config;
     void *reserved[8];
 } fxs_context;
 
-/* Fills *context. `config` may be null: one thread, no clock. Errors: FXS_ERR_ARGUMENT, FXS_ERR_STRUCT. */
+/* Fills in a context. `config` may be null: one thread, no clock. Errors: FXS_ERR_ARGUMENT, FXS_ERR_STRUCT. */
 FXS_API int fxs_context_init(fxs_context *context, const fxs_config *config);
 
 /* ---- Frame ----------------------------------------------------------------------------------------------------- */
@@ -378,42 +403,48 @@ typedef struct fxs_frame_memory {
     size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
     size_t keys;                   /* room to sort the lists, as large as `entries`; with draw_unlisted plus 8 KiB a
                                       thread */
-    size_t total;                  /* sum of the four */
-    size_t least;                  /* minimum; below it fxs_render returns FXS_ERR_MEMORY */
-    size_t rows;                   /* memory that this view's fullest tile row needs: with less, tile rows are drawn in
-                                      slices. 0 if all splats fitted */
+    size_t total;                  /* sum of the four fields above */
+    size_t least;                  /* smallest sufficient memory; with less, fxs_render returns FXS_ERR_MEMORY */
+    size_t rows;                   /* memory that the fullest tile row of this view needs. With less, tile rows are
+                                      drawn in slices (from near to far). 0 if all splats fitted at once */
 } fxs_frame_memory;
 
 typedef struct fxs_stats {
-    uint32_t gaussians;            /* in all objects */
-    uint32_t drawn;                /* slots of the projected chunks. With a budget at most the budget, except that a
-                                      chunk of each tree and all objects without a tree are always drawn */
-    uint32_t missing;              /* wanted chunks that were not in memory; 0: the picture is complete */
-    uint32_t visible;              /* left after culling */
-    uint64_t entries;              /* tile list entries */
-    uint32_t bands;                /* bands of tile rows; 1 if all splats fitted */
-    uint32_t slices;               /* slices of tile rows that did not fit; 0 if all did */
-    uint32_t runs;                 /* runs of tiles: one per band or slice if all its lists fitted */
-    fxs_frame_memory memory;       /* memory of the last band; `least` is exact for this view, or 0 if the whole frame
-                                      fitted */
-    uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage. Blend and resolve run together; their wall time is
-                                           divided in proportion to the threads' time in each */
+    uint32_t gaussians;            /* number of Gaussians in all objects */
+    uint32_t drawn;                /* number of Gaussians in the drawn chunks, in whole chunks of 256. With a budget at
+                                      most the budget, except that a chunk of each tree and all objects without a tree
+                                      are always drawn */
+    uint32_t missing;              /* number of wanted chunks that were not in memory; 0: the picture is complete */
+    uint32_t visible;              /* number of Gaussians left after culling */
+    uint64_t entries;              /* number of entries in the tiles' lists of Gaussians */
+    uint32_t bands;                /* number of bands (groups of tile rows drawn one after the other); 1 if all splats
+                                      fitted into the memory */
+    uint32_t slices;               /* number of slices (depth ranges of one tile row) that were drawn for rows that did
+                                      not fit into the memory; 0 if all did */
+    uint32_t runs;                 /* number of runs (groups of tiles drawn together): one per band or slice if all its
+                                      lists fitted */
+    fxs_frame_memory memory;       /* memory of the frame's last band of tile rows; `least` is exact for this view, or 0
+                                      if the whole frame fitted */
+    uint64_t nanoseconds[FXS_STAGES];   /* wall time of each rendering stage. Blend and resolve run together; their wall
+                                           time is divided in proportion to the threads' time in each */
     uint64_t frame_nanoseconds;
     uint64_t reserved[4];
 } fxs_stats;
 
-/* What to render: one frame, or a stereo pair. */
+/* A request: what to render, as one frame or as a stereo pair. */
 typedef struct fxs_request {
     uint32_t size;
-    uint32_t count;                /* 0 to FXS_MAX_OBJECTS */
-    const fxs_object *objects;     /* owned by the caller; all have the same `size` */
-    uint32_t eyes;                 /* 1, or 2: left and right */
-    fxs_camera cameras[2];         /* one per eye */
+    uint32_t count;                /* number of objects, 0 to FXS_MAX_OBJECTS */
+    const fxs_object *objects;     /* array of objects, owned by the caller; all have the same value in their field
+                                      `size` */
+    uint32_t eyes;                 /* number of eyes: 1, or 2 for left and right */
+    fxs_camera cameras[2];         /* cameras, one per eye */
     fxs_targets targets[2];
     fxs_options options;
 } fxs_request;
 
-/* Sets one eye, the values of fxs_options_init and fxs_targets_init, and cameras that are all 0. */
+/* Initialises a request for one eye, with the values of fxs_options_init and fxs_targets_init, and with cameras that
+   are all 0. */
 static inline void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count)
 {
     fxs_struct_init(request, (uint32_t)sizeof *request);
@@ -449,25 +480,26 @@ static inline void fxs_request_init(fxs_request *request, const fxs_object *obje
 FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                        fxs_stats *stats);
 
-/* Working memory of a request: as fxs_frame_bytes, with one eye or two. With a budget, the memory is in proportion to
-   the budget, not to the scenes. *memory may be null. */
+/* Returns the working memory of a request in bytes, as fxs_frame_bytes does, for one eye or two. With a budget, the
+   memory is in proportion to the budget, not to the scenes. *memory, the memory by use, may be null. */
 FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
 
-/* The Gaussian at a pixel. */
+/* The Gaussian at a pixel, as found by fxs_pick. */
 typedef struct fxs_pick_result {
-    uint32_t object;               /* index in `objects` */
-    uint32_t gaussian;             /* slot in the packed scene of the largest contribution, as in fxs_id */
-    uint32_t id;                   /* the object's id */
+    uint32_t object;               /* index of the Gaussian's object in the request's `objects` */
+    uint32_t gaussian;             /* slot (place in the packed scene) of the Gaussian with the largest contribution, as
+                                      in fxs_id */
+    uint32_t id;                   /* id of the Gaussian's object, as the caller chose it */
     int64_t depth_q32;             /* depth of the Gaussian's centre along the camera's z axis; saturates at 2^28
                                       units */
-    int64_t position_q32[3];       /* world position on the pixel's ray at that depth; its offsets from the camera's
-                                      axis saturate at +-2^28 */
+    int64_t position_q32[3];       /* world position of the point on the pixel's ray at the depth of the Gaussian's
+                                      centre; its offsets from the camera's axis saturate at +-2^28 */
     uint64_t reserved[4];
 } fxs_pick_result;
 
-/* Finds the Gaussian that fxs_render shows at pixel (x, y) of the first eye, as in its id target. Reads only the
-   occluder and depth_bits of the targets. Projects the whole frame, blends one tile. Returns 1, 0 if no Gaussian
-   contributes, or an error as fxs_render. */
+/* Finds the Gaussian that fxs_render shows at pixel (x, y) of the first eye, as in its id target. Of the targets it
+   reads only the occluder and depth_bits. It projects the whole frame but blends only one tile. Returns 1, 0 if no
+   Gaussian contributes, or an error as fxs_render. */
 FXS_API int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, int32_t y, void *memory,
                      size_t memory_bytes, fxs_pick_result *result);
 

@@ -13,47 +13,54 @@ extern "C" {
 
 /* ---- Contexts and targets ---------------------------------------------------------------------------------------- */
 
-/* Shared by the OpenGL ES back ends, gl.h and gl.h, for programs with their own GL context: how GL functions are
-   found, how the context is made current, and where a frame is drawn. */
+/* Types that the OpenGL ES back ends share, for programs with their own GL context: how GL functions are found, how the
+   context is made current, and where a frame is drawn. */
 
-/* Finds a function of OpenGL ES by its name, such as "glDrawArrays"; null if it does not exist. Like
-   eglGetProcAddress. */
+/* A function that finds a function of OpenGL ES by its name, such as "glDrawArrays". It returns null for an unknown
+   name. eglGetProcAddress is similar. */
 typedef void (*fxs_gl_function)(void);
 typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
 
-/* Makes the context current on the calling thread. Returns 0, or another value if it cannot. */
+/* A function that makes the program's GL context current on the calling thread. It returns 0, or another value if it
+   cannot. */
 typedef int fxs_gl_use_fn(void *argument);
 
-/* What a back end knows of its context. */
+/* What a back end knows of its GL context. */
 typedef struct fxs_gl_info {
-    const char *renderer;          /* GL_RENDERER; valid as long as the back end */
-    const char *no_fetch;          /* why fxs_gles_draw_fetch is not supported, one line; null: it is */
-    uint64_t nanoseconds;          /* device time of the last frame that was read back; 0 without a timer
-                                      (EXT_disjoint_timer_query) */
+    const char *renderer;          /* the context's GL_RENDERER string; valid as long as the back end */
+    const char *no_fetch;          /* reason why fxs_gles_draw_fetch is not supported, one line; null: it is
+                                      supported */
+    uint64_t nanoseconds;          /* device time in nanoseconds of the last frame that was read back; 0 without a GPU
+                                      timer (EXT_disjoint_timer_query) */
 } fxs_gl_info;
 
-/* Target of fxs_gles_render and fxs_compute_draw: a framebuffer of the caller with one colour buffer of 8 bits,
-   normalised, linear, not multisampled; its colour buffer is a texture, or it is framebuffer 0 of the context. */
+/* Where fxs_gles_render and fxs_compute_draw draw: a framebuffer of the caller with one colour buffer of 8 bits,
+   normalised, linear, not multisampled. The colour buffer is a texture, or the framebuffer is number 0 of the
+   context. */
 typedef struct fxs_gl_target {
-    uint32_t framebuffer;          /* the framebuffer's GL name */
-    int32_t x, y;                  /* the picture's lower left corner */
-    enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
-    int top_down;                  /* 1: the picture's first row is the lowest, the row order of texture uploads */
-    int fetch;                     /* 1: uses fxs_gles_draw_fetch; fxs_gles_render only */
-    int over;                      /* 1: blends over the framebuffer's content, with premultiplied alpha (GL_ONE,
-                                      GL_ONE_MINUS_SRC_ALPHA); `format` is RGBA8_COVERAGE. The picture has the same
-                                      bytes on every device, but the device rounds the sums */
+    uint32_t framebuffer;          /* GL name of the framebuffer to draw into */
+    int32_t x, y;                  /* position of the picture's lower left corner in the framebuffer */
+    enum fxs_format format;        /* pixel format of the picture: RGBA8 or RGBA8_COVERAGE */
+    int top_down;                  /* 1: the picture's first row is the lowest, as in texture uploads */
+    int fetch;                     /* 1: draws with framebuffer fetch, like fxs_gles_draw_fetch; for fxs_gles_render
+                                      only */
+    int over;                      /* 1: blends the picture over the framebuffer's content, with premultiplied alpha
+                                      (GL_ONE, GL_ONE_MINUS_SRC_ALPHA); `format` is RGBA8_COVERAGE. The picture has the
+                                      same bytes on every device, but the device rounds the sums */
 
-    /* Inputs that the caller has drawn: names of textures of the picture's size, lowest row first as in the
-       framebuffer, or 0. Their filter must be GL_NEAREST. */
-    uint32_t occluder;             /* GL_R32UI, like the occluder of fxs_targets: the same bytes everywhere */
+    /* Inputs of a frame that the caller has drawn: names of textures of the picture's size, lowest row first as in the
+       framebuffer, or 0 for none. Their filter must be GL_NEAREST. */
+    uint32_t occluder;             /* texture of depths that hide Gaussians, GL_R32UI, with the same bytes as the
+                                      occluder of fxs_targets */
     int depth_bits;                /* fraction bits of the occluder's depths, or of the depths that depth_buffer is
                                       converted to; 0: 16 */
-    uint32_t depth_buffer;         /* instead of occluder: GL_DEPTH_COMPONENT of a perspective. It is converted to
-                                      depths in floats, so the last bits of these depths depend on the device */
-    float plane_0, plane_1;        /* distances of the depth buffer's values 0 and 1, world units. Either may be the far
-                                      plane, which hides nothing and may be infinite */
-    uint32_t backdrop;             /* GL_RGBA8: replaces the background; must not be the framebuffer's own texture */
+    uint32_t depth_buffer;         /* depth texture in place of the occluder: GL_DEPTH_COMPONENT of a perspective. Its
+                                      values are converted to depths in floats, so the last bits of these depths depend
+                                      on the device */
+    float plane_0, plane_1;        /* distances that the depth buffer's values 0 and 1 stand for, world units. Either
+                                      may be the far plane, which hides nothing and may be infinite */
+    uint32_t backdrop;             /* texture that replaces the background, GL_RGBA8; must not be the framebuffer's own
+                                      texture */
 
     /* 1: the same draw writes median depths (in units of depth_bits) and ids, with the bytes of fxs_targets, to two
        more colour buffers of the framebuffer: GL_COLOR_ATTACHMENT1, GL_R32UI, and GL_COLOR_ATTACHMENT2, GL_RG32UI
@@ -62,14 +69,15 @@ typedef struct fxs_gl_target {
     int depths_and_ids;
 } fxs_gl_target;
 
-/* The context's own framebuffer with the picture at its corner, RGBA8, first row on top; no inputs. */
+/* Initialises a target: the framebuffer of the current context, with the picture at its corner, RGBA8, first row on
+   top, and no inputs. */
 FXS_EXPERIMENTAL void fxs_gl_target_init(fxs_gl_target *target);
 
 /* ---- OpenGL ES 3.0 ----------------------------------------------------------------------------------------------- */
 
-/* A back end for OpenGL ES 3.0: the core projects, shades, sorts and bins on the processor; a fragment shader blends
-   and resolves, with the same bytes. It runs in any context of OpenGL ES 3.0, or of OpenGL 3.3 with
-   GL_ARB_ES3_compatibility, on one thread at a time.
+/* A back end for OpenGL ES 3.0: the library projects, shades, sorts and bins Gaussians on the processor; a fragment
+   shader blends them and writes the pixels, with the same bytes as fxs_render. It runs in any context of OpenGL ES 3.0,
+   or of OpenGL 3.3 with GL_ARB_ES3_compatibility, on one thread at a time.
 
        fxs_gles *gles;
        if (fxs_gles_create(&gles, load, use, argument, &message)) ...
@@ -86,21 +94,23 @@ typedef struct fxs_gles fxs_gles;
 FXS_EXPERIMENTAL int fxs_gles_create(fxs_gles **gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                             fxs_message *message);
 
-/* Deletes the GL objects and frees the back end; null is allowed. If `use` fails, because the context was lost, only
-   memory is freed. With a null `use` the context is current, or no context is. */
+/* Deletes the back end's GL objects and frees it; null is allowed. If its function `use` fails, because the context was
+   lost, only memory is freed. With a null `use`, the caller makes the context current first, or no context if it
+   was lost. */
 FXS_EXPERIMENTAL void fxs_gles_destroy(fxs_gles *gles);
 
 FXS_EXPERIMENTAL fxs_gl_info fxs_gles_info(const fxs_gles *gles);
 
-/* For fxs_config.draw, with the fxs_gles as draw_argument. Needs a context of its own: GL state is not preserved.
-   Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY if the device has too little memory. After either error, free the back end
-   and create it again, in a new context if the old one was lost. */
+/* Draws tiles with a fragment shader: the function for fxs_config.draw, with the fxs_gles as draw_argument. It needs a
+   context of its own, as GL state is not preserved. Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY if the device has too
+   little memory. After either error, free the back end and create it again, in a new context if the old one was
+   lost. */
 FXS_EXPERIMENTAL fxs_draw_fn fxs_gles_draw;
 
-/* Gives the same bytes as fxs_gles_draw without tile lists, in a context with framebuffer fetch: blends splats one by
-   one, near to far, on an integer framebuffer. Needs fxs_config.draw_unlisted. Which of the two functions is faster
-   depends on the device and the scene. Errors: as fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason in
-   fxs_gl_info.no_fetch. */
+/* Gives the same bytes as fxs_gles_draw without tile lists, in a context with framebuffer fetch (shaders that read the
+   pixel they write). It blends splats (projected Gaussians) one by one, near to far, on an integer framebuffer. It
+   needs fxs_config.draw_unlisted. Which of the two functions is faster depends on the device and the scene. Errors: as
+   fxs_gles_draw, and FXS_ERR_UNSUPPORTED for the reason in fxs_gl_info.no_fetch. */
 FXS_EXPERIMENTAL fxs_draw_fn fxs_gles_draw_fetch;
 
 /* Renders the first eye of a request into a target in the caller's GL context. Errors as fxs_render; the request's own
@@ -135,47 +145,48 @@ FXS_EXPERIMENTAL int fxs_gles_render(fxs_gles *gles, const fxs_context *context,
 
 typedef struct fxs_compute fxs_compute;
 
-#define FXS_COMPUTE_PARTS 64       /* most buffers for a scene's rows; every device allows buffers of 128 MiB, so 64
-                                      hold 8 GiB */
+#define FXS_COMPUTE_PARTS 64       /* largest number of GL buffers for the rows (Gaussian codes) of a scene. Every
+                                      device allows buffers of 128 MiB, so 64 hold 8 GiB */
 
-/* A packed scene on the device. All 0: not uploaded. */
+/* The copy of a packed scene on the device. All 0: not uploaded. */
 typedef struct fxs_compute_scene {
-    const fxs_scene *key;          /* the caller's scene; for the caller's use */
-    fxs_scene here;                /* the fxs_scene at the time of the upload */
-    uint32_t heads, parts[FXS_COMPUTE_PARTS];   /* names of GL buffers */
-    uint32_t part_chunks;          /* chunks per buffer */
+    const fxs_scene *key;          /* the caller's scene that was copied; only for the caller's use */
+    fxs_scene here;                /* the fxs_scene as it was at the time of the upload */
+    uint32_t heads, parts[FXS_COMPUTE_PARTS];   /* names of the GL buffers that hold the copy */
+    uint32_t part_chunks;          /* number of chunks (256 Gaussians each) per buffer */
     uint64_t bytes;                /* device memory */
 } fxs_compute_scene;
 
-/* Loads the GL functions and compiles the shaders. `load`, `use` and `argument` as in fxs_gles_create.
-   fxs_compute_destroy frees *compute, which is null after an error: FXS_ERR_UNSUPPORTED (no compute shaders, a limit
-   that is too low, a shader that does not compile), FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
+/* Creates the back end for compute shaders: loads the GL functions and compiles the shaders. `load`, `use` and
+   `argument` are as in fxs_gles_create. fxs_compute_destroy frees *compute, which is null after an error:
+   FXS_ERR_UNSUPPORTED (no compute shaders, a limit that is too low, a shader that does not compile), FXS_ERR_DEVICE,
+   FXS_ERR_MEMORY. */
 FXS_EXPERIMENTAL int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                                fxs_message *message);
 
 /* Sets the most bytes of device memory that frames and scenes may use together; 0 (initial value): no limit. */
 FXS_EXPERIMENTAL void fxs_compute_limit(fxs_compute *compute, uint64_t bytes);
 
-/* As fxs_gles_destroy. First drop the scenes. */
+/* Frees the back end like fxs_gles_destroy. Drop its scenes first. */
 FXS_EXPERIMENTAL void fxs_compute_destroy(fxs_compute *compute);
 
 FXS_EXPERIMENTAL fxs_gl_info fxs_compute_info(const fxs_compute *compute);
 
-/* Copies a scene to the device and replaces the previous content of *copy. All rows of the scene must be in memory (no
-   `places`). */
+/* Copies a scene to the device and replaces the previous content of *copy. All rows (Gaussian codes) of the scene must
+   be in memory, so `places` must be null. */
 FXS_EXPERIMENTAL int fxs_compute_upload(fxs_compute *compute, fxs_compute_scene *copy, const fxs_scene *scene,
                                         fxs_message *why);
 
-/* Deletes a copy and sets it to 0. */
+/* Deletes the copy of a scene on the device and sets *copy to 0. */
 FXS_EXPERIMENTAL void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *copy);
 
-/* Bytes of host memory that a frame of this request takes (aligned as malloc does); 0 if the request is out of
-   range. */
+/* Returns the bytes of host memory that a frame of this request takes (aligned as malloc does); 0 if the request is out
+   of range. */
 FXS_EXPERIMENTAL size_t fxs_compute_memory(const fxs_request *request);
 
-/* Renders the first eye of a request into its targets, and waits. copies[i] is the copy of the scene of object i.
-   Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an error the targets are
-   unchanged, or complete if the device failed at the very end. */
+/* Renders the first eye of a request into its targets (output pictures), and waits. copies[i] is the device's copy of
+   the scene of object i. Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an error
+   the targets are unchanged, or complete if the device failed at the very end. */
 FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);

@@ -13,25 +13,26 @@ extern "C" {
 
 /* ---- Images ------------------------------------------------------------------------------------------------------ */
 
-/* Image files: 8-bit RGBA, rows from the top, no padding between rows.
+/* Image files hold 8-bit RGBA pixels here: rows from the top, no padding between rows. Several threads may read and
+   write files at the same time. */
 
-   Several threads may read and write files at the same time. */
-
-/* FXS_IMAGE_RAW: only the RGBA bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (image.h). */
+/* File formats of pictures. FXS_IMAGE_RAW has only the RGBA bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a
+   film. */
 enum fxs_image_format {
     FXS_IMAGE_UNKNOWN, FXS_IMAGE_PNG, FXS_IMAGE_PPM, FXS_IMAGE_RAW, FXS_IMAGE_JPG, FXS_IMAGE_WEBP, FXS_IMAGE_Y4M,
     FXS_IMAGE_RGBA
 };
 
-/* The format for the ending of a name: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else FXS_IMAGE_UNKNOWN. */
+/* Returns the image format for the ending of a file name: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else
+   FXS_IMAGE_UNKNOWN. */
 FXS_API enum fxs_image_format fxs_image_format_of(const char *path);
 
-/* A picture encoded as a file. All 0: none yet. */
+/* A picture encoded as the bytes of an image file. All 0: none yet. */
 typedef struct fxs_encoded {
-    const uint8_t *bytes;    /* in `memory`, or the picture's own bytes */
+    const uint8_t *bytes;    /* the encoded bytes: in `memory`, or the picture's own pixels */
     size_t size;
-    void *memory;            /* freed by fxs_encoded_free; reused for the next picture */
-    size_t room;             /* bytes of `memory` */
+    void *memory;            /* memory block for the bytes: fxs_encoded_free frees it, and the next picture reuses it */
+    size_t room;             /* size of the block `memory`, bytes */
 } fxs_encoded;
 
 /* Encodes a picture of `width` x `height` pixels, each of 4 bytes: .png (by zlib or libdeflate, fast rather than small;
@@ -48,15 +49,16 @@ FXS_API int fxs_image_encode(enum fxs_image_format format, int quality, const ui
                              fxs_encoded *encoded, fxs_message *message);
 FXS_API void fxs_encoded_free(fxs_encoded *encoded);
 
-/* Writes the bytes to a temporary file next to `path` and renames it (system.h), so an existing file is unchanged after
-   an error. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
+/* Writes an encoded picture to a temporary file next to `path` and renames it (system.h), so an existing file is
+   unchanged after an error. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
 FXS_API int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
 
-/* Encodes a picture with quality 0 in the format of the name's ending, except .y4m and .rgba, and writes it. Returns 0,
-   or an error of the two functions above, or FXS_ERR_ARGUMENT for any other ending. */
+/* Encodes a picture with quality 0 (the default) in the format of the file name's ending, except .y4m and .rgba, and
+   writes it. Returns 0, or an error of fxs_image_encode or fxs_encoded_write, or FXS_ERR_ARGUMENT for any other
+   ending. */
 FXS_API int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
 
-/* 1 if fxs_image_file_write knows the ending of the name, else 0. */
+/* Returns 1 if fxs_image_file_write knows the ending of the file name, else 0. */
 FXS_API int fxs_image_file_known(const char *path);
 
 /* Reads a .png (by libpng), .jpg (by libjpeg-turbo), .webp (by libwebp), .heic or other HEIF with HEVC (by libheif) or
@@ -99,7 +101,8 @@ typedef struct fxs_film fxs_film;
 FXS_API int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height,
                           int rate, fxs_message *message);
 
-/* Adds a frame from fxs_image_encode, in the film's format. Returns 0, or an error and a message. */
+/* Adds a frame to a film. The frame comes from fxs_image_encode, in the film's format. Returns 0, or an error and a
+   message. */
 FXS_API int fxs_film_write(fxs_film *film, const fxs_encoded *frame, fxs_message *message);
 
 /* Ends a film and frees it; null is allowed. With `complete` 0 the film is discarded, and an existing file of its name

@@ -14,49 +14,50 @@
 extern "C" {
 #endif
 
-/* Differences between the Gaussians of the file and those in the packed scene. */
+/* Differences between the Gaussians of the file and those in the packed scene, by attribute. */
 typedef struct fxs_pack_error {
     double position;          /* scene units */
     double scale;             /* ln(sigma) */
     double rotation;          /* degrees */
     double opacity;           /* 0..1 */
-    double dc, sh;            /* coefficients; with an SH palette, `sh` is only exact to 1/254 of the Gaussian's largest
-                                 coefficient */
+    double dc, sh;            /* error of the SH coefficients of degree 0 (dc) and above (sh); with an SH palette, `sh`
+                                 is only exact to 1/254 of the Gaussian's largest coefficient */
 } fxs_pack_error;
 
 typedef struct fxs_pack_report {
     uint64_t read, packed;
     fxs_pack_dropped dropped;
-    uint64_t brought_in;      /* Gaussians moved in from beyond +-2^27 units: see fxs_pack */
-    fxs_pack_error largest, rms;   /* rms: root mean square over all numbers of an attribute */
-    double low[3], high[3];   /* bounds of the centres */
-    double inner_low[3], inner_high[3];   /* bounds of the visible part, for framing: docs/format.md */
+    uint64_t brought_in;      /* number of Gaussians that fxs_pack moved in from beyond +-2^27 units */
+    fxs_pack_error largest, rms;   /* largest errors, and errors as root mean square over all numbers of an attribute */
+    double low[3], high[3];   /* bounds of the Gaussians' centres */
+    double inner_low[3], inner_high[3];   /* bounds of the visible part of the scene, for framing a first view:
+                                             docs/format.md */
 } fxs_pack_report;
 
 typedef struct fxs_packed_scene {
-    void *data;               /* aligned to 64, for fxs_scene_open */
+    void *data;               /* the packed scene for fxs_scene_open, aligned to 64 */
     size_t bytes;
     void *allocation;         /* the memory block that fxs_packed_scene_free releases */
     const fxs_allocator *allocator;
 } fxs_packed_scene;
 
-/* All fields 0: default profile, one thread, no progress, malloc, no tree. */
+/* Options of fxs_pack. All fields 0: default profile, one thread, no progress, malloc, no tree. */
 typedef struct fxs_pack_options {
     uint32_t size;
     enum fxs_profile profile;
     fxs_workers workers;
-    fxs_progress progress;    /* called on the thread that called fxs_pack */
-    const fxs_allocator *allocator;   /* for all memory except the file reader's; null: malloc. Must outlive the
-                                         scene */
+    fxs_progress progress;    /* progress callback; it runs on the thread that called fxs_pack */
+    const fxs_allocator *allocator;   /* allocator for all memory except the file reader's; null: malloc. Must outlive
+                                         the scene */
     int tree;                 /* 1: adds a tree of levels of detail over the chunks, if the scene has two chunks or
                                  more. The packed scene becomes about twice as large. Building the tree takes 6 MB, 2 MB
                                  a thread and 120 bytes a chunk more */
 } fxs_pack_options;
 FXS_INIT(fxs_pack_options)
 
-/* Bytes of a file's packed scene, without a tree, if no Gaussian is dropped and the chunks are full. Known before the
-   Gaussians are read. Isolated Gaussians far beyond the others need extra chunks, at most 8 each. 0: the file has too
-   many Gaussians. */
+/* Returns the size in bytes of a file's packed scene without a tree, if no Gaussian is dropped and all chunks (256
+   Gaussians) are full. The size is known before the Gaussians are read. Isolated Gaussians far beyond the others need
+   extra chunks, at most 8 each. Returns 0 if the file has too many Gaussians. */
 FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
 /* Packs an open scene file. It reads the file from its start three times; with an SH palette, once more for each
@@ -78,11 +79,11 @@ FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_
                      fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
 /* Returns 1 if fxs_pack keeps a Gaussian, with SH up to the given degree. Otherwise returns 0, counts the reason in
-   *dropped and adds the Gaussian's weight to dropped->weight. The caller adds the weights of accepted Gaussians to
+   `dropped` and adds the Gaussian's weight to dropped->weight. The caller adds the weights of kept Gaussians to
    dropped->kept. */
 FXS_API int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
 
-/* Frees a scene from fxs_pack and sets it to 0. A scene that is all 0 is allowed. */
+/* Frees a scene that fxs_pack made and sets it to 0. A scene that is all 0 is allowed. */
 FXS_API void fxs_packed_scene_free(fxs_packed_scene *scene);
 
 #ifdef __cplusplus

@@ -29,28 +29,28 @@
 extern "C" {
 #endif
 
-/* The source of the bytes. The pager calls `read` and `close`, one call at a time. The first calls of `read` come on
-   the thread that opens the pager, later ones on the pager's thread. */
+/* The source of a pager's bytes, such as a file or a server. The pager calls `read` and `close`, one call at a time.
+   The first calls of `read` come on the thread that opens the pager, later ones on the pager's thread. */
 typedef struct fxs_pager_source {
     uint64_t size;                 /* size of the whole scene, bytes */
-    /* Copies the `size` bytes at `offset`, which lie within the scene, to `out`; may block. Returns 0, or an FXS_ERR_*
-       and a message. */
+    /* Reads a part of the scene: copies the `size` bytes at `offset`, which lie within the scene, to `out`. It may
+       block. Returns 0, or an FXS_ERR_* and a message. */
     int (*read)(void *argument, uint64_t offset, void *out, size_t size, fxs_message *message);
-    /* Called from another thread when the pager is closed: a read in progress, and every later one, should end soon
-       with an error. May be null; then fxs_pager_close waits for the read. */
+    /* Cancels reads; called from another thread when the pager is closed. A read in progress, and every later one,
+       should end soon with an error. The pointer may be null; then fxs_pager_close waits for the read. */
     void (*cancel)(void *argument);
-    void (*close)(void *argument); /* called once, after the last read; may be null */
-    void *argument;                /* first argument of the functions */
+    void (*close)(void *argument); /* frees the source: called once, after the last read; may be null */
+    void *argument;                /* first argument of read, cancel and close */
     size_t gap;                    /* largest gap between two wanted chunks, in bytes, that is read too, so that one
-                                      request gets both chunks: about 262144 for a server, 0 for a file */
+                                      request gets both chunks. About 262144 suits a server, 0 a file */
 } fxs_pager_source;
 
-/* All 0: the defaults. */
+/* Options of a pager. A field of 0 stands for its default. */
 typedef struct fxs_pager_options {
     uint32_t size;
-    size_t pool_bytes;             /* size of the pool of rows; 0: 256 MiB. At least 16 chunks; capped at the scene's
-                                      size */
-    /* Called on the pager's thread when a turn would take newly loaded chunks; must return soon. May be null. */
+    size_t pool_bytes;             /* size of the pool, the memory for loaded chunks; 0: 256 MiB. At least 16 chunks;
+                                      capped at the scene's size */
+    /* Called on the pager's thread when newly loaded chunks wait for fxs_pager_turn; must return soon. May be null. */
     void (*arrived)(void *argument);
     void *arrived_argument;
 } fxs_pager_options;
@@ -58,47 +58,50 @@ FXS_INIT(fxs_pager_options)
 
 typedef struct fxs_pager fxs_pager;
 
-/* Opens a scene; `name` is for messages. The source is closed also after an error, and *pager is then null. Errors:
-   FXS_ERR_FILE if the bytes are damaged or not a scene with levels of detail, FXS_ERR_VERSION, FXS_ERR_MEMORY,
-   FXS_ERR_ARGUMENT, and the errors of `read`. */
+/* Opens a scene for streaming; `name` is for messages. The source is closed also after an error, and *pager is then
+   null. Errors: FXS_ERR_FILE if the bytes are damaged or not a scene with levels of detail, FXS_ERR_VERSION,
+   FXS_ERR_MEMORY, FXS_ERR_ARGUMENT, and the errors of the source's `read`. */
 FXS_API int fxs_pager_open(const char *name, const fxs_pager_source *source, const fxs_pager_options *options,
                            fxs_pager **pager, fxs_message *message);
 
-/* fxs_pager_open for a file, or for an address that begins with http:// or https://: uses fxs_pager_file or
-   fxs_pager_url. */
+/* Opens a pager for a file, or for an address that begins with http:// or https://, like fxs_pager_open with the source
+   of fxs_pager_file or fxs_pager_url. */
 FXS_API int fxs_pager_open_file(const char *path, const fxs_pager_options *options, fxs_pager **pager,
                                 fxs_message *message);
 
-/* The scene, for fxs_object_init. Its address stays the same; its content changes only in fxs_pager_turn. */
+/* Returns the pager's scene, for fxs_object_init. Its address stays the same; its content changes only in
+   fxs_pager_turn. */
 FXS_API const fxs_scene *fxs_pager_scene(const fxs_pager *pager);
 
-/* An fxs_want_fn for options.want, with the pager as want_argument. */
+/* Tells the pager which chunks a frame wants: a function for the rendering option `want`, with the pager as
+   want_argument. */
 FXS_API void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int there);
 
 typedef struct fxs_pager_state {
-    uint32_t chunks;               /* chunks of the scene, including its tree */
-    uint32_t room;                 /* capacity of the pool, chunks */
-    uint32_t there;                /* chunks in the pool */
-    uint32_t arrived;              /* chunks loaded since the last turn */
-    uint32_t coming;               /* wanted chunks that are still to be read */
-    uint32_t no_room;              /* wanted chunks without room: the pool is full of chunks that the same frames
-                                      drew */
-    uint32_t lost;                 /* chunks that failed to load three times, or are damaged */
+    uint32_t chunks;               /* number of chunks (256 Gaussians each) of the scene, including its tree */
+    uint32_t room;                 /* capacity of the pool in memory, chunks */
+    uint32_t there;                /* number of chunks in the pool */
+    uint32_t arrived;              /* number of chunks loaded since the last fxs_pager_turn */
+    uint32_t coming;               /* number of wanted chunks that are still to be read */
+    uint32_t no_room;              /* number of wanted chunks without room: the pool is full of chunks that the same
+                                      frames drew */
+    uint32_t lost;                 /* number of chunks that failed to load three times, or are damaged */
     uint64_t bytes_read;
-    size_t memory;                 /* memory of the pager, bytes */
+    size_t memory;                 /* memory that the pager takes, bytes */
 } fxs_pager_state;
 
-/* Call it between frames: takes the loaded chunks into the scene, evicts others, and queues the chunks that frames
-   wanted since the last turn; without frames since then, the queue stays. *state may be null. Returns 0. If chunks are
-   lost, or the source fails repeatedly, returns the last error and its message; frames can go on with coarser chunks. A
-   failing source is retried after a pause; once it works again, lost chunks are requested again too. */
+/* Updates the scene between frames: takes the loaded chunks into the scene, evicts others, and queues the chunks that
+   frames wanted since the last call. Without frames since then, the queue stays. *state may be null. Returns 0. If
+   chunks are lost, or the source fails repeatedly, returns the last error and its message; frames can go on with
+   coarser chunks. A failing source is retried after a pause; once it works again, lost chunks are requested again
+   too. */
 FXS_API int fxs_pager_turn(fxs_pager *pager, fxs_pager_state *state, fxs_message *message);
 
-/* Waits until nothing more can be read before the next turn, or the source fails repeatedly, for at most `nanoseconds`.
-   Returns 1, or 0 at the timeout. */
+/* Waits, for at most `nanoseconds`, until the pager can read nothing more before the next fxs_pager_turn, or its source
+   fails repeatedly. Returns 1, or 0 at the timeout. */
 FXS_API int fxs_pager_wait(fxs_pager *pager, uint64_t nanoseconds);
 
-/* Closes the source and frees the pager; null is allowed. */
+/* Closes the source of a pager and frees the pager; null is allowed. */
 FXS_API void fxs_pager_close(fxs_pager *pager);
 
 #ifdef __cplusplus

@@ -11,67 +11,69 @@
 extern "C" {
 #endif
 
-/* Called from time to time with the finished share of the work, 0 to 1. A nonzero return stops the work; the function
-   at work then returns FXS_ERR_STOPPED. */
+/* A progress callback: called from time to time with the finished share of the work, 0 to 1. A nonzero return stops the
+   work; the function at work then returns FXS_ERR_STOPPED. */
 typedef int fxs_progress_fn(void *argument, double done);
 
 typedef struct fxs_progress {
-    fxs_progress_fn *call;           /* null: no progress is reported */
-    void *argument;                  /* first argument of `call` */
+    fxs_progress_fn *call;           /* the progress callback; null: no progress is reported */
+    void *argument;                  /* first argument of the progress callback */
 } fxs_progress;
 
 /* ---- Formats ----------------------------------------------------------------------------------------------------- */
 
-/* The list of scene file formats, for help texts, file dialogs and other languages. */
+/* A scene file format. The list of formats serves help texts, file dialogs and other languages. */
 
 typedef struct fxs_scene_format {
-    const char *name;      /* as in fxs_scene_file_info: "spz" */
+    const char *name;      /* name of the format, as in fxs_scene_file_info, such as "spz" */
     const char *endings;   /* endings of file names, or whole names, separated by spaces; the first is used for
                               writing */
-    const char *about;     /* a short description */
+    const char *about;     /* description of the format in a few words */
     int is_read;           /* 1: files of this format can be opened, if the libraries that it needs are built in */
     int is_written;        /* 1: files of this format can be written; fxs_file_write writes .fxs, fxs_scene_writer_open
                               the others */
-    int sh_degree;         /* highest SH degree that is written */
-    int antialiased;       /* 1: a file records whether opacities were fitted with compensation for the renderer's
-                              dilation */
-    const char *loses;     /* precision or data lost by writing, in a few words; null: nothing beyond the precision of
-                              floats */
-    int far;               /* 1: positions beyond the precision of floats are kept: fxs_scene_write_options.origin */
+    int sh_degree;         /* highest SH degree that a file of this format is written with */
+    int antialiased;       /* 1: a file can record whether opacities were fitted with compensation for the renderer's
+                              dilation (a small blur of each Gaussian) */
+    const char *loses;     /* what writing to this format loses (precision or data), in a few words; null: nothing
+                              beyond the precision of floats */
+    int far;               /* 1: the format keeps positions beyond the precision of floats
+                              (fxs_scene_write_options.origin) */
 } fxs_scene_format;
 
-/* A format by number, from 0 on; null beyond the last. */
+/* Returns a scene file format by its number in the list, from 0 on; null beyond the last. */
 FXS_API const fxs_scene_format *fxs_scene_format_at(int index);
 
-/* The format for the ending of a file name, or null. With `to_write`, only writable formats are considered, each by its
-   first ending. */
+/* Returns the scene file format for the ending of a file name, or null. With `to_write`, only writable formats are
+   considered, each by its first ending. */
 FXS_API const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write);
 
-/* Writes the endings of all readable formats (with `to_write`: writable ones) as ".fxs, .ply, .spz", cut to `size`
-   bytes with the final 0. Returns the length of the whole text in bytes, without the 0. */
+/* Writes the file name endings of all readable formats (with `to_write`: writable ones) as ".fxs, .ply, .spz", cut to
+   `size` bytes with the final 0. Returns the length of the whole text in bytes, without the 0. */
 FXS_API size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
 
 /* ---- Start data -------------------------------------------------------------------------------------------------- */
 
-/* The start data of a packed scene: its up direction and a start view. Both are in the header (internal/packed.h) and
-   optional. The renderer does not read them. */
+/* The start data of a packed scene: its up direction and a start view (the first camera for viewers). Both are in the
+   header (internal/packed.h) and optional. The renderer does not read them. */
 
-/* All fields 0: nothing is known. */
+/* Up direction and start view of a scene. All fields 0: both are unknown. */
 typedef struct fxs_start {
     double up[3];         /* up direction in the scene, of length 1; all 0: unknown */
     double tangent;       /* tangent of half the start view's vertical field of view, up to 12; 0: no start view */
     double position[3];   /* centre of the start view's camera, scene units, within +-2^28 */
-    double rotation[4];   /* world to camera (x right, y down, z forward): unit quaternion w, x, y, z */
+    double rotation[4];   /* rotation of the start view's camera, from world to camera (x right, y down, z forward):
+                             unit quaternion w, x, y, z */
 } fxs_start;
 
 /* ---- Input ------------------------------------------------------------------------------------------------------- */
 
 /* The source of a scene file's bytes, and the limits on reading it. */
 
-/* Default limits. A scene may have one Gaussian for each byte of its files (including files that a .gltf or .sog refers
-   to) plus FXS_GAUSSIANS_ALWAYS, but at most FXS_GAUSSIANS_CEILING. Reading it may take FXS_IMPORT_BYTES of memory for
-   each Gaussian of that limit, or of FXS_GAUSSIANS_ALWAYS if the limit is lower. Compressed captured scenes have 12
-   bytes a Gaussian and more. */
+/* Default limits of reading a scene. A scene may have one Gaussian for each byte of its files (including files that a
+   .gltf or .sog refers to) plus FXS_GAUSSIANS_ALWAYS, but at most FXS_GAUSSIANS_CEILING. Reading it may take
+   FXS_IMPORT_BYTES of memory for each Gaussian of that limit, or of FXS_GAUSSIANS_ALWAYS if the limit is lower.
+   Compressed captured scenes have 12 bytes a Gaussian and more. */
 #define FXS_GAUSSIANS_ALWAYS 1000000u
 #define FXS_GAUSSIANS_CEILING 67108864u
 #define FXS_IMPORT_BYTES 96u
@@ -80,54 +82,59 @@ typedef struct fxs_start {
    FXS_AXES_RUB: right, up, back; FXS_AXES_RDF: right, down, front, as in a .ply. */
 enum fxs_axes { FXS_AXES_OF_FILE, FXS_AXES_RUB, FXS_AXES_RDF };
 
-/* All fields 0: finest level, axes as the file says, malloc and free, no progress, the limits above. */
+/* Options for reading a scene file. All fields 0: finest level, axes as the file says, malloc and free, no progress,
+   default limits. */
 typedef struct fxs_scene_file_options {
     uint32_t size;
-    int level;                       /* level of detail; 0: the finest */
-    enum fxs_axes axes;              /* for an .spz only; other formats return FXS_ERR_ARGUMENT */
-    const fxs_allocator *allocator;  /* for the reader's own memory; null: malloc. Must outlive the file */
-    fxs_progress progress;           /* for opening a streamed SOG and the first read of an .spz */
-    uint64_t max_gaussians;          /* a scene with more is an error; 0: the limit above */
+    int level;                       /* level of detail to read; 0: the finest */
+    enum fxs_axes axes;              /* meaning of x, y and z in an .spz; other formats return FXS_ERR_ARGUMENT */
+    const fxs_allocator *allocator;  /* allocator for the reader's own memory; null: malloc. Must outlive the file */
+    fxs_progress progress;           /* progress callback, called while a streamed SOG is opened and during the first
+                                        read of an .spz */
+    uint64_t max_gaussians;          /* largest number of Gaussians in a scene, more is an error; 0: the limit by
+                                        FXS_GAUSSIANS_ALWAYS */
     uint64_t max_memory;             /* most bytes that reading may hold at once, without the packed scene; 0: the limit
-                                        above */
+                                        by FXS_IMPORT_BYTES */
 } fxs_scene_file_options;
 FXS_INIT(fxs_scene_file_options)
 
-/* A file whose bytes come from callbacks. */
+/* A scene file with bytes from the program's callbacks. */
 typedef struct fxs_scene_input fxs_scene_input;
 struct fxs_scene_input {
     uint64_t size;        /* bytes */
-    /* Copies the `size` bytes at `offset`, which lie within the file, to `out`. Returns 0, or another number after an
-       error. */
+    /* Reads a part of the file: copies the `size` bytes at `offset`, which lie within the file, to `out`. Returns 0, or
+       another number after an error. */
     int (*read)(void *argument, uint64_t offset, void *out, size_t size);
-    /* Opens another file: fills in *input. `name` is a path relative to the folder of this file, without "..". Returns
-       0, or another number if the file does not exist. *input needs no `beside`. Null: no other files exist. */
+    /* Opens another file next to this one: fills in *input. `name` is a path relative to the folder of this file,
+       without "..". Returns 0, or another number if the file does not exist. *input needs no `beside`. The pointer is
+       null if no other files exist. */
     int (*beside)(void *argument, const char *name, fxs_scene_input *input);
-    void (*close)(void *argument);   /* called once, when the file is no longer needed; may be null */
-    void *argument;                  /* first argument of the functions */
+    void (*close)(void *argument);   /* frees the file: called once, when it is no longer needed; may be null */
+    void *argument;                  /* first argument of read, beside and close */
 };
 
 /* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
-/* Gaussians before packing, and streams of them, from a scene file of any format or from the program.
+/* Gaussians before packing, and streams of them, from a scene file of any format or from the program. Functions return
+   0 or a count, or an error and a message: FXS_ERR_FILE if a file is damaged or changed while it was open,
+   FXS_ERR_STOPPED by a progress callback, FXS_ERR_MEMORY. One thread at a time may use a stream; several threads may
+   each have their own. */
 
-   Functions return 0 or a count, or an error and a message: FXS_ERR_FILE if a file is damaged or changed while it was
-   open, FXS_ERR_STOPPED by a progress function, FXS_ERR_MEMORY. One thread at a time may use a stream; several threads
-   may each have their own. */
-
-/* One Gaussian, with the numbers of an Inria .ply, before quantisation. */
+/* One Gaussian before quantisation. Its numbers mean the same as in a .ply of Inria's code (Kerbl et al. 2023). */
 typedef struct fxs_gaussian {
-    float position[3];   /* scene units, relative to the stream's origin (fxs_scene_file_info) */
-    float scale[3];      /* natural logarithm of the standard deviation, scene units */
-    float rotation[4];   /* quaternion w, x, y, z, as in the file, not normalised */
+    float position[3];   /* centre, scene units, relative to the stream's origin (fxs_scene_file_info) */
+    float scale[3];      /* natural logarithm of the standard deviation along each axis, scene units */
+    float rotation[4];   /* rotation: quaternion w, x, y, z, as in the file, not normalised */
     float opacity;       /* logit: the opacity is 1 / (1 + exp(-opacity)); infinite if the opacity is exactly 0 or 1 */
-    float dc[3];         /* SH degree 0, r g b; the colour is 0.5 + 0.28209479177387814 dc + higher degrees */
-    float sh[45];        /* SH degrees 1 to 3, coefficient-major: sh[3 * k + channel]; 0 above the file's degree */
+    float dc[3];         /* SH coefficients of degree 0 for red, green, blue; the colour is 0.5 + 0.28209479177387814 dc
+                            + higher degrees */
+    float sh[45];        /* SH coefficients of degrees 1 to 3: sh[3 * k + channel] for coefficient k; 0 above the file's
+                            degree */
 } fxs_gaussian;
 
 typedef struct fxs_scene_file fxs_scene_file;
 
-/* The grid of values that a file with few bits can store: `low` plus a whole multiple of `step`. Step 0: any value. */
+/* The values of a number that a file stores with few bits: `low` plus a whole multiple of `step`. Step 0: any value. */
 typedef struct fxs_grid {
     double low, step;
 } fxs_grid;
@@ -135,51 +142,55 @@ typedef struct fxs_grid {
 #define FXS_UNUSED_TEXT 128
 
 typedef struct fxs_scene_file_info {
-    const char *format;   /* a name of scene.h, or "gaussians" for the program's Gaussians; static */
-    uint64_t count;       /* Gaussians in the file */
-    int sh_degree;        /* 0 to 3 */
-    int stored_sh_degree; /* sh_degree, or 4 if the file has degree 4, which is not read */
-    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation */
-    int levels;           /* levels of detail that can be opened; 1 except for .lcc, .rad and streamed SOG. A leaf of a
-                             streamed SOG without the level is read at its nearest level */
-    fxs_grid colour;      /* grid of 0.5 + 0.28209479177387814 dc */
-    fxs_grid sh;          /* grid of the coefficients above degree 0 */
+    const char *format;   /* name of the file's format, or "gaussians" for the program's Gaussians; a static string */
+    uint64_t count;       /* number of Gaussians in the file */
+    int sh_degree;        /* SH degree of the Gaussians, 0 to 3 */
+    int stored_sh_degree; /* SH degree in the file: equal to sh_degree, or 4, as degree 4 is not read */
+    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation, a small blur of
+                             each Gaussian */
+    int levels;           /* number of levels of detail that can be opened; 1 except for .lcc, .rad and streamed SOG. A
+                             leaf of a streamed SOG that lacks the requested level is read at its nearest level */
+    fxs_grid colour;      /* values that the file can store for colours, 0.5 + 0.28209479177387814 dc */
+    fxs_grid sh;          /* values that the file can store for SH coefficients above degree 0 */
     int linear_light;     /* 1: a glTF has colours in linear light, which are converted to sRGB for each Gaussian; the
                              picture differs from linear light where different colours blend */
-    int log_scales;       /* 1: a glTF stores scales as logarithms, as in a draft of the extension; they are read as
-                             such */
+    int log_scales;       /* 1: a glTF stores scales as logarithms, as a draft of the Gaussian splatting extension did,
+                             and they are read so */
     int clamped_opacity;  /* 1: a glTF has opacities above 1, which are read as 1 */
     char unused[FXS_UNUSED_TEXT];   /* properties of a .ply that affect other programs' pictures, but are not read */
-    fxs_start start;      /* from an .fxs: the up direction and the start view, which fxs_pack keeps */
-    double origin[3];     /* scene units: add it to a position. Nonzero only for a scene far from 0 with coordinates
-                             finer than floats there: doubles of a .ply, a far node of a glTF, a far placement */
-    double coarse;        /* 0, or the spacing of floats, scene units, at parts that lie too far from the origin */
+    fxs_start start;      /* up direction and start view of an .fxs; fxs_pack keeps them */
+    double origin[3];     /* origin of the stream, scene units, to add to each position. Nonzero only for a scene far
+                             from 0 with coordinates finer than floats there: doubles of a .ply, a far node of a glTF, a
+                             far placement */
+    double coarse;        /* loss of precision of positions: the spacing of floats in scene units, at parts that lie too
+                             far from the origin; 0: none */
 } fxs_scene_file_info;
 
-/* Reads the next Gaussians, at most `capacity`; some formats return fewer before the end, too. Returns their number, 0
-   at the end, or an error and a message. */
+/* Reads the next Gaussians of a stream, at most `capacity`; some formats return fewer before the end, too. Returns
+   their number, 0 at the end, or an error and a message. */
 FXS_API long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
-/* Goes back to the first Gaussian. Returns 0, or an error and a message. */
+/* Goes back to the first Gaussian of a stream. Returns 0, or an error and a message. */
 FXS_API int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
 
-/* Closes the stream and frees its handle; null is allowed. */
+/* Closes a stream of Gaussians and frees its handle; null is allowed. */
 FXS_API void fxs_scene_file_close(fxs_scene_file *file);
 
-/* Gaussians that a program has in memory or generates on demand. */
+/* A source of Gaussians that a program has in memory or generates on demand. */
 typedef struct fxs_gaussian_source {
-    uint64_t count;       /* Gaussians, up to FXS_MAX_COUNT */
-    int sh_degree;        /* 0 to 3 */
-    int antialiased;      /* as in fxs_scene_file_info */
-    /* Writes 1 to `capacity` Gaussians, starting with number `first`, to `out`, which is zeroed before; SH above
-       sh_degree are set to 0. Returns the number written, or a negative FXS_ERR_*. In the first call of each pass
-       `first` is 0, in the others the number after the last Gaussian of the previous call; `first` is always less than
-       `count`. Every pass must give the same Gaussians: fxs_pack makes three passes or more, a filter one or two more.
-       Calls come one at a time, but in fxs_pack from any thread of its pool. */
+    uint64_t count;       /* number of Gaussians, up to FXS_MAX_COUNT */
+    int sh_degree;        /* SH degree of the Gaussians, 0 to 3 */
+    int antialiased;      /* 1: opacities were fitted with compensation for the renderer's dilation, a small blur of
+                             each Gaussian */
+    /* Callback that writes 1 to `capacity` Gaussians, starting with number `first`, to `out`, which is zeroed before.
+       SH above sh_degree are set to 0. It returns the number written, or a negative FXS_ERR_*. In the first call of
+       each pass `first` is 0, in the others the number after the last Gaussian of the previous call; `first` is always
+       less than `count`. Every pass must give the same Gaussians: fxs_pack makes three passes or more, a filter one or
+       two more. Calls come one at a time, but in fxs_pack from any thread of its pool. */
     long (*read)(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity);
-    void *argument;       /* first argument of read; must stay valid until the handle is closed */
-    double origin[3];     /* origin of the positions, as in fxs_scene_file_info: within 2^26 units, 0 for positions near
-                             0 */
+    void *argument;       /* first argument of the callback `read`; must stay valid until the handle is closed */
+    double origin[3];     /* origin that is added to each position, as in fxs_scene_file_info: within 2^26 units, 0 for
+                             positions near 0 */
 } fxs_gaussian_source;
 
 /* Opens the program's Gaussians as a stream that can be filtered, packed and written like a file; *gaussians is copied.
@@ -248,28 +259,32 @@ FXS_API int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_s
 FXS_API int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
                                 fxs_scene_file_info *info, fxs_message *message);
 
-/* fxs_scene_file_open for a file in memory, which must stay unchanged until the handle is closed. Messages begin with
-   `name`, which is copied. Scenes of several files cannot be opened from memory. */
+/* Opens a scene file in memory like fxs_scene_file_open. The bytes must stay unchanged until the handle is closed.
+   Messages begin with `name`, which is copied. Scenes of several files cannot be opened from memory. */
 FXS_API int fxs_scene_file_open_memory(const char *name, const void *data, size_t size,
                                        const fxs_scene_file_options *options, fxs_scene_file **file,
                                        fxs_scene_file_info *info, fxs_message *message);
 
-/* fxs_scene_file_open for a file that callbacks read; *input is copied. Its `close` is called even if opening fails. */
+/* Opens a scene file that callbacks read, like fxs_scene_file_open; *input is copied. Its `close` is called even if
+   opening fails. */
 FXS_API int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input,
                                       const fxs_scene_file_options *options, fxs_scene_file **file,
                                       fxs_scene_file_info *info, fxs_message *message);
 
 /* ---- Filters ----------------------------------------------------------------------------------------------------- */
 
-/* Filters a stream of Gaussians: by position, opacity, SH degree, and for floaters. */
+/* Filters a stream of Gaussians: keeps or drops them by position, opacity and SH degree, and drops floaters (stray
+   Gaussians with few neighbours). */
 
 /* Gaussians that cannot be drawn and are dropped: their number by reason, and the weights of the dropped and of the
    kept Gaussians. */
 typedef struct fxs_pack_dropped {
-    uint64_t not_finite;      /* a value is NaN or infinite; only ln(sigma) may be minus infinity */
-    uint64_t rotation;        /* the quaternion is zero */
-    uint64_t transparent;     /* the opacity is minus infinity, exactly 0 after the sigmoid: not a fault of the file */
-    double weight, kept;      /* sums of fxs_weight over the dropped Gaussians and over the others */
+    uint64_t not_finite;      /* number of Gaussians with a value that is NaN or infinite; only ln(sigma) may be minus
+                                 infinity */
+    uint64_t rotation;        /* number of Gaussians with a quaternion of zero */
+    uint64_t transparent;     /* number of Gaussians with an opacity of minus infinity, exactly 0 after the sigmoid: not
+                                 a fault of the file */
+    double weight, kept;      /* sums of fxs_weight over the dropped Gaussians and over the kept ones */
 } fxs_pack_dropped;
 
 #define FXS_FLOATER_NEIGHBOURS 8
@@ -277,8 +292,9 @@ typedef struct fxs_pack_dropped {
 
 enum fxs_filter_kind { FXS_FILTER_BOX, FXS_FILTER_SPHERE, FXS_FILTER_CYLINDER, FXS_FILTER_KINDS };
 
-/* numbers: for a box the least x, y, z and the greatest; for a sphere the middle and the radius; for a cylinder the
-   middles of its two ends, which differ, and the radius. Scene units; surfaces count as inside. */
+/* A shape of a filter, as numbers. For a box the least x, y, z and the greatest; for a sphere the middle and the
+   radius; for a cylinder the middles of its two ends, which differ, and the radius. Scene units; surfaces count as
+   inside. */
 typedef struct fxs_filter_shape {
     enum fxs_filter_kind kind;
     double numbers[7];
@@ -286,27 +302,28 @@ typedef struct fxs_filter_shape {
 
 typedef struct fxs_scene_filter {
     uint32_t size;
-    double low[3], high[3];   /* keeps centres in this box, scene units; -INFINITY to INFINITY: all */
-    double middle[3], radius; /* and in this sphere; a radius of INFINITY: all */
-    double opacity;           /* least opacity to keep, 0 to 1 */
+    double low[3], high[3];   /* keeps Gaussians with centres in this box, scene units; -INFINITY to INFINITY: all */
+    double middle[3], radius; /* keeps Gaussians with centres in this sphere; a radius of INFINITY: all */
+    double opacity;           /* least opacity of Gaussians to keep, 0 to 1 */
     int sh_degree;            /* highest SH degree to keep, 0 to 3 */
     int drawable;             /* 1: drops the Gaussians that fxs_pack would drop */
-    int floaters;             /* strength 1 to 5: drops floaters, which are found among the Gaussians that the other
-                                 filters keep, see below; 0: keeps floaters */
-    /* For each kind with shapes: keeps centres in at least one shape of that kind. Owned by the caller; must stay valid
-       until the file is closed. */
+    int floaters;             /* strength of the floater filter, 1 to 5: drops floaters (Gaussians with few neighbours)
+                                 among the Gaussians that the other filters keep. fxs_scene_filter describes the
+                                 strengths; 0: keeps floaters */
+    /* Shapes of the filter. For each kind (box, sphere, cylinder) with shapes, it keeps Gaussians with centres in at
+       least one shape of that kind. The caller owns the array, which must stay valid until the file is closed. */
     const fxs_filter_shape *shapes;
     uint32_t shape_count;
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {
     uint64_t read, kept;
-    uint64_t outside, faint;   /* dropped by position and by opacity */
-    uint64_t floaters;         /* dropped for too few neighbours */
-    fxs_pack_dropped dropped;  /* dropped because `drawable` is 1 */
+    uint64_t outside, faint;   /* numbers of Gaussians that the filter dropped by position and by opacity */
+    uint64_t floaters;         /* number of Gaussians that the filter dropped for too few neighbours */
+    fxs_pack_dropped dropped;  /* Gaussians that the filter dropped because its option `drawable` is 1 */
 } fxs_scene_filter_report;
 
-/* Sets a filter that keeps every Gaussian. */
+/* Initialises a filter that keeps every Gaussian. */
 FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
 #define fxs_scene_filter_init(filter) fxs_scene_filter_init(filter, (uint32_t)sizeof *(filter))
 
@@ -358,44 +375,50 @@ FXS_API int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_s
 
 /* ---- Writers ----------------------------------------------------------------------------------------------------- */
 
-/* Writes Gaussians to a scene file, in a format of scene.h: given in the options, or found from the file's ending.
-   Functions return 0, or an error and a message. One thread at a time may use a writer. */
+/* Writes Gaussians to a scene file. The format is given in the options, or found from the file's ending. Functions
+   return 0, or an error and a message. One thread at a time may use a writer. */
 
 typedef struct fxs_scene_writer fxs_scene_writer;
 
 typedef struct fxs_scene_write_options {
     uint32_t size;
     uint64_t count;              /* exact number of Gaussians that will be written */
-    int sh_degree;               /* 0 to 3 */
-    int antialiased;             /* 1: opacities were fitted with compensation for the renderer's dilation */
-    float low[3], high[3];       /* bounds of the centres, for the header of a .glb; unused by other formats */
+    int sh_degree;               /* SH degree to write, 0 to 3 */
+    int antialiased;             /* 1: opacities were fitted with compensation for the renderer's dilation, a small blur
+                                    of each Gaussian */
+    float low[3], high[3];       /* bounds of the Gaussians' centres, for the header of a .glb; unused by other
+                                    formats */
     int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
-    const char *format;          /* a name of scene.h, such as "ply"; null: by the path's ending */
+    const char *format;          /* name of a scene file format, such as "ply"; null: chosen by the path's ending */
     int spz_fine;                /* 1: an .spz gets SH in 8 bits instead of 5 and 4, and positions in all 24 bits */
-    double origin[3];            /* origin of the stream (fxs_scene_file_info), added to each position and to the
-                                    bounds */
+    double origin[3];            /* origin of the Gaussians (fxs_scene_file_info), which is added to each position and
+                                    to the bounds */
 } fxs_scene_write_options;
 FXS_INIT(fxs_scene_write_options)
 
-/* Numbers of Gaussians in an .spz with a value that was clamped by at least a step of the format. Axes too thin to be
-   seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of 1/128. */
+/* Numbers of Gaussians with values that were clamped to the range of an .spz, by at least a step of the format. Axes
+   too thin to be seen do not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of
+   1/128. */
 typedef struct fxs_spz_clamped {
     uint32_t position, scale, dc, sh;
-    double reach;                /* scene units: a coordinate beyond +-reach is moved to +-reach */
+    double reach;                /* range of positions in the .spz, scene units: a coordinate beyond +-reach is moved to
+                                    +-reach */
 } fxs_spz_clamped;
 
-/* Losses in the written file. */
+/* What a written scene file has lost. */
 typedef struct fxs_scene_write_report {
-    int lost_sh;                 /* highest SH degree that was dropped, or 0 */
-    int lost_antialiased;        /* 1: the scene is anti-aliased, but the format cannot record it */
-    fxs_spz_clamped clamped;     /* all 0 for formats other than .spz */
-    double moved;                /* scene units: largest distance that positions moved when rounded to floats far from
-                                    0; 0 if `origin` is 0, and for formats that can store the positions */
+    int lost_sh;                 /* highest SH degree that writing dropped, or 0 */
+    int lost_antialiased;        /* 1: opacities compensate for the renderer's dilation (a small blur), but the format
+                                    cannot record it */
+    fxs_spz_clamped clamped;     /* clamped values of an .spz; all 0 for other formats */
+    double moved;                /* largest distance in scene units between a position and its written value, if
+                                    positions were rounded to floats far from 0; 0 if `origin` is 0, and for formats
+                                    that can store the positions */
 } fxs_scene_write_report;
 
-/* Begins a file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an anti-aliased
-   scene. A .glb has KHR_gaussian_splatting with floats. If options->origin is not 0, a .ply has x, y and z as doubles,
-   a .glb a translated node, and a .csv more digits; other formats get the nearest floats.
+/* Begins a scene file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an
+   anti-aliased scene. A .glb has KHR_gaussian_splatting with floats. If options->origin is not 0, a .ply has x, y and z
+   as doubles, a .glb a translated node, and a .csv more digits; other formats get the nearest floats.
 
    Until it is complete, the file has a temporary name next to `path` (system.h). fxs_scene_writer_close frees *writer,
    which is null after an error. A lod-meta.json creates folders next to it, 0_0 and so on; after an error, their new
@@ -411,13 +434,13 @@ typedef struct fxs_scene_write_report {
 FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
                                   fxs_message *message);
 
-/* Adds the next n Gaussians; fxs_drawable must have accepted each. Errors: FXS_ERR_FILE, and FXS_ERR_ARGUMENT for more
-   Gaussians than announced. */
+/* Adds the next n Gaussians to a file; fxs_drawable must have accepted each. Errors: FXS_ERR_FILE, and FXS_ERR_ARGUMENT
+   for more Gaussians than announced. */
 FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n,
                                  fxs_message *message);
 
-/* Completes the file under its name, fills in *report and frees the writer. `writer`, `report` and `progress` may be
-   null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if
+/* Completes a file under its final name, fills in *report and frees the writer. `writer`, `report` and `progress` may
+   be null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if
    Gaussians are missing, FXS_ERR_MEMORY. After an error the new file is removed, and an existing file of that name is
    unchanged. */
 FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report,
@@ -439,8 +462,8 @@ FXS_API int fxs_file_write(const char *path, const void *data, size_t bytes, fxs
    content of an .fxs file. Returns 0, or the error of fxs_scene_open. */
 FXS_API int fxs_file_seal(void *data, size_t bytes);
 
-/* Checks the size and the header's checksum of a file of `bytes` bytes that was mapped or read to `data` (aligned to
-   64). With `all` it also checks the palette and every chunk, which reads the whole file. `path` is for the message.
+/* Checks the size and the header's checksum of an .fxs file of `bytes` bytes that was mapped or read to `data` (aligned
+   to 64). With `all` it also checks the palette and every chunk, which reads the whole file. `path` is for the message.
    Returns 0, or an error and a message: FXS_ERR_FILE if the file is damaged, FXS_ERR_VERSION if it has another
    version. */
 FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);

@@ -13,9 +13,9 @@ extern "C" {
 
 /* ---- Clock ------------------------------------------------------------------------------------------------------- */
 
-/* A clock for fxs_config. */
+/* A clock that a program can give to the library in fxs_config. */
 
-/* Nanoseconds of a monotonic clock. */
+/* Returns nanoseconds of a clock that never goes back. */
 FXS_API uint64_t fxs_clock(void *unused);
 
 /* ---- Mapped files ------------------------------------------------------------------------------------------------ */
@@ -23,10 +23,10 @@ FXS_API uint64_t fxs_clock(void *unused);
 /* Maps a file into memory, read-only. */
 
 typedef struct fxs_mapping {
-    void *data;                    /* aligned to a page; null: nothing is mapped */
+    void *data;                    /* content of the file, aligned to a page; null: nothing is mapped */
     size_t bytes;
     int descriptor;
-    int slot;                      /* index in the table of mapped files */
+    int slot;                      /* index of this mapping in the library's table of mapped files */
     int64_t modified[2];           /* modification time of the file when it was mapped: seconds, nanoseconds */
 } fxs_mapping;
 
@@ -34,9 +34,10 @@ typedef struct fxs_mapping {
    once. Several threads may map, check and unmap their own files at the same time. */
 FXS_API int fxs_map_open(fxs_mapping *mapping, const char *path, fxs_message *message);
 
-/* Checks a mapped file. Later writes to the file may appear in the memory, and if the file is truncated, a read beyond
-   its end raises SIGBUS. A program that renders from a mapping calls this after each frame, before it uses the picture.
-   Returns 0, or FXS_ERR_FILE and a message if the file was written to or truncated since it was mapped. */
+/* Checks that a mapped file is unchanged. Later writes to the file may appear in the memory, and if the file is
+   truncated, a read beyond its end raises SIGBUS. A program that renders from a mapping calls this after each frame,
+   before it uses the picture. Returns 0, or FXS_ERR_FILE and a message if the file was written to or truncated since it
+   was mapped. */
 FXS_API int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *message);
 
 /* Installs a handler for SIGBUS, once per process; later calls do nothing. Truncated parts of a mapped file then
@@ -49,22 +50,23 @@ FXS_API void fxs_map_close(fxs_mapping *mapping);
 
 /* ---- Threads ----------------------------------------------------------------------------------------------------- */
 
-/* A pool of POSIX threads for fxs_config: config.run = fxs_pool_run, config.pool = the pool. */
+/* A pool of POSIX threads that runs the library's jobs, for fxs_config: config.run = fxs_pool_run, config.pool = the
+   pool. */
 
 typedef struct fxs_pool fxs_pool;
 
-/* Starts threads - 1 threads; the caller of fxs_pool_run works as one more. `threads` is 1 to 64. Returns null if the
-   threads cannot be started. */
+/* Creates a thread pool. It starts threads - 1 threads; the caller of fxs_pool_run works as one more. `threads` is 1 to
+   64. Returns null if the threads cannot be started. */
 FXS_API fxs_pool *fxs_pool_create(uint32_t threads);
 
 /* Runs job(argument, i) for i in 0..jobs-1 and returns when all jobs are done. Several threads may call it at once, and
    jobs may call it too: every caller runs its own jobs, and the pool's threads help the earliest caller. */
 FXS_API void fxs_pool_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
 
-/* Ends the threads and frees the pool, after every fxs_pool_run has returned; null is allowed. */
+/* Ends the threads of a pool and frees it, after every fxs_pool_run has returned; null is allowed. */
 FXS_API void fxs_pool_destroy(fxs_pool *pool);
 
-/* The number of processors that the calling thread may run on (on Linux by its affinity mask), 1 to 64. */
+/* Returns the number of processors that the calling thread may run on (on Linux by its affinity mask), 1 to 64. */
 FXS_API uint32_t fxs_processors(void);
 
 /* ---- Output files ------------------------------------------------------------------------------------------------ */

@@ -9,39 +9,39 @@
 extern "C" {
 #endif
 
-/* A box in the file's own units. */
+/* A crop box of a placement, in the units of the scene file. */
 typedef struct fxs_world_crop {
     double low[3], high[3];
     int outside;                   /* 0: keeps the Gaussians inside the box; 1: keeps the Gaussians outside */
 } fxs_world_crop;
 
-/* The placement of a file in the world: world = translation + scale * rotation * position. */
+/* The placement of a scene file in the world: world = translation + scale * rotation * position. */
 typedef struct fxs_placement {
-    uint32_t file;                 /* index in fxs_world.files */
-    double translation[3];         /* world units, within +-2^28 */
-    double rotation[4];            /* quaternion w, x, y, z, of any length except 0 */
-    double scale;                  /* 2^-16 to 2^16 */
-    double opacity;                /* factor of opacities, 0 to 1 */
-    double tint[3];                /* factors of red, green, blue, 0 to 4 */
+    uint32_t file;                 /* number of the scene file: an index in fxs_world.files */
+    double translation[3];         /* position of the file's origin, world units, within +-2^28 */
+    double rotation[4];            /* rotation from file to world: quaternion w, x, y, z, of any length except 0 */
+    double scale;                  /* size of the file's unit in world units, 2^-16 to 2^16 */
+    double opacity;                /* factor for all opacities of the file, 0 to 1 */
+    double tint[3];                /* factors for red, green and blue of the file, 0 to 4 */
     int visible;
-    uint32_t id;                   /* 0 to 2^32 - 2 */
+    uint32_t id;                   /* number of the object, for id targets and fxs_pick: 0 to 2^32 - 2 */
     uint32_t crop_count;
     fxs_world_crop crops[FXS_MAX_CROPS];
 } fxs_placement;
 
-/* All fields 0: an empty world. */
+/* A world: scene files and their placements. All fields 0: an empty world. */
 typedef struct fxs_world {
-    char **files;                  /* all paths are different */
+    char **files;                  /* paths of the scene files, all different */
     fxs_placement *objects;
     uint32_t file_count, count, room;
-    double up[3];                  /* the up direction, of any length; all 0: taken from the files */
+    double up[3];                  /* up direction of the world, of any length; all 0: taken from the files */
 } fxs_world;
 
-/* Identity placement: at the origin, visible. */
+/* Initialises a placement: at the origin of the world, unscaled and visible. */
 FXS_API void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_t id);
 
-/* fxs_world_add_file adds a path, unless the world has it already, and sets *file to its index. fxs_world_add adds an
-   object, a copy of *placement. Both return 0, or an FXS_ERR_* and a message. */
+/* Add to a world. fxs_world_add_file adds a scene file's path, unless the world has it already, and sets *file to its
+   index. fxs_world_add adds an object, a copy of *placement. Both return 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
 FXS_API int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message *message);
 
@@ -59,7 +59,7 @@ FXS_API int fxs_world_read(fxs_world *world, const char *path, fxs_message *mess
 
 FXS_API void fxs_world_free(fxs_world *world);
 
-/* Checks a placement and rounds it to an object of the renderer. `crops` receives the object's crop_count boxes.
+/* Checks a placement and rounds it to an object of the renderer. `crops` receives the object's crop_count crop boxes.
    Returns 0, or FXS_ERR_OBJECT and a message with the number that is out of range. */
 FXS_API int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement,
                              fxs_crop *crops, fxs_message *message);

@@ -16,7 +16,7 @@ extern "C" {
 /* Allocates count * size bytes. Returns null if memory ran out or the product exceeds SIZE_MAX. */
 FXS_EXPERIMENTAL void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);
 
-/* Like fxs_allocate, with all bytes 0. */
+/* Allocates count * size bytes like fxs_allocate, with all bytes 0. */
 FXS_EXPERIMENTAL void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
 
 /* Moves `old_count` items of a block to a new block for `count` items, and frees the old block. `block` may be null

@@ -1,4 +1,4 @@
-/* The library's back ends. */
+/* Declares the library's back ends (ways to render frames on the processor or on a GPU). */
 #ifndef FXS_INTERNAL_BACKENDS_H
 #define FXS_INTERNAL_BACKENDS_H
 

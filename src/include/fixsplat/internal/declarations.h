@@ -13,7 +13,8 @@ extern "C" {
 /* Returns all structs, functions and constants of the library as preprocessed C, in static memory. */
 FXS_EXPERIMENTAL const char *fxs_declarations(void);
 
-/* An fxs_stop_fn that stops a frame once the byte is nonzero. Any thread or signal handler may set the byte. */
+/* Stops a frame once a byte is nonzero: an fxs_stop_fn whose argument is that byte. Any thread or signal handler may
+   set the byte. */
 FXS_EXPERIMENTAL int fxs_stop_by_byte(void *byte);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Integer arithmetic of the stages before blending. m * 2^-32 is a mantissa: m is in [2^31, 2^32), or in [2^30,
- * 2^32) where the exponent must be even. docs/numbers.md derives the error bounds. */
+/* Integer arithmetic for the rendering stages before blending. A mantissa m stands for m * 2^-32: m is in [2^31, 2^32),
+   or in [2^30, 2^32) where the exponent must be even. docs/numbers.md derives the error bounds. */
 #ifndef FXS_FIXED_H
 #define FXS_FIXED_H
 
@@ -20,7 +20,7 @@
 #define FXS_SHARED_WRITE(x, to) (*(volatile int *)&(x) = (to))
 #endif
 
-/* x must be above 0. */
+/* Counts the leading zero bits of x, which must be above 0. */
 static inline int fxs_clz32(uint32_t x)
 {
 #if defined(__CUDA_ARCH__)
@@ -40,7 +40,7 @@ static inline int fxs_clz64(uint64_t x)
     return x >> 32 ? fxs_clz32((uint32_t)(x >> 32)) : 32 + fxs_clz32((uint32_t)x);
 }
 
-/* x must be above 0. */
+/* Counts the trailing zero bits of x, which must be above 0. */
 static inline int fxs_ctz32(uint32_t x)
 {
     return 31 - fxs_clz32(x & -x);
@@ -53,13 +53,13 @@ static inline int fxs_ctz64(uint64_t x)
 
 #define FXS_ONE_Q32 ((int64_t)1 << 32)
 
-/* mantissa * 2^(exponent - 31), mantissa in [2^31, 2^32) */
+/* A positive scale factor: mantissa * 2^(exponent - 31), with the mantissa in [2^31, 2^32). */
 typedef struct fxs_scale {
     uint32_t mantissa;
     int32_t exponent;
 } fxs_scale;
 
-/* scale_q32 must be above 0. */
+/* Converts a scale factor in Q32, which must be above 0, to mantissa and exponent. */
 static inline fxs_scale fxs_scale_of(int64_t scale_q32)
 {
     const int zeros = fxs_clz64((uint64_t)scale_q32);
@@ -67,10 +67,10 @@ static inline fxs_scale fxs_scale_of(int64_t scale_q32)
     return scale;
 }
 
-/* Returns the high half of the 64-bit product. */
+/* Returns the high half of the 64-bit product a * b. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {
-#if defined(__CUDA_ARCH__)         /* saves an instruction with nvcc */
+#if defined(__CUDA_ARCH__)         /* inline assembly, which saves an instruction with nvcc */
     uint32_t high;
     asm("{ .reg .b32 low; .reg .b64 whole; mul.wide.u32 whole, %1, %2; mov.b64 {low, %0}, whole; }"
         : "=r"(high) : "r"(a), "r"(b));
@@ -80,10 +80,10 @@ static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 #endif
 }
 
-/* Returns the exact 64-bit a * b + c. */
+/* Returns a * b + c, exact in 64 bits. */
 static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 {
-#if defined(__CUDA_ARCH__)         /* nvcc would widen both factors to 64 bits */
+#if defined(__CUDA_ARCH__)         /* inline assembly, because nvcc would widen both factors to 64 bits */
     int64_t sum;
     asm("mad.wide.s32 %0, %1, %2, %3;" : "=l"(sum) : "r"(a), "r"(b), "l"(c));
     return sum;
@@ -92,10 +92,10 @@ static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 #endif
 }
 
-/* x * 2^-shift, rounded down. shift is 0 or more, also above 31. */
+/* Returns x * 2^-shift, rounded down. `shift` is 0 or more, also above 31. */
 static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 {
-#if defined(__CUDA_ARCH__)         /* CUDA's shift instruction accepts any count */
+#if defined(__CUDA_ARCH__)         /* CUDA's shift instruction accepts any count, also above 31 */
     uint32_t left;
     asm("shr.u32 %0, %1, %2;" : "=r"(left) : "r"(x), "r"(shift));
     return left;
@@ -104,7 +104,7 @@ static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 #endif
 }
 
-/* x * 2^-shift, rounded to nearest, halves up. shift in 1..62. */
+/* Returns x * 2^-shift, rounded to nearest, halves up. `shift` is 1 to 62. */
 static inline int64_t fxs_round_shift(int64_t x, int shift)
 {
     return ((x >> (shift - 1)) + 1) >> 1;
@@ -115,8 +115,9 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* 2^62 / m, in [2^30, 2^31); m in [2^31, 2^32). Newton's method from 48/17 - 32/17 x (error 1/17), three times: y' =
-   y (2 - x y). fxs_mulhi of doubled factors below 2^31 gives a product over 2^30. */
+/* Reciprocal: returns about 2^62 / m, in [2^30, 2^31), for m in [2^31, 2^32). With x = m * 2^-32, Newton's method from
+   48/17 - 32/17 x (error 1/17), three times: y' = y (2 - x y). fxs_mulhi of doubled factors below 2^31 gives a product
+   over 2^30. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);
@@ -125,8 +126,9 @@ static inline uint32_t fxs_reciprocal(uint32_t m)
     return y_q30;
 }
 
-/* 1 / sqrt(m * 2^-32), Q30, in [2^30 - 1024, 2^31); m in [2^30, 2^32). Newton's method from 2.2 - 1.333 x (error
-   1/8), three times: y' = y (3 - x y^2) / 2. Relative error below 2^-19. */
+/* Reciprocal square root: returns about 1 / sqrt(m * 2^-32) in Q30, in [2^30 - 1024, 2^31), for m in [2^30, 2^32). With
+   x = m * 2^-32, Newton's method from 2.2 - 1.333 x (error 1/8), three times: y' = y (3 - x y^2) / 2. Relative error
+   below 2^-19. */
 static inline uint32_t fxs_rsqrt(uint32_t m)
 {
     uint32_t y_q30 = 2369829601u - fxs_mulhi(m, 1431655765u);
@@ -137,7 +139,7 @@ static inline uint32_t fxs_rsqrt(uint32_t m)
     return y_q30;
 }
 
-/* sqrt(x), rounded down after a relative error of at most 2^-18. */
+/* Square root: returns sqrt(x), with a relative error of at most 2^-18, then rounded down. */
 static inline uint32_t fxs_sqrt(uint32_t x)
 {
     if (!x)
@@ -147,7 +149,8 @@ static inline uint32_t fxs_sqrt(uint32_t x)
     return fxs_mulhi(m, fxs_rsqrt(m)) >> (14 + shift / 2);
 }
 
-/* 2^-f, Q15, in (2^14, 2^15]; f_q15 in 0..32767. Polynomial of degree 4, relative error below 2^-13. */
+/* Power of two: returns 2^-f in Q15, in (2^14, 2^15], for f_q15 in 0..32767. Polynomial of degree 4, relative error
+   below 2^-13. */
 static inline int32_t fxs_exp2_q15(int32_t f_q15)
 {
     int32_t p = (256 * f_q15 + 16384) >> 15;
@@ -157,7 +160,8 @@ static inline int32_t fxs_exp2_q15(int32_t f_q15)
     return 32768 + p;
 }
 
-/* log2(x), Q16; x above 0. log2(1 + t) = t (1 + (1 - t) q(t)) with a cubic q, absolute error below 2^-12. */
+/* Binary logarithm: returns log2(x) in Q16, for x above 0. log2(1 + t) = t (1 + (1 - t) q(t)) with a cubic q, absolute
+   error below 2^-12. */
 static inline int32_t fxs_log2_q16(uint64_t x)
 {
     int n = fxs_clz64(x);

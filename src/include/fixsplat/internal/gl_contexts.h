@@ -10,37 +10,37 @@ extern "C" {
 
 /* ---- Contexts of EGL --------------------------------------------------------------------------------------------- */
 
-/* An OpenGL ES 3.0 context without a display, for kernels/gles: EGL on a device (EGL_EXT_platform_device), Mesa without
-   a surface (EGL_MESA_platform_surfaceless), or the default display. libEGL and libGLESv2 are loaded at run time. */
+/* Makes an OpenGL ES 3.0 context without a display: by EGL on a device (EGL_EXT_platform_device), by Mesa without a
+   surface (EGL_MESA_platform_surfaceless), or on the default display. libEGL and libGLESv2 are loaded at run time. */
 
-/* Creates a context with the first of these that works and makes it current on this thread. Returns 0, or -1 and a
-   message. */
+/* Creates an OpenGL ES context in the first of several ways that works (EGL device, no surface, default display), and
+   makes it current on this thread. Returns 0, or -1 and a message. */
 FXS_EXPERIMENTAL int fxs_egl_open(void **egl, fxs_message *message);
 
-/* Finds a function of OpenGL ES by its name: an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */
+/* Finds a function of OpenGL ES by its name. It is an fxs_gl_load_fn; its argument is the context of fxs_egl_open. */
 FXS_EXPERIMENTAL void (*fxs_egl_load(void *egl, const char *name))(void);
 
-/* Makes the context current on this thread again. Returns 0, or -1. */
+/* Makes an OpenGL ES context current on this thread again. Returns 0, or -1. */
 FXS_EXPERIMENTAL int fxs_egl_use(void *egl);
 
-/* Ends the context; null is allowed. The display stays open, as the process may have other contexts on it. */
+/* Ends an OpenGL ES context; null is allowed. The display stays open, as the process may have other contexts on it. */
 FXS_EXPERIMENTAL void fxs_egl_close(void *egl);
 
 /* ---- Contexts of OSMesa ------------------------------------------------------------------------------------------ */
 
-/* An OpenGL 3.3 context of Mesa's off-screen library, for kernels/gles: rendered on the processor, without a display.
+/* Makes an OpenGL 3.3 context of Mesa's off-screen library OSMesa: it renders on the processor, without a display.
    libOSMesa is loaded at run time; Mesa dropped it in version 25.1. */
 
-/* Makes a context and makes it current on this thread. Returns 0, or -1 and a message. */
+/* Makes an OSMesa context and makes it current on this thread. Returns 0, or -1 and a message. */
 FXS_EXPERIMENTAL int fxs_osmesa_open(void **osmesa, fxs_message *message);
 
-/* Finds a function of OpenGL by its name: an fxs_gl_load_fn, whose argument is the context of fxs_osmesa_open. */
+/* Finds a function of OpenGL by its name. It is an fxs_gl_load_fn; its argument is the context of fxs_osmesa_open. */
 FXS_EXPERIMENTAL void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
 
-/* Makes the context current on this thread again. Returns 0, or -1. */
+/* Makes an OSMesa context current on this thread again. Returns 0, or -1. */
 FXS_EXPERIMENTAL int fxs_osmesa_use(void *osmesa);
 
-/* Ends the context; null is allowed. */
+/* Ends an OSMesa context; null is allowed. */
 FXS_EXPERIMENTAL void fxs_osmesa_close(void *osmesa);
 
 #ifdef __cplusplus

@@ -17,21 +17,21 @@ extern "C" {
 enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
     FXS_CPU_AVX2 = 2,
-    FXS_CPU_AVX512 = 4,            /* AVX-512 F, BW, DQ, VL, CD and VBMI */
+    FXS_CPU_AVX512 = 4,            /* instruction sets AVX-512 F, BW, DQ, VL, CD and VBMI */
     FXS_CPU_NEON = 8,
-    FXS_CPU_MVE = 16,              /* Helium, on Cortex-M */
-    FXS_CPU_CORTEX_M = 32,         /* Cortex-M without Helium */
+    FXS_CPU_MVE = 16,              /* Helium, the vector instructions of some Cortex-M processors */
+    FXS_CPU_CORTEX_M = 32,         /* Cortex-M processors without the vector instructions Helium */
     FXS_CPU_SIMD128 = 64           /* WebAssembly */
 };
 
 /* Returns the instruction sets of the running processor, as flags of enum fxs_cpu. */
 FXS_EXPERIMENTAL unsigned fxs_cpu_detect(void);
 
-/* Returns the name of one flag, such as "avx2", or null for any other value. */
+/* Returns the name of one instruction set flag, such as "avx2", or null for any other value. */
 FXS_EXPERIMENTAL const char *fxs_cpu_name(unsigned flag);
 
-/* Fills in *kernels with the fastest version of each stage, for the instruction sets in `cpu` that the running
-   processor has. The default is plain C. */
+/* Fills in *kernels with the fastest version of each rendering stage, for the instruction sets in `cpu` that the
+   running processor has. A stage without a faster version gets plain C. */
 FXS_EXPERIMENTAL void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus

@@ -56,69 +56,76 @@ extern "C" {
 #endif
 
 #define FXS_CHUNK 256
-#define FXS_PACKED_MAGIC 0x31535846u      /* the bytes "FXS1" */
-#define FXS_PACKED_VERSION 5u             /* version of files without a level-of-detail tree */
-#define FXS_PACKED_VERSION_TREE 6u        /* version of files with a level-of-detail tree */
+#define FXS_PACKED_MAGIC 0x31535846u      /* first four bytes of a packed scene, "FXS1" */
+#define FXS_PACKED_VERSION 5u             /* file version of scenes without a level-of-detail tree */
+#define FXS_PACKED_VERSION_TREE 6u        /* file version of scenes with a level-of-detail tree */
 #define FXS_PACKED_ANTIALIASED 1u
-#define FXS_PACKED_UP 0x80000000u       /* flag: the lower bits store the up vector (docs/format.md) */
+#define FXS_PACKED_UP 0x80000000u       /* header flag: the lower bits of `flags` store the up vector
+                                           (docs/format.md) */
 
-typedef struct fxs_packed_header {   /* size: 192 bytes */
+typedef struct fxs_packed_header {   /* the header of a packed scene has 192 bytes */
     uint32_t magic, version;
-    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, including empty slots */
-    uint32_t chunk_bytes;            /* bytes of a chunk's rows */
+    uint32_t count, chunk_count;     /* `count` is the number of slots up to the last Gaussian, including empty slots */
+    uint32_t chunk_bytes;            /* size of the rows (Gaussian codes) of a chunk, bytes */
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP */
     uint32_t checksum;               /* in a file: CRC-32 of the header with checksum 0; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the Gaussians' centres; unused by the renderer */
-    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part of the scene: docs/format.md */
+    int64_t inner_low_q32[3], inner_high_q32[3];   /* bounds of the visible part of the scene, for framing a view:
+                                                      docs/format.md */
     uint32_t profile;
-    uint32_t palette_entries;        /* palette entries per stage, 1 to 128; 0: no palette */
-    uint32_t palette_step_q19;       /* palette coefficient = number * step; at most 32767 */
-    uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
+    uint32_t palette_entries;        /* number of SH palette entries per stage, 1 to 128; 0: no palette */
+    uint32_t palette_step_q19;       /* scale of the SH palette: coefficient = number * step; at most 32767 */
+    uint32_t palette_checksum;       /* in a file: CRC-32 of the SH palette */
     uint32_t holes;                  /* number of empty slots before the last Gaussian */
     uint32_t start_tangent_q24;      /* start view: tangent of half the vertical field of view; 0: none */
     int64_t start_q32[3];            /* start view: camera centre */
     int32_t start_rotation_q30[4];   /* start view: unit quaternion w, x, y, z, world to camera */
 } fxs_packed_header;
 
-#define FXS_COLOUR_MOST 511        /* largest code of a base colour */
+#define FXS_COLOUR_MOST 511        /* largest code of a Gaussian's base colour */
 
-/* Opacity of code c. Law 0: c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2 for c > 0, and 0
-   for c = 0. Higher laws give finer steps for chunks of faint Gaussians. */
+/* Opacity laws: how a chunk's opacity codes c are decoded. Law 0: c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255)
+   ((c - 1) / 254)^2 for c > 0, and 0 for c = 0. Higher laws give finer steps for chunks of faint Gaussians. */
 #define FXS_OPACITY_LAWS 4u
 
-typedef struct fxs_chunk {           /* size: 128 bytes */
-    int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
+typedef struct fxs_chunk {           /* the header of a chunk has 128 bytes */
+    int64_t origin_q32[3];           /* decodes positions: origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
-    int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32 */
+    int32_t scale_q16;               /* decodes sizes: log2(sigma) = scale - code^2 * scale_step, within +-32 */
     int32_t colour_q16[3];
-    uint32_t colour_step_q20[3];     /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
+    uint32_t colour_step_q20[3];     /* decodes base colours: 0.5 + C0 dc = colour + code * colour_step, within +-64,
+                                        where C0 is the SH constant of degree 0 */
     uint32_t checksum;               /* in a file: CRC-32 of the chunk header with checksum 0, and of its rows */
-    uint16_t sh_step_q19[3];         /* profile default: SH coefficient of degree d = code * sh_step[d - 1] */
-    uint16_t step_shift;             /* step_shift is 0 to 12 */
-    uint16_t scale_step_q24;         /* scale_step_q24 is at most 1026 */
-    uint16_t opacity_law;            /* opacity_law is 0 to 3 */
-    int8_t sh_mean[48];              /* compact, small: mean SH, added to each Gaussian's SH */
+    uint16_t sh_step_q19[3];         /* decodes SH in profile default: coefficient of degree d = code * sh_step[d -
+                                        1] */
+    uint16_t step_shift;             /* left shift of position codes, 0 to 12 bits */
+    uint16_t scale_step_q24;         /* step of size codes, at most 1026 */
+    uint16_t opacity_law;            /* number of the opacity law, 0 to 3 */
+    int8_t sh_mean[48];              /* for profiles compact and small: mean SH of the chunk, added to each Gaussian's
+                                        SH */
 } fxs_chunk;
 
-#define FXS_TREE_MAGIC 0x54535846u        /* the bytes "FXST" */
+#define FXS_TREE_MAGIC 0x54535846u        /* first four bytes of a level-of-detail tree, "FXST" */
 
-typedef struct fxs_tree_header {     /* size: 64 bytes */
+typedef struct fxs_tree_header {     /* the header of a level-of-detail tree has 64 bytes */
     uint32_t magic;
-    uint32_t node_count;             /* equals chunk_count - 1 */
+    uint32_t node_count;             /* number of tree nodes, chunk_count - 1 */
     uint32_t checksum;               /* in a file: CRC-32 of the tree header with checksum 0, nodes and padding */
-    uint32_t reserved[13];           /* must be 0 */
+    uint32_t reserved[13];           /* reserved bytes, which must be 0 */
 } fxs_tree_header;
 
 /* A node of the level-of-detail tree. The node's chunk of coarse Gaussians replaces both children's chunks. Leaves
    have the chunk numbers from 0 on; node i has number chunk_count + i. A node comes before its children. */
-typedef struct fxs_node {            /* size: 16 bytes */
-    uint32_t children[2];            /* chunk numbers of both children */
-    int16_t gain_q8;                 /* log2 of the squared error that the children remove, colours^2 units^2 */
-    int16_t size_q8;                 /* log2 of the sigma of the differences to the children, units */
-    int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of the node's Gaussians, units^2 */
-    uint16_t swell_q8;               /* log2(opacity sum of all leaves below, each 1/255.5 or more, over the node's
-                                        own sum) */
+typedef struct fxs_node {            /* a node of the level-of-detail tree has 16 bytes */
+    uint32_t children[2];            /* chunk numbers of the node's two children */
+    int16_t gain_q8;                 /* log2 of the squared error that drawing the children removes, in colours^2
+                                        units^2 */
+    int16_t size_q8;                 /* log2 of the size (sigma) of the differences between the node and its children,
+                                        in units */
+    int16_t area_q8;                 /* log2 of the mean visible area sigma^2 of the node's Gaussians, in units^2 */
+    uint16_t swell_q8;               /* log2 of a ratio: the opacity sum of all leaves below, each opacity 1/255.5 or
+                                        more, over the node's own sum */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)
@@ -129,8 +136,8 @@ typedef struct fxs_node {            /* size: 16 bytes */
 #define FXS_BIG_ENDIAN 0
 #endif
 
-/* Converts `count` numbers of `size` bytes between little-endian and the processor's byte order, from byte `offset`
-   on. */
+/* Converts `count` numbers of `size` bytes, from byte `offset` on, between little-endian and the processor's byte
+   order. */
 static inline void fxs_little_endian(void *start, size_t offset, size_t count, size_t size)
 {
     unsigned char *bytes = (unsigned char *)start + offset;
@@ -196,7 +203,7 @@ static inline int fxs_within(int64_t x, int64_t limit)
     return x >= -limit && x <= limit;
 }
 
-/* Returns 1 if every field is in the range given in docs/format.md. */
+/* Returns 1 if every field of a chunk's header is in the range given in docs/format.md. */
 static inline int fxs_chunk_valid(const fxs_chunk *chunk)
 {
     int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
@@ -213,8 +220,8 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
     return valid;
 }
 
-/* Returns 1 if node i is valid in a scene of `leaves` leaves: two different children, each a leaf or a later node,
-   and a swell in range. */
+/* Returns 1 if node i is valid in a scene with `leaves` chunks at the tree's leaves: two different children, each a
+   leaf or a later node, and a field `swell` in range. */
 static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t i)
 {
     int valid = node->swell_q8 <= FXS_SWELL_MOST_Q8;
@@ -224,7 +231,7 @@ static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t
     return valid && node->children[0] != node->children[1];
 }
 
-/* Returns the number of chunks, including the chunks of the tree. */
+/* Returns the number of chunks of a scene, including the chunks of its tree. */
 static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
 {
     return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
@@ -235,16 +242,18 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
     return (uint32_t)((slots + FXS_CHUNK - 1) / FXS_CHUNK);
 }
 
-/* SH coefficients per colour channel above degree 0: 0, 3, 8, 15. */
+/* Returns the number of SH coefficients above degree 0 per colour channel: 0, 3, 8, 15 for degrees 0 to 3. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-#define FXS_ROW_POSITION 0u                              /* row offsets in bytes, profiles default and compact */
+#define FXS_ROW_POSITION 0u                              /* byte offsets of a chunk's rows (arrays of codes), profiles
+                                                            default and compact */
 #define FXS_ROW_ROTATION (6u * FXS_CHUNK)
 #define FXS_ROW_SCALE (10u * FXS_CHUNK)
 #define FXS_ROW_COLOUR (14u * FXS_CHUNK)
 #define FXS_ROW_SH (18u * FXS_CHUNK)
 
-#define FXS_SMALL_A 0u                                   /* row offsets in bytes, profile small */
+#define FXS_SMALL_A 0u                                   /* byte offsets of a chunk's rows (arrays of codes), profile
+                                                            small */
 #define FXS_SMALL_B (4u * FXS_CHUNK)
 #define FXS_SMALL_C (8u * FXS_CHUNK)
 #define FXS_SMALL_D (12u * FXS_CHUNK)
@@ -254,21 +263,21 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 #define FXS_AXIS_BITS_LEAST(profile) ((profile) == FXS_PROFILE_SMALL ? 8 : 11)
 #define FXS_AXIS_BITS_MOST(profile) ((profile) == FXS_PROFILE_SMALL ? 10 : 14)
 
-/* Returns the scale code of axis i, 0 to 1023. The third axis has only even codes. */
+/* Extracts the scale code of axis i from a scale word, 0 to 1023. The third axis has only even codes. */
 static inline uint32_t fxs_scale_code(uint32_t word, int i)
 {
     return i < 2 ? word >> 10 * i & 1023 : word >> 19 & 1022;
 }
 
-/* Returns the fall of a scale code: the chunk's scale_q16 - log2(sigma), below 2^22. */
+/* Decodes a scale code: returns the chunk's scale_q16 - log2(sigma), below 2^22. */
 static inline int32_t fxs_fall_q16(uint32_t code, uint32_t scale_step_q24)
 {
     return (int32_t)((code * code * scale_step_q24 + 128) >> 8);
 }
 
-/* Returns n, the number of bits of X and of Y in a rotation word. The word has the direction X, Y of the first axis,
-   then the roll about the first axis. n grows by 5/16 for each octave between the lengths of the first axis and of
-   the other axis nearest in length. */
+/* Returns n, the number of bits of X and of Y in a rotation word. The word has the direction X, Y of the Gaussian's
+   first axis, then the roll about the first axis. n grows by 5/16 for each octave between the lengths of the first axis
+   and of the other axis nearest in length. */
 static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall_q16[3])
 {
     const int32_t most = FXS_AXIS_BITS_MOST(profile);
@@ -278,8 +287,8 @@ static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall
     return bits < most ? bits : most;
 }
 
-/* Returns the number of palette stages. A Gaussian's SH are the chunk's mean SH plus or minus one entry of each
-   stage, plus a residual in profile compact. */
+/* Returns the number of SH palette stages. A Gaussian's SH are the chunk's mean SH plus or minus one palette entry of
+   each stage, plus a residual in profile compact. */
 static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
 {
     return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0
@@ -288,13 +297,14 @@ static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
                                                          : 6;
 }
 
-#define FXS_PALETTE_STAGES 6u                            /* maximum of palette stages */
-#define FXS_PALETTE_ENTRIES 128u                         /* maximum of entries per stage */
-#define FXS_PALETTE_STRIDE 48u                           /* bytes per palette entry */
-#define FXS_PALETTE_NEGATIVE 128u                        /* bit of a palette index: subtract the entry */
-#define FXS_GAIN_BYTE 3u                                 /* byte of the gain in an SH record, profile compact */
-#define FXS_RESIDUAL_BIT 32u                             /* first bit of the residual in an SH record, profile
-                                                            compact */
+#define FXS_PALETTE_STAGES 6u                            /* largest number of SH palette stages */
+#define FXS_PALETTE_ENTRIES 128u                         /* largest number of SH palette entries per stage */
+#define FXS_PALETTE_STRIDE 48u                           /* size of an SH palette entry, bytes */
+#define FXS_PALETTE_NEGATIVE 128u                        /* bit of a palette index that means: subtract the entry
+                                                            instead of adding it */
+#define FXS_GAIN_BYTE 3u                                 /* profile compact: byte of an SH record that holds the gain */
+#define FXS_RESIDUAL_BIT 32u                             /* profile compact: bit of an SH record where the residual
+                                                            begins */
 
 static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
 {
@@ -309,18 +319,19 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
     return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
 
-/* Returns the bytes of a packed scene without a tree. palette_entries is 0 to 128 per stage. Returns 0 if an
+/* Returns the size in bytes of a packed scene without a tree. palette_entries is 0 to 128 per stage. Returns 0 if an
    argument is out of range. */
 FXS_EXPERIMENTAL size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
                                         uint32_t palette_entries);
 
-/* Returns the bytes of the tree that follows `chunks` chunks. Returns 0 for fewer than two chunks, or if the size
-   exceeds a size_t. */
+/* Returns the size in bytes of the level-of-detail tree that follows `chunks` chunks. Returns 0 for fewer than two
+   chunks, or if the size exceeds a size_t. */
 FXS_EXPERIMENTAL size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
 
-/* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
-   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (internal/packed.h).
-   Returns the number of entries written, fewer than scene->count only if the scene is damaged. */
+/* Writes the slot numbers of an open scene's Gaussians, as in fxs_id, to `numbers`, in the order of a stream of the
+   scene. `numbers` has room for scene->count of them. They are 0, 1, 2 ... except in scenes with holes (empty slots
+   before the last Gaussian). Returns the number of entries written, fewer than scene->count only if the scene is
+   damaged. */
 FXS_EXPERIMENTAL uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* The records that the rendering stages pass to each other, and the table of stage functions. Used by faster versions
-   of the stages and by back ends. A splat is a projected Gaussian, and its slot is its index in a frame. A list has
+/* The records that the rendering stages pass to each other, and the table of stage functions. Faster versions of the
+   stages and the back ends use them. A splat is a projected Gaussian, and its slot is its index in a frame. A list has
    the splats of a tile of 16x16 pixels. Lists are made for macro tiles of 2x2 tiles.
 
    Not stable: may change with every version. */
@@ -12,11 +12,13 @@
 #include <fixsplat/fixsplat.h>
 #include "pixel.h"
 
-#if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end compiles its own C++ copies */
+#if defined(__cplusplus) && !defined(__CUDACC__)   /* for C++, except in the CUDA back end, which compiles its own C++
+                                                      copies of the stages */
 extern "C" {
 #endif
 
-/* Prefix of stage functions that other files call. The CUDA back end also compiles them for the device. */
+/* Prefix of rendering stage functions that other files call. The CUDA back end defines it to compile them for the
+   device too. */
 #ifndef FXS_STAGE
 #define FXS_STAGE
 #endif
@@ -24,74 +26,81 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* Flag of a list entry: the splat adds nothing to the tile. FXS_CUTOFF_SQUARE also lists a splat in tiles that its
-   ellipse misses. There u and v could wrap modulo 2^32, and must be ignored. */
+/* Flag of an entry in a tile's list: the splat (projected Gaussian) adds nothing to the tile. FXS_CUTOFF_SQUARE also
+   lists a splat in tiles that its ellipse misses. There its coordinates u and v could wrap modulo 2^32, and must be
+   ignored. */
 #define FXS_ENTRY_CUT_OFF 0x80000000u
-/* u and v at a tile's corner for entries with FXS_ENTRY_CUT_OFF. Over a tile, u and v change by at most 40.3 each.
-   They stay above 4, where nothing is drawn, and below 128, the range of Q24. */
+/* Coordinates u and v of a splat at a tile's corner, for list entries with FXS_ENTRY_CUT_OFF. Over a tile, u and v
+   change by at most 40.3 each. They stay above 4, where nothing is drawn, and below 128, the range of Q24. */
 #define FXS_CUT_OFF_Q24 (70 << 24)
 
-/* A camera prepared for the stages, in the world or in the space of an object. */
+/* A camera prepared for the rendering stages, in world space or in the space of an object. */
 typedef struct fxs_stage_view {
     int32_t width, height, tiles_x, tiles_y;
     int64_t position_q32[3], near_q32;
     int64_t eye_q32[3];            /* the point that SH colours are seen from; within +-2^29 units */
     int32_t rotation_q30[9];
     int64_t fx_q12, fy_q12, cx_q12, cy_q12;
-    uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
+    uint32_t focal_q32;            /* focal is max(fx, fy) as a mantissa: max(fx, fy) = focal * 2^focal_exponent, focal
+                                      in [0.5, 1) */
     int32_t focal_exponent;
-    int32_t slope_low_q23[2], slope_high_q23[2];   /* limits of x/z and y/z in the Jacobian */
-    int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z 18 pixels outside the picture's edges, clamped to
-                                                      +-64 */
-    int32_t veil_exponent;         /* smallest size exponent with which a Gaussian with its centre out of range is
-                                      visible */
-    int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian
-                                      times z / f */
-    int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
-    int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
+    int32_t slope_low_q23[2], slope_high_q23[2];   /* limits of the slopes x/z and y/z in the Jacobian of the
+                                                      projection */
+    int32_t edge_low_q23[2], edge_high_q23[2];     /* slopes x/z and y/z 18 pixels outside the picture's edges, clamped
+                                                      to +-64 */
+    int32_t veil_exponent;         /* smallest size exponent that makes a Gaussian visible although its centre is out of
+                                      range */
+    int32_t jacobian_exponent;     /* exponent that scales the projection's Jacobian: 2^jacobian_exponent >= length of a
+                                      row (1, 0, -x/z) of the Jacobian times z / f */
+    int32_t row_q15[2][3];         /* first and second row of the rotation, each times its focal length / larger focal
+                                      length * 2^-jacobian_exponent */
+    int32_t forward_q15[2][3];     /* third row of the rotation, times fx and fy / larger focal length */
     int32_t cut_q11;               /* for fxs_limit_q11 */
-    int32_t offset_q11;            /* of an object: -2 ln(opacity factor), at most FXS_FAINT_Q11 + 1 */
-    uint32_t share_q8;             /* share of a chunk's optical depth that is drawn; 256: all; 1 to 4096 */
-    int32_t grow_q16;              /* growth of a chunk's sigmas, log2; 0 to 1 */
-    int sh_degree, antialiased;    /* of an object's scene */
+    int32_t offset_q11;            /* opacity factor of an object, as -2 ln(factor), at most FXS_FAINT_Q11 + 1 */
+    uint32_t share_q8;             /* share of a chunk's optical depth that is drawn: 256 means all; 1 to 4096 */
+    int32_t grow_q16;              /* growth of a chunk's sigmas: log2 of a factor, 0 to 1 */
+    int sh_degree, antialiased;    /* SH degree and anti-aliasing flag of an object's scene */
     enum fxs_cutoff cutoff;
-    int orthographic;              /* 1: projects all Gaussians as if z were 2^plane_exponent */
+    int orthographic;              /* 1: orthographic, so all Gaussians are projected as if z were 2^plane_exponent */
     int32_t plane_exponent;
 } fxs_stage_view;
 
-/* A projected Gaussian for the blend stage, 32 bytes. u = u0 + X ux + Y uy and v = v0 + Y vy for the pixel (X, Y),
-   modulo 2^32. Both are right where |u|, |v| < 128, which holds in every tile that the ellipse touches. */
+/* A splat (projected Gaussian) for the blend stage, 32 bytes. Its coordinates at pixel (X, Y) are u = u0 + X ux + Y uy
+   and v = v0 + Y vy, modulo 2^32. Both are right where |u|, |v| < 128, which holds in every tile that the ellipse
+   touches. */
 typedef struct fxs_splat {
-    uint32_t u0_q24, v0_q24;       /* plus 2^10, which rounds a later shift by 11 */
+    uint32_t u0_q24, v0_q24;       /* u and v at pixel (0, 0), plus 2^10, which rounds a later shift by 11 */
     int32_t ux_q24, uy_q24, vy_q24;
-    uint16_t offset_q11;           /* -2 ln(opacity), 0 to 22697 */
-    int16_t colour_q13[3];         /* colour is 0 to 4 */
-    uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
+    uint16_t offset_q11;           /* opacity, as -2 ln(opacity), 0 to 22697 */
+    int16_t colour_q13[3];         /* colour of the splat, each channel 0 to 4 */
+    uint16_t first_row, last_row;  /* first and last row of pixels that the splat's ellipse can touch */
 } fxs_splat;
 
-/* A projected Gaussian for the bin stage. x = cx + shear v +- breadth sqrt(r^2 - v^2) bounds the ellipse. (A B; B C)
-   is the covariance, pixels^2. */
+/* Bounds of a projected Gaussian for the bin stage. Its ellipse is bounded by x = cx + shear v +- breadth sqrt(r^2 -
+   v^2). (A B; B C) is its covariance, pixels^2. */
 typedef struct fxs_bounds {
-    int32_t cx_q14, cy_q14;        /* centre, pixels; 0 is the centre of the first pixel */
-    uint32_t breadth_q8;           /* covariance (A B; B C): breadth = sqrt(A - B^2 / C), pixels */
-    int32_t shear_q8;              /* covariance (A B; B C): shear = B / sqrt(C), pixels */
-    uint32_t half_width_q8;        /* half the ellipse's width r sqrt(A), plus 1/256 of it and 1/8 pixel */
-    uint32_t square_radius;        /* FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
+    int32_t cx_q14, cy_q14;        /* centre of the projected Gaussian, pixels; 0 is the centre of the first pixel */
+    uint32_t breadth_q8;           /* breadth of the ellipse with covariance (A B; B C): sqrt(A - B^2 / C), pixels */
+    int32_t shear_q8;              /* shear of the ellipse with covariance (A B; B C): B / sqrt(C), pixels */
+    uint32_t half_width_q8;        /* half the ellipse's width, r sqrt(A), plus 1/256 of it and 1/8 pixel */
+    uint32_t square_radius;        /* with FXS_CUTOFF_SQUARE: half a side of the square that a Gaussian covers, ceil(3
+                                      sigma_max) pixels; else 0 */
 } fxs_bounds;
 
-#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* = 65536 pixels */
-#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil, a Gaussian listed in every tile */
+#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels: limit of a projected Gaussian's centre */
+#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half width of a veil, a Gaussian that is listed in every tile */
 
-/* Tile columns or rows, first to last. Empty if first > last. */
+/* A span of tile columns or rows, from first to last. It is empty if first > last. */
 typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-/* Number of array elements that the stages `spans` and `note` may write beyond the requested ones. */
+/* Number of array elements that the stages `spans` and `note` may write beyond those that the caller asked for. */
 #define FXS_SPANS_MORE 15
 #define FXS_NOTES_MORE 15
 
-/* A macro tile has 2x2 tiles and a mask of 4 bits. Bit 2 r + c stands for the tile in row r and column c. */
+/* A macro tile is a square of 2x2 tiles with a mask of 4 bits. Bit 2 r + c stands for the tile in row r and column
+   c. */
 #define FXS_MACRO 2
 
 static inline uint32_t fxs_macros(int32_t tiles)
@@ -99,24 +108,26 @@ static inline uint32_t fxs_macros(int32_t tiles)
     return (uint32_t)(tiles + FXS_MACRO - 1) / FXS_MACRO;
 }
 
-/* The tiles that a splat touches, if they lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r + c) + 3 are the
-   mask of the macro tile in row r and column c. The bits from 36 on number the upper left macro tile. */
+/* The tiles that a splat (projected Gaussian) touches, if they lie within 3x3 macro tiles. Bits 4 (3 r + c) to 4 (3 r +
+   c) + 3 are the mask of the macro tile in row r and column c. The bits from 36 on number the upper left macro tile. */
 typedef struct fxs_box {
     uint64_t bits;
 } fxs_box;
 #define FXS_BOX_BITS 36
 #define FXS_BOX_LOW_BITS 24
 #define FXS_BOX_TILES 6
-#define FXS_NARROW 4               /* a splat on 1 x 4 tiles or fewer is listed in its bounding box */
+#define FXS_NARROW 4               /* largest extent in tiles of a narrow splat: one on 1 x 4 tiles or fewer is listed
+                                      in its whole bounding box */
 #define FXS_NOWHERE ((fxs_box){0})
-#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* marks a splat with too many tiles for a box */
+#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* special value of a box: the splat touches too many tiles for a
+                                                      box */
 
-/* A sort key: depth in the high 32 bits, slot in the low 32 bits. */
+/* A sort key of a splat: its depth in the high 32 bits, its slot (index in the frame) in the low 32 bits. */
 typedef uint64_t fxs_key;
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
 #define FXS_KEY_SLOT(key) ((uint32_t)(key))
 
-/* Low half of a key in a macro tile's list: slot << 4 | mask of tiles. */
+/* The low half of a sort key in a macro tile's list: slot << 4 | mask of the 2x2 tiles. */
 #define FXS_MAX_SLOTS (1u << 28)
 #define FXS_LISTED(slot, mask) ((uint32_t)(slot) << 4 | (uint32_t)(mask))
 #define FXS_LISTED_SLOT(key) ((uint32_t)(key) >> 4)
@@ -126,40 +137,43 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* Auxiliary outputs of `trace` for each pixel of a tile. `which` selects the arrays. Entries are numbered by their
-   index in the list passed to `trace`. */
+/* Auxiliary outputs of the stage `trace` for each pixel of a tile; depths and ids are made from them. `which` selects
+   the arrays. Entries are numbered by their index in the list passed to `trace`. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
 typedef struct fxs_trace {
     unsigned which;
-    int16_t depth_q15[FXS_TILE_PIXELS];     /* FXS_TRACE_MEAN: sum of weight * depth code, at most 32767 */
-    int16_t median[FXS_TILE_PIXELS];        /* FXS_TRACE_MEDIAN: last entry blended at transmittance 1/2 or more */
-    int16_t weight_q15[FXS_TILE_PIXELS];    /* FXS_TRACE_ID: largest weight so far */
-    int16_t largest[FXS_TILE_PIXELS];       /* FXS_TRACE_ID: first entry with the largest weight */
-    int16_t end[FXS_TILE_PIXELS];           /* FXS_TRACE_END, input: entries from `end` on do not contribute */
+    int16_t depth_q15[FXS_TILE_PIXELS];     /* FXS_TRACE_MEAN: sum over the entries of weight * depth code, at most
+                                               32767 */
+    int16_t median[FXS_TILE_PIXELS];        /* FXS_TRACE_MEDIAN: last list entry that was blended while the
+                                               transmittance was 1/2 or more */
+    int16_t weight_q15[FXS_TILE_PIXELS];    /* FXS_TRACE_ID: largest weight of a Gaussian so far */
+    int16_t largest[FXS_TILE_PIXELS];       /* FXS_TRACE_ID: first list entry with the largest weight */
+    int16_t end[FXS_TILE_PIXELS];           /* FXS_TRACE_END, an input: list entries from `end` on do not contribute */
 } fxs_trace;
 
 #define FXS_HALF_Q15 16384
 
-struct fxs_object_view;            /* defined in src/core/object.h */
+struct fxs_object_view;            /* the struct is defined in src/core/object.h */
 
 /* Tiles for a back end to draw: first_tile to last_tile, numbered row by row. The list of tile t is the counts[t]
    entries before entries[ends[t]]. Without lists (draw_unlisted), entries, ends and counts are null, and `keys` has
    every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
-    const fxs_stage_view *view;          /* in world space */
+    const fxs_stage_view *view;          /* camera in world space */
     const fxs_options *options;
-    const fxs_splat *splats;       /* splats, indexed by slot */
+    const fxs_splat *splats;       /* splats (projected Gaussians), indexed by slot */
     const fxs_bounds *bounds;
-    const uint32_t *depths;        /* depth keys, indexed by slot */
-    const fxs_key *keys;           /* sort keys, near to far; null with lists */
+    const uint32_t *depths;        /* depth keys of the splats, indexed by slot */
+    const fxs_key *keys;           /* sort keys of the splats, near to far; null if the run has tile lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
-    const fxs_tile *blended;       /* with draw_blended: tiles blended by the kernels, or null */
-    const fxs_targets *targets;    /* targets of the whole picture */
-    const uint32_t *indices;       /* indexed by slot: index of the Gaussian in the chunks of all objects */
+    const fxs_tile *blended;       /* tiles that the kernels have already blended, if the configuration sets
+                                      draw_blended; or null */
+    const fxs_targets *targets;    /* output pictures of the whole frame */
+    const uint32_t *indices;       /* for each slot, the number of its Gaussian in the chunks of all objects */
     const struct fxs_object_view *objects;
     uint32_t object_count;
 } fxs_tile_run;
@@ -175,7 +189,7 @@ static inline int fxs_is_premultiplied(enum fxs_format format)
     return format == FXS_FORMAT_RGBA8_COVERAGE || format == FXS_FORMAT_RGBA16_COVERAGE;
 }
 
-/* Converts an 8-bit background to the format of resolve. */
+/* Converts an 8-bit background colour to Q13, for the stage `resolve`. */
 static inline int fxs_background_q13(int background)
 {
     return (background * 8192 + 127) / 255;
@@ -186,9 +200,9 @@ static inline uint16_t fxs_rgb565(int r, int g, int b)
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
-/* Converts a target's depth, with `bits` fraction bits, to a depth key. Keys sort like depths z: 6 bits of
-   floor(log2 z) + 32, from -32 to 31, then the 26 bits after the leading one. Depths below 2^-32 have the key 0.
-   Depths above 2^32 and FXS_NOTHING have the largest key. */
+/* Converts a depth in an output picture, with `bits` fraction bits, to a depth key. Keys sort like depths z: 6 bits of
+   floor(log2 z) + 32, from -32 to 31, then the 26 bits after the leading one. Depths below 2^-32 have the key 0. Depths
+   above 2^32 and FXS_NOTHING have the largest key. */
 static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
 {
     const int zeros = fxs_clz32(depth | 1);
@@ -196,7 +210,7 @@ static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
            : !depth ? 0 : (uint32_t)(63 - zeros - bits) << 26 | ((depth << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Converts a depth key to a target's depth, rounded down. */
+/* Converts a depth key (a depth as floating point) to a depth for an output picture, rounded down. */
 static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
 {
     const int shift = (int)(key >> 26) - 32 + bits - 26;
@@ -204,18 +218,18 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
-/* Fraction bits of a pixel's sum of weighted depths. A Gaussian at depth 2^octave (1 + code) with weight w adds w +
-   fxs_mul_q15(w, code), times 2^shift. */
+/* Extra fraction bits of a pixel's sum of weighted depths. A Gaussian at depth 2^octave (1 + code) with weight w adds w
+   + fxs_mul_q15(w, code), times 2^shift. */
 #define FXS_DEPTH_GUARD 8
 
-/* Returns the depth's position within its octave, 0 to 1. */
+/* Returns the position of a depth key within its octave (from one power of two to the next), 0 to 1. */
 static inline int fxs_depth_code_q15(uint32_t key)
 {
     return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
 }
 
-/* Converts a sum over the Gaussians in the octave of `key` to units of the target. Depths beyond the target's range
-   saturate. Depths below 2^-FXS_DEPTH_GUARD units count as 0. */
+/* Converts a sum of weighted depth codes to the fixed point of an output picture. The sum is over the Gaussians in the
+   octave of `key`. Depths beyond the picture's range saturate. Depths below 2^-FXS_DEPTH_GUARD units count as 0. */
 static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
 {
     const int shift = fxs_min((int)(key >> 26) - 32 + bits, 32) + FXS_DEPTH_GUARD;
@@ -231,63 +245,66 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
     return !weight || mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
 }
 
-/* The rendering stages. A call works on one chunk of 256 Gaussians or one tile. */
+/* The rendering stages as a table of functions. A call works on one chunk of 256 Gaussians or on one tile. */
 typedef struct fxs_kernels {
-    const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
+    const char *name[FXS_STAGES];  /* name of each stage's version: "c", "avx2", ... */
 
-    /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: splat (without its colour),
+    /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: its splat (without colour),
        bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
        FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
     int32_t (*project)(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
-    /* Fills in the colours of `count` splats of one chunk; indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
+    /* Computes the colours of `count` splats (projected Gaussians) of one chunk; indices ascend. Returns 0, or
+       FXS_ERR_SCENE like project. */
     int (*shade)(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
                  uint32_t count, fxs_splat *splats);
 
-    /* Finds the tiles of `count` splats. */
+    /* Finds the tiles that `count` splats (projected Gaussians) touch, as boxes. */
     void (*bin)(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                 uint32_t count, fxs_box *boxes);
 
-    /* Finds the tile columns of a splat on tile rows `row` to row + rows - 1, all within its bounding box. May write up
-       to 15 spans beyond these rows. */
+    /* Finds the tile columns that a splat touches on tile rows `row` to row + rows - 1, all within its bounding box.
+       May write up to 15 spans beyond these rows. */
     void (*spans)(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds,
                   int32_t row, int32_t rows, fxs_span *spans);
 
-    /* Lists the macro tiles of slots `first` to first + count - 1, from the boxes of these slots: for each pair, the
-       macro tile in `macros` and slot << 4 | mask of its tiles in `listed`. At most 9 pairs a slot; may write up to 15
-       more. Returns the number of pairs, in any order. */
+    /* Lists the macro tiles (2x2 tiles) of slots `first` to first + count - 1, from the boxes of these slots. For each
+       pair of slot and macro tile, it writes the macro tile to `macros` and slot << 4 | mask of its tiles to `listed`.
+       At most 9 pairs a slot; may write up to 15 more. Returns the number of pairs, in any order. */
     uint32_t (*note)(const fxs_stage_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
-    /* Sorts `count` keys. `spare` has the same capacity. Fast if keys of equal depth arrive almost in ascending
-       order of slots. */
+    /* Sorts `count` keys by depth, then by slot. `spare` is an array of the same capacity. Fast if keys of equal depth
+       arrive almost in ascending order of slots. */
     void (*sort)(fxs_key *keys, fxs_key *spare, uint32_t count);
 
-    /* Extracts the list of one tile, 0 to 3, from the `count` keys of its macro tile. `entries` has room for
-       `count`. Returns the length of the list. */
+    /* Extracts the list of one tile, number 0 to 3, from the `count` keys of its macro tile (2x2 tiles). `entries` has
+       room for `count`. Returns the length of the list. */
     uint32_t (*list)(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 
-    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
+    /* Blends a list of splats, near to far, into the tile with first pixel (x, y). */
     void (*blend)(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, fxs_tile *tile);
 
-    /* blend with auxiliary outputs: also fills *trace, the source of depths and ids. It blends a part of a list, from
-       entry `first` to before `end` (at most 32767), and continues from the present state of *tile and *trace.
-       depths_q15: a depth code for each entry of the part, if a mean depth is wanted; else it may be null. */
+    /* Blends like the stage `blend`, with auxiliary outputs: also fills *trace, the source of depths and ids. It blends
+       a part of a list, from entry `first` to before `end` (at most 32767), and continues from the present state of the
+       tile and its trace. depths_q15 has a depth code for each entry of the part, if a mean depth is wanted; else it
+       may be null. */
     void (*trace)(const fxs_stage_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   fxs_tile *tile, fxs_trace *trace);
 
-    /* Writes `columns` x `rows` pixels of a tile over the options' background, in one of the first four formats. */
+    /* Converts `columns` x `rows` pixels of a blended tile to output pixels, over the options' background. `format` is
+       RGBA8, RGBA8_COVERAGE, RGB565 or RGBA16_COVERAGE. */
     void (*resolve)(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
 
-/* Working memory of a frame of the given size. With `total` the frame is rendered in one pass, for every camera,
-   placement and set of targets: the memory holds a splat for every Gaussian of every object. With less, but at least
-   `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or 200 KB a thread
-   with several; plus 24 bytes a chunk, the objects and the tiles.)
+/* Computes the working memory of a frame of the given size. With `total` bytes the frame is rendered in one pass, for
+   every camera, placement and set of targets: the memory holds a splat for every Gaussian of every object. With less,
+   but at least `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or
+   200 KB a thread with several; plus 24 bytes a chunk, the objects and the tiles.)
      Bands   An extra pass projects every Gaussian and counts the splats on each tile row. Then the frame is rendered in
              bands, each with as many tile rows as fit: 88 bytes for each Gaussian that touches the band.
      Slices  A tile row that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones. The
@@ -328,12 +345,12 @@ FXS_EXPERIMENTAL void fxs_resolve_c(const fxs_options *options, enum fxs_format 
                                     int32_t columns,
                            int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
-/* Writes pixels like kernels->resolve, in any format. */
+/* Converts a tile to output pixels like the stage `resolve`, in any format. */
 FXS_EXPERIMENTAL void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
                                 const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                                 ptrdiff_t stride);
 
-/* Runs job(argument, i) for i in 0..jobs-1 on the configuration's threads. */
+/* Runs job(argument, i) for i in 0..jobs-1 on the threads of a configuration. */
 static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,
                            uint32_t jobs)
 {
@@ -344,7 +361,7 @@ static inline void fxs_run(const fxs_config *config, void (*job)(void *argument,
             job(argument, i);
 }
 
-/* Returns the first item of part `i` of `parts` parts of `count` items. */
+/* Returns the first item of part `i` if `count` items are divided into `parts` parts. */
 static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 {
     return (uint32_t)((uint64_t)count * i / parts);

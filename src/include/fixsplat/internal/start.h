@@ -1,4 +1,4 @@
-/* Reads and writes the start data in the header of a packed scene. */
+/* Reads and writes the start data (up direction and first view) in the header of a packed scene. */
 #ifndef FXS_INTERNAL_START_H
 #define FXS_INTERNAL_START_H
 
@@ -8,12 +8,13 @@
 extern "C" {
 #endif
 
-/* Reads the start data from the header of a packed scene at `data`, 192 bytes. Invalid data count as missing. */
+/* Reads the start data (up direction and first view) from the header of a packed scene at `data`, 192 bytes. Invalid
+   data count as missing. */
 FXS_EXPERIMENTAL void fxs_start_of(fxs_start *start, const void *data);
 
-/* Stores the start data in the header of a packed scene at `data`; call fxs_file_write or fxs_file_seal afterwards.
-   `up` may have any length, and is rounded to a direction within 0.01 degrees of it. Values out of range are not
-   stored. */
+/* Stores the start data (up direction and first view) in the header of a packed scene at `data`. Call fxs_file_write or
+   fxs_file_seal afterwards. `up` may have any length, and is rounded to a direction within 0.01 degrees of it. Values
+   out of range are not stored. */
 FXS_EXPERIMENTAL void fxs_start_to(void *data, const fxs_start *start);
 
 #ifdef __cplusplus

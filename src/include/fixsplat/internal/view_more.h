@@ -1,4 +1,4 @@
-/* More functions on cameras in doubles, for the library's ports and the command. */
+/* More functions on cameras in double precision, for the library's ports and the command. */
 #ifndef FXS_INTERNAL_VIEW_MORE_H
 #define FXS_INTERNAL_VIEW_MORE_H
 
@@ -8,14 +8,14 @@
 extern "C" {
 #endif
 
-/* A near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2 for an
-   empty box. */
+/* Returns a near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2
+   for an empty box. */
 FXS_EXPERIMENTAL double fxs_near_of_box(const double low[3], const double high[3]);
 
-/* Estimates a scene's up direction from `count` views, each `stride` bytes after the one before. It is the mean of the
-   cameras' up vectors, corrected by least squares to be perpendicular to the cameras' right vectors, since cameras
-   pitch but rarely roll. `up` has the length 1. Returns 1, or 0 if the up vectors cancel each other: the length of
-   their mean is 0.1 or less. */
+/* Estimates a scene's up direction from `count` views (cameras), each `stride` bytes after the one before. It is the
+   mean of the cameras' up vectors, corrected by least squares to be perpendicular to the cameras' right vectors, since
+   cameras pitch but rarely roll. `up` has the length 1. Returns 1, or 0 if the up vectors cancel each other: the length
+   of their mean is 0.1 or less. */
 FXS_EXPERIMENTAL int fxs_views_up(const fxs_view *views, size_t count, size_t stride, double up[3]);
 
 /* Estimates a scene's up direction from one view that is not rolled, such as a start view. Candidates are the
@@ -23,11 +23,11 @@ FXS_EXPERIMENTAL int fxs_views_up(const fxs_view *views, size_t count, size_t st
    The result is the candidate nearest to the picture's up vector; without candidates, the up vector itself. */
 FXS_EXPERIMENTAL void fxs_view_up(const fxs_view *view, double up[3]);
 
-/* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1; returns 0 and leaves the
-   view unchanged if it looks along `up`. */
+/* Rolls a camera until `up` points up in its picture; position and direction stay. Returns 1; returns 0 and leaves the
+   camera unchanged if it looks along `up`. */
 FXS_EXPERIMENTAL int fxs_view_level(fxs_view *view, const double up[3]);
 
-/* Turns the camera about an axis through `middle` by an angle in radians, as if the scene turned the opposite way. */
+/* Turns a camera about an axis through `middle` by an angle in radians, as if the scene turned the opposite way. */
 FXS_EXPERIMENTAL void fxs_view_orbit(fxs_view *view, const double middle[3], const double axis[3], double angle);
 
 #ifdef __cplusplus
