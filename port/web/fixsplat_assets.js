@@ -1,15 +1,17 @@
-// Finds the other files of the package. Bundlers recognise the literal `new URL('./...', import.meta.url)` below and
-// move the files. For other bundlers, `setAssets` sets the folder, or inline/files.js contains the files.
+// Finds the other files of the package (.wasm and .js). Bundlers recognise the literal `new URL('./...',
+// import.meta.url)` below and move the files. For other bundlers, `setAssets` sets the folder, or inline/files.js
+// contains the files.
 
 export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** Bundlers do not follow this import of system.js; in a bundle, node.js sets its functions. */
+/** Returns the functions of system.js, which only Node needs. Bundlers do not follow this import; in a bundle, node.js
+    sets the functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// The development server of vite copies only the scripts of a package to this folder.
+// The folder .vite/deps of the bundler vite, where its development server copies only the scripts of a package.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
 export function folderInVite(at, name) {
@@ -23,7 +25,7 @@ export function folderOf(at, script) {
 }
 
 const own = folderOf(import.meta.url, 'fixsplat_assets.js') ?? folderInVite(import.meta.url, 'fixsplat')
-let folder = null // the folder of setAssets
+let folder = null // the folder that the caller has set by setAssets
 let files = null
 const starts = own ? {} : {
   'thread.js': () => new Worker(new URL('./thread.js', import.meta.url), { type: 'module' }),
@@ -49,7 +51,7 @@ export const assets = () => files
 
 export const hasModule = (name) => !files || `${name}.wasm` in files
 
-/** The address of a file in the folder of setAssets, else in `home`. */
+/** Returns the address of a file in the folder that setAssets has set, else in the folder `home`. */
 export function addressIn(name, home) {
   if (folder) return new URL(name, folder)
   return home ? new URL(name.replace(/.*\//, ''), home) : null
@@ -80,8 +82,8 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
-/** Starts a worker: the embedded script, the script in the folder of setAssets, the start of a bundler, or the script
-    in `home`. */
+/** Starts a worker. Its script is the first of: the embedded script, the start function for bundlers, the script in the
+    folder of setAssets, the script in the folder `home`. */
 export function startWorker(name, home = own) {
   if (files) return startText(files[name])
   if (!folder && starts[name]) return starts[name]()
