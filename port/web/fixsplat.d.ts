@@ -4,10 +4,10 @@ export const hasSimd: boolean
 /** True if the platform also supports relaxed simd128, which renders faster. */
 export const hasRelaxed: boolean
 
-/** Pixels in a type that ImageData accepts. */
+/** The type of an array of pixels that ImageData accepts. */
 export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 
-/** Bytes in a type that Blob and Response accept. */
+/** The type of an array of bytes that Blob and Response accept. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
 /** Sets the URL of the folder with the package's .wasm and .js files. Call this function first if a bundler
@@ -31,7 +31,7 @@ export interface LoadOptions {
   /** The largest number of bytes of memory for reading and packing a file. The default follows from `maxGaussians`.
       Ignored for .fxs files. */
   maxMemory?: number
-  /** Receives the progress of the download and of the preparation. */
+  /** Receives the progress of loading: of the download, and of the preparation (reading and packing). */
   progress?: (progress: Progress) => void
   /** Receives a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH. The
       caller must call `free` on each preview. If the function returns a promise, loading waits for it. An .fxs file
@@ -220,7 +220,7 @@ export interface Frame extends Drawn {
 
 export interface TargetOptions extends FrameOptions {
   targets: Targets
-  /** The number of fraction bits of depths, 1 to 28; 16 by default. */
+  /** The number of fraction bits of depths, which are fixed-point numbers: 1 to 28; 16 by default. */
   depthBits?: number
 }
 
@@ -228,7 +228,7 @@ export interface StereoTargetOptions extends FrameOptions {
   /** The targets of both eyes, or a pair with the targets of each eye. The colours of both eyes must have the same
       format. */
   targets: Targets | readonly [Targets, Targets]
-  /** The number of fraction bits of depths, 1 to 28; 16 by default. */
+  /** The number of fraction bits of depths, which are fixed-point numbers: 1 to 28; 16 by default. */
   depthBits?: number
 }
 
@@ -238,7 +238,8 @@ export interface Crop {
   low: Vector
   /** The largest x, y and z of the box, in scene units. */
   high: Vector
-  /** 'inside', the default, keeps the Gaussians inside the box; 'outside' keeps the Gaussians outside. */
+  /** The Gaussians to keep: 'inside', the default, keeps the Gaussians inside the box, 'outside' the Gaussians
+      outside. */
   keep?: 'inside' | 'outside'
 }
 
@@ -292,7 +293,7 @@ export class Scene {
   readonly failure: Error | null
   /** The degree of the spherical harmonics, 0 to 3. */
   readonly shDegree: number
-  /** The packing profile; see `LoadOptions.profile`. */
+  /** The profile by which the scene was packed; see `LoadOptions.profile`. */
   readonly profile: 'default' | 'compact' | 'small'
   /** The smallest (`low`) and the largest (`high`) x, y, z of the visible part of the scene, in scene units. */
   readonly low: number[]
@@ -393,7 +394,7 @@ export interface IntoBuffers {
 export interface ScreenOptions extends FrameOptions {
   /** Buffers for targets, with the back end 'webgpu'. A Screen without a canvas may draw into these buffers alone. */
   targets?: IntoBuffers
-  /** The number of fraction bits of depths in `targets`, 1 to 28; 16 by default. */
+  /** The number of fraction bits of the fixed-point depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
   /** Draws into another target instead of the whole canvas. For 'webgpu', see IntoTexture. For 'webgl2',
       `framebuffer` belongs to the Screen's context; null, the default, is the canvas. `x` and `y` are the lower left
@@ -441,9 +442,9 @@ export class Screen {
   /** True if the WebGL context or the WebGPU device was lost; `draw` then throws an Error. Open a new Screen to
       continue. A new WebGL Screen needs another canvas. */
   readonly lost: boolean
-  /** The WebGL 2 context of the canvas; undefined with other back ends. */
+  /** The WebGL 2 context of the canvas with the back end 'webgl2'; undefined with other back ends. */
   readonly gl: WebGL2RenderingContext | undefined
-  /** The device of the back end 'webgpu'; undefined with other back ends. */
+  /** The GPU device of the back end 'webgpu'; undefined with other back ends. */
   readonly device: GPUDevice | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. With 'webgpu', the picture is
       complete at the latest when `finish` is fulfilled. If several pictures wait, only the last picture is shown. */

@@ -158,7 +158,7 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 131072            // bytes of stack for each thread
+const STACK = 131072            // bytes of stack for each drawing thread
 const PAGES = 16                // initial size of a shared memory in pages of 64 KiB; the Makefile has the same number
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
@@ -234,7 +234,8 @@ async function readersFor(file, options) {
   const { name } = file
   const [p, k] = file.first(2)
   if (!simd || !hasSimd) return ['import_core']
-  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, the signature of a zip file
+  // the bytes PK, the signature of a zip file
+  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)
   const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
   const others = isShared ? ['import_threads', 'import'] : ['import']
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
@@ -318,7 +319,7 @@ async function importAll(files, options, how = {}) {
 
 // ---- First bytes of a file ------------------------------------------------------------------------------------
 
-const HEAD = 4096               // bytes that fxs_format_by_content needs to recognise a format
+const HEAD = 4096               // number of first bytes of a file by which fxs_format_by_content recognises its format
 const PACKED_HEAD = 192
 const MOST_TEXT = 2 ** 30       // largest size in bytes of an index file: FXS_TEXT_MAX
 
@@ -333,8 +334,8 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-// Throws an Error if the first bytes are not a scene, or if the file is far longer than its header says. Returns the
-// number of bytes before the next check.
+// Throws an Error if the first bytes of a file are not a scene, or if the file is far longer than its header says.
+// Returns the number of downloaded bytes at which the next check is due.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })

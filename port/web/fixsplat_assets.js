@@ -11,14 +11,15 @@ export const setSystem = (functions) => (system = functions)
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// The folder .vite/deps of the bundler vite, where its development server copies only the scripts of a package.
+// The folder .vite/deps of the bundler vite. The development server of vite copies only the scripts of a package there.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
 export function folderInVite(at, name) {
   return !inNode && /^https?:/.test(at) && VITE.test(at) ? new URL(at.replace(VITE, `/${name}/`)) : undefined
 }
 
-/** The folder of a script that no bundler has moved or renamed. `at` is the import.meta.url of the script. */
+/** Returns the folder of a script, or undefined if a bundler has moved or renamed the script. `at` is the
+    import.meta.url of the script. */
 export function folderOf(at, script) {
   const isThere = !inNode && /^https?:/.test(at) && at.replace(/\?.*/, '').endsWith(`/${script}`)
   return isThere ? new URL('./', at) : undefined
@@ -88,7 +89,7 @@ export function startWorker(name, home = own) {
   if (files) return startText(files[name])
   if (!folder && starts[name]) return starts[name]()
   const url = addressIn(name, home)
-  // Browsers refuse a worker script of another origin; a local script may import it.
+  // Browsers refuse a worker script of another origin, but a script of the page's own origin may import such a script.
   if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
   return new Worker(url, { type: 'module' })
 }

@@ -13,13 +13,13 @@ const NOTHING = 2 ** 32 - 1
 // number of coarsest chunks, which are loaded before the first picture and never evicted
 const TOP = 64
 const BLOCK = 2048              // number of chunk headers in one request
-const PIECE = 1 << 20           // bytes of the level-of-detail tree in one request
+const PIECE = 1 << 20           // largest number of bytes of the level-of-detail tree in one request
 const RUN = 1 << 19             // largest size of one request for chunks, in bytes
 const GAP = 1 << 15             // largest gap in bytes between wanted chunks in one request
 const AT_ONCE = 6               // default number of simultaneous requests
 const MEMORY = 512e6            // default size of the pool of chunks in bytes
 const LEAST_PLACES = 256        // smallest capacity of the pool in chunks
-const BUDGET = 1e6              // default budget of a picture in Gaussians
+const BUDGET = 1e6              // default budget: largest number of Gaussians in a picture
 const TRIES = 5                 // number of attempts for a request; only 2 if the server is slow
 const PAUSE = 100               // milliseconds: the pause before attempt i + 1 of a request is PAUSE * 2^i
 const AGAIN = 5000              // milliseconds after a temporary failure before pictures request chunks again
@@ -53,8 +53,8 @@ class Remote {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** Requests the begin of the file. Returns { bytes, total } with the first bytes and the size of the file. Returns {
-      answer } with the whole file, or {}, if the server does not support range requests. */
+  /** Requests the first bytes of the file. Returns { bytes, total } with these bytes and the size of the file. If the
+      server does not support range requests, returns { answer } with the whole file, or {}. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -181,7 +181,7 @@ export class Pager {
   #used = 0
   #spare = []
   #victims = []                 // places of the pool whose chunks may be evicted; the least recently used place is last
-  #fullAt = -1                  // number of the last frame that computed #victims
+  #fullAt = -1                  // number of the last frame that computed #victims, the places to evict
   #chunkOf
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
   #wanted = this.#now

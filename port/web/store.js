@@ -14,7 +14,7 @@ function entryOf(request) {
 export class Store {
   #cache
   #prefix
-  #own = new Map()              // cached ranges of this file by their first byte
+  #own = new Map()              // cached ranges of the file of this Store, by their first byte
   #others = []                  // cached ranges of other files, the oldest first
   #bytes = 0
   #most

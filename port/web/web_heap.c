@@ -109,7 +109,7 @@ void *realloc(void *memory, size_t bytes)
     return larger;
 }
 
-/* Does nothing, since the memory of a WebAssembly module has pages of one size. */
+/* Asks for large pages of memory. Does nothing, since the memory of a WebAssembly module has pages of one size. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
     (void)block;

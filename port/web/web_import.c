@@ -121,7 +121,7 @@ static double least_gain(double there)
 }
 
 /* Packs a sample of at most `most` Gaussians as a preview. `there` is the downloaded share of the file. Does nothing if
-   the sample would not be much smaller than the scene. */
+   the whole scene is hardly larger than the sample. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;

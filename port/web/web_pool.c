@@ -60,7 +60,7 @@ EXPORT(settle) void fxs_web_settle(void)
 void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
-    fxs_web_settle();              /* ends the last batch, which is still open if one of its jobs trapped */
+    fxs_web_settle();              /* ends the last batch of jobs, which is still open if one of its jobs trapped */
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;
@@ -96,7 +96,8 @@ EXPORT(help) void fxs_web_help(void)
     while (seen = get(&turn), !get(&ending)) {
         if (seen & 1) {
             add(&inside, 1);
-            if (get(&turn) == seen)            /* if the batch is the same, the caller waits until this helper leaves */
+            /* if the batch of jobs has not been closed, its caller waits until this helper has left */
+            if (get(&turn) == seen)
                 work();
             leave();
         }

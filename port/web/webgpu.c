@@ -139,8 +139,8 @@ static void take_step(void *argument, const fxs_step *step)
 }
 
 /* Lays out the GPU buffers of the frame. Out: address and bytes of the uniforms; address, bytes and device offset of
-   the table of places; address and number of the steps (shader calls); device offsets in 32-bit words of colour, mean
-   depth, median depth, ids, occluder and backdrop; bytes of each buffer. */
+   the table of drawn chunks; address and number of the steps (shader calls); device offsets in 32-bit words of colour,
+   mean depth, median depth, ids, occluder and backdrop; bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;

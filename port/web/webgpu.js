@@ -1,11 +1,11 @@
 // The back end 'webgpu' executes the plan of a frame (webgpu.c) with the shaders of kernels/compute. The device reports
-// a status after each frame. If all lists fitted their buffers, the picture is shown; else the frame is repeated with
-// larger buffers.
+// a status after each frame. If all lists fitted into their GPU buffers, the picture is shown; else the frame is
+// repeated with larger buffers.
 
 import { parts, texts } from './stages.js'
 
 const STATUS = 16               // number of 32-bit words in the status of a frame (FXS_COMPUTE_STATUS)
-const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // these buffers in kernels/compute/records.h
+const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // indices of buffers, see kernels/compute/records.h
 const BUFFERS = 7               // number of GPU buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // size of a uniform block in bytes: FXS_COMPUTE_STRIDE
@@ -14,7 +14,7 @@ const PLACE = 10
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // depth of a pixel without a depth: FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
-const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // indices of the two input images, and number of images
+const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // indices of the two input images; number of images
 
 // The shaders before and after the stages of a frame. One shader writes the picture to a texture; a texture of an 8-bit
 // format stores k / 255 exactly. Another shader converts the caller's depth buffer to the occluder (depths that hide

@@ -8,13 +8,13 @@ import { numbers, Place } from './xr.js'
 
 const TABLE = 0.5 // metres: longest side of a scene in the size 'table'
 const [LEAST, MOST] = [0.02, 200] // metres: limits of the longest side of a scene that fingers scale
-const LEVEL = Math.cos(Math.PI / 6) // smallest vertical component of the normal of a level surface
-const BEFORE = 0.7 // metres: distance to the near side of the scene if no surface is known
+const LEVEL = Math.cos(Math.PI / 6) // smallest vertical component of the unit normal of a surface that counts as level
+const BEFORE = 0.7 // metres: distance from the user to the near side of the scene if no surface is known
 const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
 const PATIENCE_MS = 8000 // milliseconds without a known surface; then a tap puts the scene in front of the user
 const HINT_MS = 8000
 const REACH = 20 // metres: longest ray from a pointer to the floor
-const TURNING = 4 // ratio of the scene's turn to the angle of a drag
+const TURNING = 4 // ratio of the angle by which the scene turns to the angle of a drag
 const [RING_LEAST, RING_MOST] = [0.06, 0.5]
 
 // for each size of the scene: the metres of a scene unit

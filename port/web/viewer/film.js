@@ -6,7 +6,7 @@ const BITS_A_PIXEL = 0.3
 const QUANTIZER = 20 // quantizer of VP9: 0 is the finest, 63 the coarsest
 const FAST_BITS = 16e6 // bit rate of MediaRecorder in bits a second
 const KEY_S = 2 // seconds between key frames
-const MOST_WAITING = 4 // largest number of frames in the queue of the encoder
+const MOST_WAITING = 4 // largest number of frames that wait in the queue of the encoder
 const MOST_FRAMES = 36000
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))

@@ -1,4 +1,4 @@
-// Listens to pointers and keys, and calls the functions of an object `act`. Its functions drag, look and pan get
+// Listens to pointers and keys, and calls the functions of an object `act`. The functions drag, look and pan get
 // distances in pixels, and zoom gets a factor. focus and click get a pixel, fly and arrows get seconds, and press gets
 // a key.
 

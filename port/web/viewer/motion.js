@@ -1,7 +1,7 @@
 // The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units. `look`
 // is the target of a camera.
 
-const POLE = 0.02 // smallest angle between the direction of view and up, radians
+const POLE = 0.02 // smallest angle in radians between the direction of view and the up direction
 
 export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -123,7 +123,7 @@ function frontOf(up) {
   )
 }
 
-/** Returns a camera that sees all corners of a scene's box, at 1.1 times the least distance. */
+/** Returns a camera that sees all corners of a scene's box, from 1.1 times the smallest distance that shows them. */
 export function seeAll(scene, sceneUp, fov, aspect, first) {
   const { low, high } = first ?? scene
   const up = unit(sceneUp)

@@ -2,10 +2,11 @@
 // or in WORTH times the time of the smallest size.
 
 const AIM_MS = 40 // drawing time in milliseconds to aim at for a picture while the camera moves
-const WORTH = 1.3 // largest accepted time of a picture, as a multiple of the time of the smallest picture
-const MARGIN = 1.3 // hysteresis: ratio between the drawing times at which pictures shrink and at which they grow
+const WORTH = 1.3 // largest accepted drawing time, as a multiple of the drawing time of the smallest picture
+// hysteresis: ratio of the drawing time for shrinking pictures to the drawing time for growing pictures
+const MARGIN = 1.3
 const DIVISORS = [1, 1.5, 2, 3, 4]
-const KEPT = 7 // number of recent pictures whose median drawing time counts
+const KEPT = 7 // number of recent pictures for the median of drawing times
 const PROBES = 5
 const PATIENCE = 12 // number of pictures of one size before the size may grow
 const FORGOTTEN = 100

@@ -37,7 +37,8 @@ export class Splats extends Entity {
   layers: readonly number[]
   /** The box around the visible part of the scene, in world units. */
   readonly aabb: BoundingBox
-  /** The entity as an object for fixsplat's functions, such as `render`, placed by its world transform. */
+  /** This entity in the form that fixsplat's functions, such as `render`, take as argument. Its placement is the world
+      transform. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /** Finds the Gaussian of this entity on a ray; null if the ray meets none. With `camera`, the ray must start at
       the camera, and the pixel of the camera's picture is searched. Returns the hit point in world units, its

@@ -1,5 +1,5 @@
-// The page that shows one scene of the server `fixsplat view --web`. It shows the progress of packing, then the packed
-// scene and each newer version. The page's address sets the scene (?scene=/scenes/0/NAME) and other attributes.
+// The page that shows one scene of the server `fixsplat view --web`. The page shows the progress of packing, then the
+// packed scene and each newer version. The page's address sets the scene (?scene=/scenes/0/NAME) and other attributes.
 import './viewer.js'
 import { Language, askedFor } from './language.js'
 import { followAddress } from './views.js'

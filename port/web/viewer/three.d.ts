@@ -45,7 +45,8 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
   /** The box around the visible part of the scene, in the space of the object. Box3.setFromObject reads this box. */
   readonly boundingBox: Box3
-  /** This object as an object for fixsplat's functions, such as `render`, placed by its matrixWorld. */
+  /** This object in the form that fixsplat's functions, such as `render`, take as argument. Its placement is the
+      matrixWorld. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /** Draws all Splats of this scene for the next `render` with this camera, to the current render target or the
       canvas. Only a WebGPURenderer needs this call; await the promise before `render`. The opaque meshes are

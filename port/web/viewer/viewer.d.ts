@@ -82,7 +82,7 @@ export interface Found {
 export interface Settings {
   /** The background colour, #rrggbb. The default is dark or light, as the system prefers. */
   background: string
-  /** The back end that draws; '' chooses the fastest back end. */
+  /** The back end that draws: 'wasm', 'webgpu' or 'webgl2'; '' chooses the fastest back end. */
   backend: Backend | ''
   /** The largest number of Gaussians in a picture, for scenes with levels of detail; 0, the default: no limit. */
   budget: number
@@ -90,7 +90,7 @@ export interface Settings {
   detail: number
   /** True turns the scene while the user does nothing. */
   turn: boolean
-  /** How the user moves the camera; 'orbit' by default. */
+  /** The mode in which the user moves the camera; 'orbit' by default. */
   mode: 'orbit' | 'fly' | 'walk'
   /** The height of the eye above the ground while walking, in scene units. The default is 0: estimated from the
       start view or from the height of the scene. */
@@ -103,7 +103,7 @@ export interface Settings {
   up: number[]
   /** The resolution of the picture as a share of the device pixels in width and height, 0.25 to 1; 1 by default. */
   sharpness: number
-  /** False draws colours that do not depend on the direction of view. True by default. */
+  /** True draws colours that depend on the direction of view (spherical harmonics). True by default. */
   colours: boolean
   /** True shows the frame rate and other numbers of the picture. */
   readout: boolean
@@ -119,7 +119,7 @@ export interface ViewerError extends Error {
   source?: string | File | File[]
 }
 
-/** The events of <fixsplat-viewer>. They do not bubble. */
+/** The events of the element <fixsplat-viewer>. The events do not bubble. */
 export interface ViewerEvents {
   load: CustomEvent<ShownScene>
   /** The progress of loading a scene. `done` is the completed share of the stage, 0 to 1; undefined if unknown.
@@ -250,7 +250,7 @@ export class Viewer extends HTMLElement {
       shifted camera has three more numbers: 1 if orthographic, then `ViewerCamera.shift`. The text is empty without
       a scene. */
   get view(): string
-  /** Sets the attribute `view`, the start view, as text in the same format. */
+  /** Sets the attribute `view`, the start view, as text in the format of `Viewer.view`. */
   set view(text: string | null | undefined)
   /** A link to the viewer's page that shows this scene from the present camera. */
   readonly link: string
@@ -333,9 +333,10 @@ export interface ViewerAttributes {
   noui?: '' | true
   /** The parts of the interface to show; all parts by default. */
   ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
-  /** The name of the scene in the corner; the name of its file by default. */
+  /** The name of the scene, shown in the corner of the viewer; the name of its file by default. */
   label?: string
-  /** 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is held. */
+  /** The use of the mouse wheel. 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is
+      held. */
   wheel?: 'page' | ''
   ar?: Settings['ar']
   /** The time in seconds that a removed scene stays in memory; 60 by default. */

@@ -788,7 +788,7 @@ export class Viewer extends HTMLElement {
 
   async #openScenes([first, ...more]) {
     if (!(await this.open(first))) return false
-    this.removeAttribute('label') // the attribute named the former scene
+    this.removeAttribute('label') // the attribute label named the former scene
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#dropped = more.map((files) => this.add(files))
     if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)
@@ -1227,7 +1227,8 @@ export class Viewer extends HTMLElement {
     this.addEventListener('dragleave', over(false))
     this.addEventListener('drop', (event) => {
       over(false)(event)
-      const { items, files } = event.dataTransfer // read now, because the browser empties dataTransfer after the event
+      // items and files are read now, because the browser empties dataTransfer after the event
+      const { items, files } = event.dataTransfer
       this.#takeDrop([...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean), [...files])
     })
   }

@@ -4,9 +4,9 @@
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 
 const SEEN = 40000 // smallest number of Gaussians in an early preview
-const SEEN_SHARE = 1 / 3 // downloaded share of the file from which on a preview may have fewer Gaussians
+const SEEN_SHARE = 1 / 3 // downloaded share of the file after which a preview may have fewer than SEEN Gaussians
 const PREVIEW_MS = 1000 // longest wait in milliseconds for the page to draw a preview
-const AHEAD_MS = 600 // milliseconds for which the motion of the camera is extrapolated to prefetch parts of the scene
+const AHEAD_MS = 600 // milliseconds of camera motion to extrapolate for prefetching parts of a scene
 const STOPPED_MS = 300 // milliseconds between two pictures after which the camera counts as stopped
 const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depth value of one scene unit: depths have 16 fraction bits
