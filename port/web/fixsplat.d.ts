@@ -94,7 +94,7 @@ export function load(
 
 /** A camera given by its position and target, in scene units. The y axis points down by default; see `up`. Without
     `eye` and `up`, fixsplat chooses an upright view; see `firstView`. A scene with a start view (`Scene.start`) is then
-    shown in its start view, if the scene is the only object, has no placement, and `fov` is not given. */
+    shown in its start view. This holds if the scene is the only object and has no placement, and `fov` is not given. */
 export interface LookAt {
   /** The position of the camera in scene units. If `up` is given without `eye`, the camera shows all objects
       completely. */
@@ -306,8 +306,8 @@ export class Scene {
       `part` 0, the camera is in the middle of the box and looks against `from`. `known` is true if the .fxs file stores
       the up direction. */
   readonly first: { up: number[]; from: number[]; part: number; low: number[]; high: number[]; known: boolean }
-  /** The start view that the .fxs file stores, as a camera with the intrinsics of a picture of 2 x 2 pixels; null if
-      the file stores none. `render` without a camera uses the start view. */
+  /** The start view that the .fxs file stores; null if the file stores none. It is a camera with the intrinsics of a
+      picture of 2 x 2 pixels. `render` without a camera uses the start view. */
   readonly start: Pinhole | null
   /** The number of started threads that draw the scene. */
   readonly threads: number

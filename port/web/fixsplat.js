@@ -1,6 +1,6 @@
 // The package for browsers and Node, which runs the C library as WebAssembly modules. A reader module packs a scene
-// file into the bytes of an .fxs file (the format that is drawn), and is then dropped. Threads are workers that run the
-// same module on shared memory.
+// file into the bytes of an .fxs file, the format that is drawn. The reader module is then dropped. Threads are workers
+// that run the same module on shared memory.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, SourceFile, urlOf } from './read.js'
@@ -334,8 +334,8 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-// Throws an Error if the first bytes of a file are not a scene, or if the file is far longer than its header says.
-// Returns the number of downloaded bytes at which the next check is due.
+// Throws an Error if the first bytes of a file are not a scene. Also throws if the file is far longer than its header
+// says. Returns the number of downloaded bytes at which the next check is due.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })

@@ -15,8 +15,8 @@ enum { NUMBERS = 80 };
 __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
                                        uint32_t jobs);
 
-/* A packed scene in the memory of the module. The members from `coarse` on are for streamed scenes, with the header,
-   all tables and a pool of chunks (256 Gaussians each) in `data`. */
+/* A packed scene in the memory of the module. The members from `coarse` on are for streamed scenes. `data` of a
+   streamed scene has the header, all tables, and a pool of chunks (256 Gaussians each). */
 typedef struct fxs_web_scene {
     /* must be the first member: the callback of fxs_options.want gets the address of this scene */
     fxs_scene scene;

@@ -1,6 +1,6 @@
 /* The renderer as a WebAssembly module for fixsplat.js. A function that fails returns a negative FXS_ERR_* or null, and
-   leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame consists of
-   calls of begin, of place for each object, of a camera function for each eye, then of render, foresee or pick. */
+   leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame begins with
+   `begin`, `place` for each object, and a camera function for each eye. Then follows `render`, `foresee` or `pick`. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

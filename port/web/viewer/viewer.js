@@ -1,6 +1,6 @@
 // The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> element
-// inside. The attribute `src` and the method `open` load a scene in a new worker, which replaces the present worker
-// when the scene has arrived (#openAlone). Further scenes are loaded in the present worker (#load).
+// inside. The attribute `src` and the method `open` load a scene in a new worker (#openAlone). The new worker replaces
+// the present worker when the scene has arrived. Further scenes are loaded in the present worker (#load).
 import { addressIn } from 'fixsplat/fixsplat_assets.js'
 import { Engine, HOME } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'

@@ -111,9 +111,9 @@ class Walker {
   }
 }
 
-/** A mode (VR or AR) has the type of the WebXR session, texts, the reference spaces to try in order, and the class
-    Guide. A Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if none is
-    chosen yet. */
+/** A mode (VR or AR) has the type of the WebXR session, texts, and the class Guide. It also lists the reference spaces
+    to try in order. A Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if
+    none is chosen yet. */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
