@@ -4,10 +4,10 @@ export const hasSimd: boolean
 /** True if the platform also supports relaxed simd128, which renders faster. */
 export const hasRelaxed: boolean
 
-/** Pixels in a type that ImageData accepts. */
+/** The type of an array of pixels that ImageData accepts. */
 export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 
-/** Bytes in a type that Blob and Response accept. */
+/** The type of an array of bytes that Blob and Response accept. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
 /** Sets the URL of the folder with the package's .wasm and .js files. Call this function first if a bundler
@@ -31,7 +31,7 @@ export interface LoadOptions {
   /** The largest number of bytes of memory for reading and packing a file. The default follows from `maxGaussians`.
       Ignored for .fxs files. */
   maxMemory?: number
-  /** Receives the progress of the download and of the preparation. */
+  /** Receives the progress of loading: of the download, and of the preparation (reading and packing). */
   progress?: (progress: Progress) => void
   /** Receives a preview: a scene of at most 100,000 of the Gaussians that have arrived, enlarged and without SH. The
       caller must call `free` on each preview. If the function returns a promise, loading waits for it. An .fxs file
@@ -49,9 +49,10 @@ export interface LoadOptions {
       most 8. A page needs `crossOriginIsolated` for more than one thread. A server isolates a page by the headers
       Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy: require-corp. */
   threads?: number
-  /** Options for streaming an .fxs file with levels of detail; false downloads the whole file first. A scene is
-      streamed if its address is http or https and ends in .fxs, and the server supports range requests. `render`
-      draws the loaded parts at once and requests missing parts. `changed` tells when to draw again. */
+  /** Options for streaming: loading the parts of an .fxs file with levels of detail when a picture needs them. False
+      downloads the whole file first. A scene is streamed if its address is http or https and ends in .fxs, and the
+      server supports range requests. `render` draws the loaded parts at once and requests missing parts. `changed`
+      tells when to draw again. */
   paging?: false | Paging
 }
 
@@ -65,7 +66,7 @@ export interface Paging {
   cache?: number
   /** The largest number of simultaneous requests; 6 by default. */
   requests?: number
-  /** Overrides `LoadOptions.silence` for the requests of this scene. */
+  /** The time-out in milliseconds of a request for this scene, instead of `LoadOptions.silence`. */
   silence?: number
   /** The callback for arrived parts, called at most every 50 ms. The callback receives an Error once if the file is
       damaged, has changed, or the server fails repeatedly. The scene can still be drawn. */
@@ -92,8 +93,8 @@ export function load(
 ): Promise<Scene>
 
 /** A camera given by its position and target, in scene units. The y axis points down by default; see `up`. Without
-    `eye` and `up`, fixsplat chooses an upright view; see `firstView`. A single scene with a `start` view, without
-    placement and without `fov`, uses its start view. */
+    `eye` and `up`, fixsplat chooses an upright view; see `firstView`. A scene with a start view (`Scene.start`) is then
+    shown in its start view. This holds if the scene is the only object and has no placement, and `fov` is not given. */
 export interface LookAt {
   /** The position of the camera in scene units. If `up` is given without `eye`, the camera shows all objects
       completely. */
@@ -131,7 +132,7 @@ export interface Pinhole {
   /** True for an orthographic camera, with parallel rays; false by default. `fx` and `fy` are then in pixels per
       scene unit. */
   orthographic?: boolean
-  /** The size in pixels of the picture for `fx`, `fy`, `cx` and `cy`; the size of the frame by default. */
+  /** The size in pixels of the picture that `fx`, `fy`, `cx` and `cy` belong to; the size of the frame by default. */
   width?: number
   height?: number
 }
@@ -168,15 +169,16 @@ export interface FrameOptions {
 }
 
 export interface Drawn {
-  /** The number of processed Gaussians, visible or not. The budget does not limit scenes without levels of detail. */
+  /** The number of Gaussians that were processed for the picture, visible or not. `FrameOptions.budget` does not limit
+      this number for scenes without levels of detail. */
   readonly drawn: number
-  /** The number of missing parts of streamed scenes, which coarser parts replace; see `LoadOptions.paging`. 0: the
-      picture is complete. */
+  /** The number of parts of streamed scenes (`LoadOptions.paging`) that have not arrived. The picture has coarser parts
+      in their place. 0: the picture is complete. */
   readonly missing: number
 }
 
-/** The targets: pictures that a frame writes. `occluder` and `backdrop` are inputs. An array of the wrong length is
-    an Error. */
+/** The targets of a frame: the pictures that drawing writes, such as colours and depths. `occluder` and `backdrop` are
+    inputs. An array of the wrong length is an Error. */
 export interface Targets {
   /** The format of the colours. 'rgba8': four bytes a pixel. 'premultiplied': four bytes a pixel, red, green and
       blue times the coverage, then the coverage. 'premultiplied16': premultiplied colours and coverage as four
@@ -185,11 +187,12 @@ export interface Targets {
   colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
   /** The coverage times 255. The coverage is the share of the light that the Gaussians at a pixel absorb. */
   coverage?: boolean
-  /** The median depth: the depth of the Gaussian, from near to far, with more than half of the light absorbed. */
+  /** The median depth at a pixel: the depth of the first Gaussian, from near to far, with which more than half of the
+      light is absorbed. */
   depth?: boolean
   /** The mean depth of the Gaussians at a pixel, weighted by their contributions. */
   meanDepth?: boolean
-  /** The object and the Gaussian with the largest contribution to a pixel. */
+  /** For each pixel, the object and the Gaussian with the largest contribution. */
   ids?: boolean
   /** Input: the depth of other geometry at each pixel, in the units of `Frame`. A Gaussian is hidden at a pixel if
       its centre is farther than this depth. */
@@ -217,7 +220,7 @@ export interface Frame extends Drawn {
 
 export interface TargetOptions extends FrameOptions {
   targets: Targets
-  /** The number of fraction bits of depths, 1 to 28; 16 by default. */
+  /** The number of fraction bits of depths, which are fixed-point numbers: 1 to 28; 16 by default. */
   depthBits?: number
 }
 
@@ -225,7 +228,7 @@ export interface StereoTargetOptions extends FrameOptions {
   /** The targets of both eyes, or a pair with the targets of each eye. The colours of both eyes must have the same
       format. */
   targets: Targets | readonly [Targets, Targets]
-  /** The number of fraction bits of depths, 1 to 28; 16 by default. */
+  /** The number of fraction bits of depths, which are fixed-point numbers: 1 to 28; 16 by default. */
   depthBits?: number
 }
 
@@ -235,7 +238,8 @@ export interface Crop {
   low: Vector
   /** The largest x, y and z of the box, in scene units. */
   high: Vector
-  /** 'inside', the default, keeps the Gaussians inside the box; 'outside' keeps the Gaussians outside. */
+  /** The Gaussians to keep: 'inside', the default, keeps the Gaussians inside the box, 'outside' the Gaussians
+      outside. */
   keep?: 'inside' | 'outside'
 }
 
@@ -289,7 +293,7 @@ export class Scene {
   readonly failure: Error | null
   /** The degree of the spherical harmonics, 0 to 3. */
   readonly shDegree: number
-  /** The packing profile; see `LoadOptions.profile`. */
+  /** The profile by which the scene was packed; see `LoadOptions.profile`. */
   readonly profile: 'default' | 'compact' | 'small'
   /** The smallest (`low`) and the largest (`high`) x, y, z of the visible part of the scene, in scene units. */
   readonly low: number[]
@@ -297,13 +301,13 @@ export class Scene {
   /** The size of the packed scene in bytes. */
   readonly bytes: number
   /** The view that fixsplat chooses for the scene. `up` is the up direction. `low` and `high` are the corners of the
-      viewed box, the scene or its core. `from` is the direction from the middle of the box to the camera. `part` is
-      the distance of the camera as a share, 0.5 to 1, of the distance that shows the whole box. With `part` 0, the
-      camera is in the middle of the box and looks against `from`. `known` is true if the .fxs file stores the up
-      direction. */
+      viewed box, the box of the whole scene or of its core. `from` is the direction from the middle of the box to the
+      camera. `part` is the distance of the camera as a share, 0.5 to 1, of the distance that shows the whole box. With
+      `part` 0, the camera is in the middle of the box and looks against `from`. `known` is true if the .fxs file stores
+      the up direction. */
   readonly first: { up: number[]; from: number[]; part: number; low: number[]; high: number[]; known: boolean }
-  /** The start view that the .fxs file stores, as a camera for a picture of 2 x 2 pixels; else null. `render`
-      without a camera uses the start view. */
+  /** The start view that the .fxs file stores; null if the file stores none. It is a camera with the intrinsics of a
+      picture of 2 x 2 pixels. `render` without a camera uses the start view. */
   readonly start: Pinhole | null
   /** The number of started threads that draw the scene. */
   readonly threads: number
@@ -343,11 +347,12 @@ export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: FrameOptions,
 ): [Pixels, Pixels]
 
-/** Chooses a view of the objects, in the form of `Scene.first`. The choice takes about 0.2 seconds and is cached. */
+/** Chooses a view of the objects. Returns its up direction, camera direction and box in the form of `Scene.first`. The
+    choice takes about 0.2 seconds and is cached. */
 export function firstView(objects: readonly Placed[]): Scene['first']
 
-/** Prefetches parts of streamed scenes (`LoadOptions.paging`) for a camera, without drawing. Missing parts of the
-    last picture are requested first. Returns the number of missing parts at once. */
+/** Prefetches parts of streamed scenes (`LoadOptions.paging`) for a camera, without drawing. Missing parts of the last
+    picture are requested first. Does not wait for the parts, and returns the number of missing parts. */
 export function foresee(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): number
 
 /** Finds the Gaussian with the largest contribution to the pixel in column x and row y, counted from 0 at the top left.
@@ -370,7 +375,8 @@ export interface IntoTexture {
       the camera of the depths 0 and 1, in scene units. Either distance may be Infinity. `linear` is true if depths
       are linear in distance, as with an orthographic camera. */
   depth?: { texture: GPUTexture; planes: readonly [number, number]; linear?: boolean }
-  /** With `alpha`: true blends the picture over the texture; false, the default, overwrites the texture. */
+  /** The way to write a picture with transparency (`FrameOptions.alpha`). True blends the picture over the texture;
+      false, the default, overwrites the texture. */
   over?: boolean
 }
 
@@ -388,7 +394,7 @@ export interface IntoBuffers {
 export interface ScreenOptions extends FrameOptions {
   /** Buffers for targets, with the back end 'webgpu'. A Screen without a canvas may draw into these buffers alone. */
   targets?: IntoBuffers
-  /** The number of fraction bits of depths in `targets`, 1 to 28; 16 by default. */
+  /** The number of fraction bits of the fixed-point depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
   /** Draws into another target instead of the whole canvas. For 'webgpu', see IntoTexture. For 'webgl2',
       `framebuffer` belongs to the Screen's context; null, the default, is the canvas. `x` and `y` are the lower left
@@ -402,7 +408,8 @@ export interface ScreenOptions extends FrameOptions {
         depth?: { texture: WebGLTexture; planes: readonly [number, number] }
       }
     | IntoTexture
-  /** A picture to draw instead of the background colour, as `Targets.backdrop`. `alpha` does not allow a backdrop. */
+  /** A picture to draw instead of the background colour, as `Targets.backdrop`. A backdrop with `FrameOptions.alpha` is
+      an Error. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
@@ -430,14 +437,14 @@ export class Screen {
     backend: Backend,
     options?: LoadOptions & { device?: GPUDevice }
   ): Promise<Screen>
-  /** The back end that was given to `open`. */
+  /** The back end that draws this Screen, as given to `Screen.open`. */
   readonly backend: Backend
   /** True if the WebGL context or the WebGPU device was lost; `draw` then throws an Error. Open a new Screen to
       continue. A new WebGL Screen needs another canvas. */
   readonly lost: boolean
-  /** The WebGL 2 context of the canvas; undefined with other back ends. */
+  /** The WebGL 2 context of the canvas with the back end 'webgl2'; undefined with other back ends. */
   readonly gl: WebGL2RenderingContext | undefined
-  /** The device of the back end 'webgpu'; undefined with other back ends. */
+  /** The GPU device of the back end 'webgpu'; undefined with other back ends. */
   readonly device: GPUDevice | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. With 'webgpu', the picture is
       complete at the latest when `finish` is fulfilled. If several pictures wait, only the last picture is shown. */

@@ -1,6 +1,6 @@
 // The package for browsers and Node, which runs the C library as WebAssembly modules. A reader module packs a scene
-// file into the bytes of an .fxs file, and is then dropped. Threads are workers that run the same module on shared
-// memory.
+// file into the bytes of an .fxs file, the format that is drawn. The reader module is then dropped. Threads are workers
+// that run the same module on shared memory.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, SourceFile, urlOf } from './read.js'
@@ -8,14 +8,14 @@ import { Files, nameOf, SourceFile, urlOf } from './read.js'
 export { setAssets } from './fixsplat_assets.js'
 
 const SHOWN = 100000            // largest number of Gaussians in a preview
-const PAUSE = 400               // milliseconds before the first preview, and between previews
+const PAUSE = 400               // milliseconds before the first preview of a scene, and between previews
 const SOON = 1000
 // A WebAssembly module with one function that uses simd128, to detect support.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
-// On x86, i16x8.q15mulr_sat_s takes five instructions, i16x8.relaxed_q15mulr_s one. The results differ only for -32768
-// * -32768, which no picture depends on.
+// Relaxed simd128 makes multiplication faster. On x86, i16x8.q15mulr_sat_s takes five instructions, and
+// i16x8.relaxed_q15mulr_s takes one. The results differ only for -32768 * -32768, which no picture depends on.
 const PRECISE = [253, 130, 1]
 const RELAXED = [253, 145, 2]
 const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
@@ -33,8 +33,8 @@ async function compileFrom(answer, relaxes) {
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
 }
 
-/** `relaxes` replaces q15mulr opcodes by relaxed opcodes of the same length. tests/scripts/web.sh checks that these
-    bytes occur nowhere else. */
+/** Compiles a WebAssembly module. `relaxes` replaces the opcodes of i16x8.q15mulr_sat_s by relaxed opcodes of the same
+    length. tests/scripts/web.sh checks that the bytes of these opcodes occur nowhere else in the module. */
 function compiledOf(code, relaxes) {
   for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
     if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
@@ -93,7 +93,7 @@ class Module {
     return new Error(this.text(this.c.words()))
   }
 
-  /** Returns a result, or throws the module's error message if the result is negative. */
+  /** Returns the result of a module function, or throws the module's error message if the result is negative. */
   check(result) {
     if (result < 0) throw this.error()
     return result
@@ -104,7 +104,8 @@ class Module {
     return at >>> 0
   }
 
-  /** After a trap of WebAssembly, waits for the threads, which still use the frame's memory. */
+  /** Calls a drawing function of the module. After a trap of WebAssembly, waits for the threads, which still use the
+      frame's memory. */
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
@@ -157,8 +158,8 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 131072            // bytes of stack for each thread
-const PAGES = 16                // initial pages of a shared memory; the Makefile has the same number
+const STACK = 131072            // bytes of stack for each drawing thread
+const PAGES = 16                // initial size of a shared memory in pages of 64 KiB; the Makefile has the same number
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
@@ -189,7 +190,7 @@ async function threadedCore(threads) {
   const module = await compile('threads')
   const core = new Module(module, { memory: sharedMemory() }, threads)
   const started = Array.from({ length: threads - 1 }, () => oneMore(core, module).catch(() => null))
-  core.workers = Promise.all(started)   // keeps the workers from being garbage-collected
+  core.workers = Promise.all(started)   // the promise keeps the workers from being garbage-collected
   return core
 }
 
@@ -205,7 +206,7 @@ async function coreFor(options) {
   if (count > 1)
     try {
       return await once(cores, `threads ${count}`, () => threadedCore(count))
-    } catch {}                  // falls back to one thread
+    } catch {}                  // if threads cannot be started, one thread draws
   return coreOf(simd ? 'simd' : 'core')
 }
 
@@ -226,14 +227,15 @@ const numberOf = (names, value) => {
 }
 
 const PACKING_STACK = 262144    // bytes of stack for each thread that packs
-const MUCH = 8e6                // bytes; a smaller file is packed faster without threads
+const MUCH = 8e6                // bytes: a smaller file is packed faster without threads
 
 async function readersFor(file, options) {
   const { simd = hasSimd } = options
   const { name } = file
   const [p, k] = file.first(2)
   if (!simd || !hasSimd) return ['import_core']
-  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, the signature of a zip file
+  // the bytes PK, the signature of a zip file
+  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)
   const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
   const others = isShared ? ['import_threads', 'import'] : ['import']
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
@@ -248,9 +250,9 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-// Packs the files of a scene with a new reader module. `share`: downloaded share of the first file. `most`: largest
-// number of Gaussians of a preview; 0: no limit. With `look`, only checks the first file. isElsewhere: another module
-// may succeed. isShort: the reader needs bytes that have not arrived.
+// Packs the files of a scene with a new reader module. `share` is the downloaded share of the first file. `most` is the
+// largest number of Gaussians of a preview; 0: no limit. With `look`, only checks the first file. In the result,
+// isElsewhere tells that another module may read the file, and isShort that bytes have not arrived.
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -317,11 +319,12 @@ async function importAll(files, options, how = {}) {
 
 // ---- First bytes of a file ------------------------------------------------------------------------------------
 
-const HEAD = 4096               // bytes that fxs_format_by_content needs to recognise a format
+const HEAD = 4096               // number of first bytes of a file by which fxs_format_by_content recognises its format
 const PACKED_HEAD = 192
 const MOST_TEXT = 2 ** 30       // largest size in bytes of an index file: FXS_TEXT_MAX
 
-/** Returns the size of a .ply file by the reader's error for a short file; 0: unknown or complete. */
+/** Returns the size of a .ply file, which the reader states in its error for a file that is too short. Returns 0 if the
+    size is unknown. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -331,8 +334,8 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-// Throws an Error if the first bytes are not a scene, or if the file is far longer than its header says. Returns the
-// number of bytes before the next check.
+// Throws an Error if the first bytes of a file are not a scene. Also throws if the file is far longer than its header
+// says. Returns the number of downloaded bytes at which the next check is due.
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
@@ -347,8 +350,9 @@ async function lookAt(file, files, options) {
   return Infinity
 }
 
-// Returns a function (share, isNow, waited) that makes previews when due. `isNow` ignores the timing. `waited`:
-// milliseconds that were spent on checks.
+// Returns a function (share, isNow, waited) that makes a preview of the loading scene when a preview is due. `share` is
+// the downloaded share of the file. `isNow` makes a preview at once. `waited` is the number of milliseconds that were
+// spent on checks of the file.
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   let began = performance.now()
@@ -421,7 +425,7 @@ export async function load(source, options = {}) {
   if (!file.isPacked) await preview(1, true)
   signal?.throwIfAborted()
   const packed = file.isPacked ? file : SourceFile.of(file.name, await importAll(files, options))
-  const core = await coreFor(options)   // a new module instance if end() was called meanwhile
+  const core = await coreFor(options)   // another module instance, if the caller has called end() during loading
   signal?.throwIfAborted()
   return sceneOf(core, packed)
 }
@@ -441,7 +445,7 @@ export class Scene {
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
     Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
     core.scenes++
-    core.chosen = null   // drops the cached first view, since a scene's address may be reused
+    core.chosen = null   // drops the cached choice of a view, since a new scene may have the address of a freed scene
   }
 
   get threads() {
@@ -452,7 +456,7 @@ export class Scene {
     return !this.#scene
   }
 
-  /** Internal: the module, the address of the scene in its memory, and the scene's loader (Pager). */
+  /** For internal use: the module, the address of the scene in the module's memory, and the scene's loader (Pager). */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene, this.#pager]
@@ -654,8 +658,8 @@ function drawnBy(core) {
   return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
-// For each format and target: the array type and the count of numbers a pixel, in the order of take_targets in
-// web_core.c.
+// For each colour format and each other target: the type of the array and the count of numbers a pixel. The order is
+// that of take_targets in web_core.c.
 const FORMATS = {
   rgba8: [Uint8ClampedArray, 4],
   premultiplied: [Uint8ClampedArray, 4],
@@ -798,7 +802,7 @@ class Copied {
   #pixels
 
   constructor(canvas) {
-    // In a worker, a canvas in main memory is faster if the GPU is emulated.
+    // In a worker, a canvas whose pixels lie in main memory is faster if the GPU is emulated.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
@@ -841,7 +845,8 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
-  /** A context once lost stays lost, since a restored context has lost its objects. */
+  /** True if the WebGL context was lost. The answer stays true even if the browser restores the context, since the
+      restored context has no objects. */
   get lost() {
     return (this.#gone ||= this.gl.isContextLost())
   }
@@ -903,7 +908,7 @@ class Drawn {
     return pixels
   }
 
-  /** Reading a pixel waits for the GPU. Browsers poll a fence only every 4 ms. */
+  /** Reads a pixel to wait for the GPU, because browsers poll a fence only every 4 ms. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
   }
@@ -933,7 +938,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
-    core.scenes++               // keeps the module in memory until `free`
+    core.scenes++               // the Screen counts as a scene, so the module stays in memory until the Screen is freed
   }
 
   static async open(canvas, backend, options = {}) {
@@ -1017,7 +1022,7 @@ export async function png(pixels, width, height) {
   const header = new DataView(new ArrayBuffer(13))
   header.setUint32(0, width)
   header.setUint32(4, height)
-  header.setUint16(8, 0x0806)   // 8 bits a channel, RGBA
+  header.setUint16(8, 0x0806)   // PNG header: 8 bits a channel, RGBA
   const deflated = new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))
   const body = new Uint8Array(await new Response(deflated).arrayBuffer())
   const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', body], ['IEND', new Uint8Array(0)]]

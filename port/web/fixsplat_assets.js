@@ -1,29 +1,32 @@
-// Finds the other files of the package. Bundlers recognise the literal `new URL('./...', import.meta.url)` below and
-// move the files. For other bundlers, `setAssets` sets the folder, or inline/files.js contains the files.
+// Finds the other files of the package (.wasm and .js). Bundlers recognise the literal `new URL('./...',
+// import.meta.url)` below and move the files. For other bundlers, `setAssets` sets the folder, or inline/files.js
+// contains the files.
 
 export const inNode = typeof process === 'object' && !!process.versions?.node
 
 let system
 export const setSystem = (functions) => (system = functions)
-/** Bundlers do not follow this import of system.js; in a bundle, node.js sets its functions. */
+/** Returns the functions of system.js, which only Node needs. Bundlers do not follow this import; in a bundle, node.js
+    sets the functions. */
 export const ofSystem = async () => (system ??= await import(/* webpackIgnore: true */ /* @vite-ignore */ SYSTEM))
 const SYSTEM = './system.js'
 
-// The development server of vite copies only the scripts of a package to this folder.
+// The folder .vite/deps of the bundler vite. The development server of vite copies only the scripts of a package there.
 const VITE = /\/\.vite\/deps[^/]*\/.*/
 
 export function folderInVite(at, name) {
   return !inNode && /^https?:/.test(at) && VITE.test(at) ? new URL(at.replace(VITE, `/${name}/`)) : undefined
 }
 
-/** The folder of a script that no bundler has moved or renamed. `at` is the import.meta.url of the script. */
+/** Returns the folder of a script, or undefined if a bundler has moved or renamed the script. `at` is the
+    import.meta.url of the script. */
 export function folderOf(at, script) {
   const isThere = !inNode && /^https?:/.test(at) && at.replace(/\?.*/, '').endsWith(`/${script}`)
   return isThere ? new URL('./', at) : undefined
 }
 
 const own = folderOf(import.meta.url, 'fixsplat_assets.js') ?? folderInVite(import.meta.url, 'fixsplat')
-let folder = null // the folder of setAssets
+let folder = null // the folder that the caller has set by setAssets
 let files = null
 const starts = own ? {} : {
   'thread.js': () => new Worker(new URL('./thread.js', import.meta.url), { type: 'module' }),
@@ -49,7 +52,7 @@ export const assets = () => files
 
 export const hasModule = (name) => !files || `${name}.wasm` in files
 
-/** The address of a file in the folder of setAssets, else in `home`. */
+/** Returns the address of a file in the folder that setAssets has set, else in the folder `home`. */
 export function addressIn(name, home) {
   if (folder) return new URL(name, folder)
   return home ? new URL(name.replace(/.*\//, ''), home) : null
@@ -80,13 +83,13 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
-/** Starts a worker: the embedded script, the script in the folder of setAssets, the start of a bundler, or the script
-    in `home`. */
+/** Starts a worker. Its script is the first of: the embedded script, the start function for bundlers, the script in the
+    folder of setAssets, the script in the folder `home`. */
 export function startWorker(name, home = own) {
   if (files) return startText(files[name])
   if (!folder && starts[name]) return starts[name]()
   const url = addressIn(name, home)
-  // Browsers refuse a worker script of another origin; a local script may import it.
+  // Browsers refuse a worker script of another origin, but a script of the page's own origin may import such a script.
   if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
   return new Worker(url, { type: 'module' })
 }

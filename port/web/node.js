@@ -1,4 +1,4 @@
-// The entry of the package in Node.
+// The entry module of the package in Node.
 import { setSystem } from './fixsplat_assets.js'
 import * as system from './system.js'
 

@@ -1,7 +1,7 @@
 // Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
-// loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool when a picture needs it. A full pool
-// evicts the least recently used chunk. Leaves are the chunks of the finest level, nodes the coarser chunks. Chunk
-// numbers begin with the leaves.
+// loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool of memory when a picture needs it. A
+// full pool evicts the least recently used chunk. Leaves are the chunks of the finest level, nodes the coarser chunks.
+// Chunk numbers begin with the leaves.
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
@@ -10,17 +10,18 @@ const HEADER = 192
 const CHUNK_HEADER = 128
 const GAUSSIANS = 256           // number of Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
-const TOP = 64                  // coarsest nodes, loaded before the first picture and never evicted
+// number of coarsest chunks, which are loaded before the first picture and never evicted
+const TOP = 64
 const BLOCK = 2048              // number of chunk headers in one request
-const PIECE = 1 << 20           // bytes of the level-of-detail tree in one request
+const PIECE = 1 << 20           // largest number of bytes of the level-of-detail tree in one request
 const RUN = 1 << 19             // largest size of one request for chunks, in bytes
 const GAP = 1 << 15             // largest gap in bytes between wanted chunks in one request
 const AT_ONCE = 6               // default number of simultaneous requests
 const MEMORY = 512e6            // default size of the pool of chunks in bytes
 const LEAST_PLACES = 256        // smallest capacity of the pool in chunks
-const BUDGET = 1e6              // default budget of a picture in Gaussians
-const TRIES = 5                 // attempts for a request, or 2 if the server is slow
-const PAUSE = 100               // milliseconds; the pause before attempt i + 1 is PAUSE * 2^i
+const BUDGET = 1e6              // default budget: largest number of Gaussians in a picture
+const TRIES = 5                 // number of attempts for a request; only 2 if the server is slow
+const PAUSE = 100               // milliseconds: the pause before attempt i + 1 of a request is PAUSE * 2^i
 const AGAIN = 5000              // milliseconds after a temporary failure before pictures request chunks again
 const TELL = 50                 // minimum milliseconds between two calls of the callback `changed`
 
@@ -52,7 +53,8 @@ class Remote {
     return this.#tag ?? this.#modified ?? ''
   }
 
-  /** Returns the first { bytes, total } of the file, { answer } with the whole file, or {} without range requests. */
+  /** Requests the first bytes of the file. Returns { bytes, total } with these bytes and the size of the file. If the
+      server does not support range requests, returns { answer } with the whole file, or {}. */
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
@@ -107,7 +109,7 @@ class Remote {
   }
 
   async #ask(first, end, watch, came) {
-    // The header if-range needs a strong ETag, and CORS permission on another origin.
+    // The request header if-range needs a strong ETag; for another origin, it also needs CORS permission.
     const isOwn = !globalThis.location || globalThis.location.origin === this.#url.origin
     const same = isOwn && this.#tag?.startsWith('"') ? { 'if-range': this.#tag } : {}
     const answer = await this.#fetch(first, end, same, watch).catch((cause) => {
@@ -166,7 +168,8 @@ class Remote {
 
 // ---- The scene in memory --------------------------------------------------------------------------------------
 
-/** Loads the chunks of a scene into the pool. A place of the pool holds a chunk. */
+/** Loads the chunks (256 Gaussians each) of a streamed scene into the pool. Each place of the pool can hold one
+    chunk. */
 export class Pager {
   #core
   #at
@@ -177,17 +180,17 @@ export class Pager {
   #places
   #used = 0
   #spare = []
-  #victims = []                 // places of the pool to evict; the least recently used place is last
-  #fullAt = -1                  // number of the last frame that computed #victims
+  #victims = []                 // places of the pool whose chunks may be evicted; the least recently used place is last
+  #fullAt = -1                  // number of the last frame that computed #victims, the places to evict
   #chunkOf
   #now = new Uint32Array(0)     // missing chunks of the last picture, the most important first
   #wanted = this.#now
-  #cursor = 0                   // index in #wanted of the next chunk to request
+  #cursor = 0                   // index in #wanted, the list of missing chunks, of the next chunk to request
   #marks
   #mark = 0
   #turn = 0
   #busy = new Set()
-  #blocks                       // state of each block of chunk headers: 0 missing, 1 requested, 2 loaded
+  #blocks                       // state of each block of BLOCK chunk headers: 0 missing, 1 requested, 2 loaded
   #pendingBlocks = 0
   #headersRunning = 0
   #running = 0
@@ -286,8 +289,8 @@ export class Pager {
     return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
-  /** Returns the largest budget in Gaussians: half the pool, since coarse chunks stay needed while finer chunks
-      load. */
+  /** Returns the largest budget (number of Gaussians in a picture). The budget is half the pool, since coarse chunks
+      stay in the pool while finer chunks are loaded. */
   get most() {
     if (this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
@@ -434,7 +437,8 @@ export class Pager {
     return [first, last + 1]
   }
 
-  /** Passes a range of the file to `take`. If `take` throws, the range is read once more, from the server. */
+  /** Reads a range of the file and passes its bytes to `take`. If `take` throws, because the bytes are damaged, the
+      range is read once more from the server. */
   async #readChecked(first, length, take) {
     for (let i = 0; ; i++) {
       const bytes = await this.#read(first, first + length)
@@ -480,7 +484,8 @@ export class Pager {
     this.#chunkOf[place] = chunk
   }
 
-  /** Stores chunks first to end - 1. Chunks that no picture wants take only free places of the pool. */
+  /** Stores the arrived chunks `first` to `end` - 1 in the pool. A chunk that no picture wants takes only a free place
+      of the pool. */
   #takeAll(first, end, bytes) {
     const { chunkBytes, pool, where, chunks } = this.#layout
     const taken = []
@@ -509,7 +514,8 @@ export class Pager {
     }
   }
 
-  /** Returns a free place of the pool, else the place of the least recently used chunk; -1: none. */
+  /** Returns a place of the pool for a chunk: a free place, else the place of the least recently used chunk. Returns -1
+      if there is none. */
   #placeFor(chunk) {
     if (this.#spare.length) return this.#spare.pop()
     if (this.#used < this.#places) return this.#used++
@@ -530,8 +536,8 @@ export class Pager {
     return this.#victims.length > 0
   }
 
-  /** Returns an eighth of the pool to evict, without places that the last two frames used. The least recently used
-      place is last. */
+  /** Returns places of the pool that may be evicted, at most an eighth of the pool. Places that the last two frames
+      used are left out. The least recently used place is last. */
   #oldest(stamps) {
     const keys = new Float64Array(this.#places)
     let count = 0
@@ -567,8 +573,8 @@ export class Pager {
   }
 }
 
-// Opens a file for streaming and returns { core, pager, at, facts }. Returns { answer } with the whole file, or {} if
-// streaming is not possible.
+// Opens a file for streaming and returns its module, loader, address and facts as { core, pager, at, facts }. If the
+// server sends the whole file, returns { answer }. If the file cannot be streamed, returns {}.
 export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
   const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)

@@ -1,12 +1,12 @@
-// Reads the files of a scene from addresses, local files or memory, with the other files that a scene file names.
+// Reads the file of a scene and the other files that it names, from addresses, local files or memory.
 
 import { inNode, ofSystem } from './fixsplat_assets.js'
 
 const MOST = 2e9
 const MOST_ALL = 4e9
 const BLOCK = 1 << 20
-const AT_ONCE = 16             // simultaneous requests for files that a scene file names
-// a request times out if fewer bytes arrive in these milliseconds
+const AT_ONCE = 16             // largest number of simultaneous requests for files that a scene file names
+// A request times out if fewer than `bytes` bytes arrive in `milliseconds` milliseconds.
 const SLOWEST = { bytes: 1000, milliseconds: 30000 }
 
 const sizeOf = (bytes) => (bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(1)} GB`)
@@ -91,11 +91,12 @@ export class SourceFile {
 
 export const later = (call, milliseconds) => {
   const timer = setTimeout(call, milliseconds)
-  timer.unref?.()               // in Node, the timer does not keep the process alive
+  timer.unref?.()               // in Node, a pending timer would keep the process alive
   return timer
 }
 
-/** Aborts a request if fewer than SLOWEST.bytes arrive in `silence` milliseconds. Only time in `wait` counts. */
+/** Aborts a request if fewer than SLOWEST.bytes bytes arrive in `silence` milliseconds. Only the time in the method
+    `wait` counts. */
 export class Watch {
   #name
   #silence
@@ -187,8 +188,9 @@ async function answerOf(name, url, watch, begun) {
   return answer
 }
 
-/** came(file, share) is called after each part, and the download waits for its promise. `share` is undefined if the
-    size is unknown. `begun`: promise of an earlier answer. */
+/** Downloads a file. came(file, share) is called after each arrived part, and the download waits for the promise that
+    it returns. `share` is the downloaded share; undefined if the size is unknown. `begun` is the promise of an answer
+    that was requested earlier. */
 export async function download(url, options, came = () => {}, begun) {
   const name = nameOf(url)
   const watch = new Watch(name, options)
@@ -240,8 +242,8 @@ const pathOf = (file) => file.webkitRelativePath || file.name
 
 const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.fromCharCode(parseInt(code, 16)))
 
-/** Returns true if a file name stays in the scene's folder, like fxs_name_stays in C. A foreign scene must not read
-    files elsewhere. */
+/** Returns true if a file name leads to a file in the scene's folder or below, like fxs_name_stays in C. A foreign
+    scene must not read files elsewhere. */
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
@@ -322,7 +324,8 @@ export class Files {
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {
-      if (file.there > 1e6 || file.first(1)[0] !== 0x7b) continue   // '{' begins a JSON index file
+      // skips files that do not begin with an opening brace, since index files are JSON
+      if (file.there > 1e6 || file.first(1)[0] !== 0x7b) continue
       const folder = index.replace(/[^/]*$/, '')
       const texts = new TextDecoder().decode(file.first(file.there)).match(/"[^"\\]*"/g) ?? []
       const isOfKind = (text) => text.endsWith(`.${kind}`) && staysInside(text)

@@ -1,9 +1,9 @@
-// Caches ranges of files in the browser's Cache API. The address of a cached range is PLACE/file/version/first-end. A
-// full cache drops ranges of other files first.
+// Caches ranges of files in the browser's Cache API. The address of a cached range is PLACE/file/version/first-end,
+// with the first byte and the end of the range. A full cache drops ranges of other files first.
 
 const NAME = 'fixsplat'
 const PLACE = 'https://fixsplat.invalid/'
-const MOST = 1e9                // default capacity in bytes, for all files
+const MOST = 1e9                // default capacity of the cache in bytes, for all files together
 
 function entryOf(request) {
   const parts = request.url.slice(PLACE.length).split('/')
@@ -14,7 +14,7 @@ function entryOf(request) {
 export class Store {
   #cache
   #prefix
-  #own = new Map()              // cached ranges of this file by their first byte
+  #own = new Map()              // cached ranges of the file of this Store, by their first byte
   #others = []                  // cached ranges of other files, the oldest first
   #bytes = 0
   #most

@@ -7,7 +7,8 @@ import { Worker } from 'node:worker_threads'
 
 export const readFile = read
 
-/** Reads a file in the folder of `first` or below, after resolving links. */
+/** Reads another file of a scene. The file must be in the folder of the file `first` or below, after links are
+    resolved. */
 export async function readWithin(first, url) {
   const paths = [dirname(fileURLToPath(first)), fileURLToPath(url)]
   const [folder, file] = await Promise.all(paths.map((path) => realpath(path)))

@@ -1,6 +1,6 @@
-/* The renderer as a WebAssembly module for fixsplat.js. A function that fails returns a negative FXS_ERR_* or null,
-   and leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame
-   consists of begin, place for each object, a camera for each eye, then render, foresee or pick. */
+/* The renderer as a WebAssembly module for fixsplat.js. A function that fails returns a negative FXS_ERR_* or null, and
+   leaves a message in `words`. The array `numbers` passes further arguments (In) and results (Out). A frame begins with
+   `begin`, `place` for each object, and a camera function for each eye. Then follows `render`, `foresee` or `pick`. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +33,8 @@ static fxs_crop (*crops)[FXS_MAX_CROPS];
 static uint32_t object_count;
 static double low[3], high[3];
 
-static void *working;              /* working memory of a frame; after a trap, kept until the next frame */
+/* working memory of a frame; after a trap of WebAssembly, kept until the next frame */
+static void *working;
 
 static int said(int error)
 {
@@ -67,7 +68,7 @@ double *fxs_web_numbers(void)
     return numbers;
 }
 
-/* malloc of this module (web_heap.c) returns blocks aligned to 64 bytes. */
+/* Allocates memory aligned to 64 bytes. malloc of this module (web_heap.c) returns such blocks. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
     void *block = malloc(bytes);
@@ -81,7 +82,8 @@ EXPORT(release) void fxs_web_release(void *block)
     free(block);
 }
 
-/* The browser's tan saves a large table of pi. Cameras are rounded to 2^-12, so an error of an ulp does not matter. */
+/* Calls the browser's tan, since the C library's tan needs a large table of pi. Cameras are rounded to 2^-12, so an
+   error of an ulp does not matter. */
 double tan(double x)
 {
     return fxs_web_tan(x);
@@ -104,7 +106,8 @@ void fxs_web_describe(fxs_web_scene *s)
     numbers[9] = s->scene.nodes != NULL;
 }
 
-/* Checks a whole packed scene and opens the scene. Out: the numbers of fxs_web_describe. */
+/* Checks a whole packed scene and opens the scene. Out: the numbers of fxs_web_describe (number of Gaussians, SH
+   degree, profile, box, levels of detail). */
 EXPORT(open) fxs_web_scene *fxs_web_open(const char *name, const void *data, size_t bytes)
 {
     fxs_web_scene *s = NULL;
@@ -149,8 +152,8 @@ static uint32_t id_of(double x)
     return x >= 0 && x < FXS_NOTHING ? (uint32_t)x : FXS_NOTHING;
 }
 
-/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crop boxes;
-   then low, high, outside of each crop box. */
+/* Adds an object (a placed scene) to the frame. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible,
+   id, number of crop boxes; then low, high, outside of each crop box. */
 EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
@@ -179,8 +182,8 @@ static int take_camera(double near)
     return error;
 }
 
-/* Adds a camera with a target. In: eye, look, up, field of view in degrees, near (0: derived from the box of the
-   objects). */
+/* Adds a camera with a target to the frame. In: eye, look, up, field of view in degrees, depth of the near plane (0:
+   derived from the box of the objects). */
 EXPORT(look_at) int fxs_web_look_at(int width, int height)
 {
     const double near = numbers[10] != 0 ? numbers[10] : fxs_near_of_box(low, high);
@@ -189,7 +192,7 @@ EXPORT(look_at) int fxs_web_look_at(int width, int height)
     return error ? error : take_camera(near);
 }
 
-/* Adds a camera that shows all objects. In: up, field of view in degrees, near (0: chosen). */
+/* Adds a camera that shows all objects. In: up, field of view in degrees, depth of the near plane (0: chosen). */
 EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
     const int error = fxs_view_frame_box(&view, low, high, numbers, &(fxs_picture){numbers[3], width, height},
@@ -197,7 +200,7 @@ EXPORT(see_all) int fxs_web_see_all(int width, int height)
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
 }
 
-/* Finds the up direction of the first visible object with one in its file. Returns 0 without one. */
+/* Finds the up direction of the first visible object whose file states an up direction. Returns 0 if no file does. */
 static int find_up(double up[3])
 {
     for (uint32_t i = 0; i < object_count; i++) {
@@ -213,8 +216,8 @@ static int find_up(double up[3])
     return 0;
 }
 
-/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice, then 1 if a file states the up
-   direction. */
+/* Chooses the first view of the objects. Out: the 13 numbers of fxs_first_choice (the chosen up, direction, distance
+   and box), then 1 if a file states the up direction. */
 EXPORT(choose) int fxs_web_choose(void)
 {
     double up[3];
@@ -238,7 +241,8 @@ EXPORT(choose) int fxs_web_choose(void)
     return 0;
 }
 
-/* Adds the camera of a first view. In: an fxs_first_choice, field of view in degrees, near (0: chosen). */
+/* Adds the camera of a chosen first view. In: an fxs_first_choice, field of view in degrees, depth of the near plane
+   (0: chosen). */
 EXPORT(see_first) int fxs_web_see_first(int width, int height)
 {
     fxs_first_choice first;
@@ -248,8 +252,8 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
     return error ? error : take_camera(behind[1] != 0 ? behind[1] : view.near);
 }
 
-/* Returns 1 with the start view for 2 x 2 pixels, or 0 without a start view. Out: fy, position, rotation (world to
-   camera, in rows). */
+/* Finds the start view that a scene's file states, for a picture of 2 x 2 pixels. Returns 1, or 0 without a start view.
+   Out: focal length fy, position, rotation (world to camera, in rows). */
 EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
 {
     if (!fxs_view_of_start(&view, l->data, 2, 2))
@@ -260,8 +264,8 @@ EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
     return 1;
 }
 
-/* Adds the camera of a scene's start view; the scene must be the only object. `near` 0: chosen. Returns 0 without a
-   start view. */
+/* Adds the camera of a scene's start view; the scene must be the only object. `near` is the depth of the near plane; 0:
+   chosen. Returns 0 without a start view. */
 EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int width, int height)
 {
     if (!fxs_view_of_start(&view, l->data, width, height))
@@ -277,8 +281,8 @@ EXPORT(middle) void fxs_web_middle(void)
         numbers[i] = (low[i] + high[i]) / 2;
 }
 
-/* Adds a pinhole camera of `width` x `height` pixels, resized to `new_width` x `new_height`. In: fx, fy, cx, cy,
-   rotation (world to camera, in rows), position, near. */
+/* Adds a pinhole camera for a picture of `width` x `height` pixels, resized to `new_width` x `new_height` pixels. In:
+   fx, fy, cx, cy, rotation (world to camera, in rows), position, depth of the near plane. */
 EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_height, int projection)
 {
     strcpy(view.name, "camera");
@@ -364,11 +368,11 @@ static fxs_image image_at(double at, ptrdiff_t bytes)
     return (fxs_image){(void *)(uintptr_t)at, bytes * cameras->width};
 }
 
-/* Sets the targets of an eye. In: addresses of colour, coverage, mean and median depth, ids, occluder and backdrop;
-   0: none. */
+/* Sets the targets (pictures to write) of an eye. In: addresses of colour, coverage, mean and median depth, ids, and of
+   the inputs occluder and backdrop; 0: none. */
 static void take_targets(fxs_targets *t, const double *at, int format, int depth_bits)
 {
-    static const uint8_t bytes[] = {4, 4, 2, 8};   /* bytes a pixel in each format */
+    static const uint8_t bytes[] = {4, 4, 2, 8};   /* bytes a pixel in each colour format */
     fxs_targets_init(t);
     t->format = (enum fxs_format)format;
     t->depth_bits = depth_bits;
@@ -381,7 +385,8 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
     t->backdrop = image_at(at[6], 4);
 }
 
-/* Draws the objects. In: the 7 addresses of take_targets for each eye. Out: as fxs_web_frame_end. */
+/* Draws the objects. In: the 7 addresses of take_targets (pictures) for each eye. Out: number of drawn Gaussians,
+   number of missing chunks. */
 EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t background, int sh_degree, int square,
                                   uint32_t budget, uint32_t detail_q8, size_t limit)
 {
@@ -401,7 +406,8 @@ EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t 
     return fxs_web_frame_end(&f, fxs_foresee(&context, &f.request, f.memory, f.bytes));
 }
 
-/* Finds the Gaussian at a pixel. Returns 1, or 0 without one. Out: object, Gaussian, depth, position. */
+/* Finds the Gaussian with the largest contribution to a pixel. Returns 1, or 0 without one. Out: index of the object,
+   index of the Gaussian, depth, position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;

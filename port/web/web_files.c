@@ -1,4 +1,4 @@
-/* A module has no files: opening one by its path fails with a message. Scenes come from memory. */
+/* A WebAssembly module has no files, so opening a file by its path fails with a message. Scenes come from memory. */
 #include <fixsplat/internal/message.h>
 
 #include "src/base/files_internal.h"
@@ -34,7 +34,7 @@ int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size)
     return -1;
 }
 
-/* Stubs of functions for open files, which are never called. */
+/* Stubs of C functions for open files, such as fclose, which are never called. */
 int fclose(FILE *stream)
 {
     (void)stream;

@@ -1,5 +1,5 @@
-/* malloc and free of a module, for few, mostly large blocks, aligned to 64 bytes. First fit in a list of free blocks
-   in ascending order of addresses, with merging. */
+/* malloc and free of a WebAssembly module, for few, mostly large blocks, aligned to 64 bytes. malloc takes the first
+   block that fits in a list of free blocks. The list is in ascending order of addresses, and free merges neighbours. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #define PAGE 65536u
 
 typedef struct block {
-    size_t bytes;                  /* size of the block with this header, a multiple of 64 */
+    size_t bytes;                  /* size in bytes of this block with its header, a multiple of 64 */
     struct block *next;
 } __attribute__((aligned(64))) block;
 
@@ -109,7 +109,7 @@ void *realloc(void *memory, size_t bytes)
     return larger;
 }
 
-/* Does nothing, since the memory of a module has pages of one size. */
+/* Asks for large pages of memory. Does nothing, since the memory of a WebAssembly module has pages of one size. */
 void fxs_use_large_pages(void *block, size_t bytes)
 {
     (void)block;

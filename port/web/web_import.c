@@ -1,5 +1,5 @@
-/* The readers of scene formats and the packer as WebAssembly modules. make/web.mk lists the readers of each module.
-   A module reads files by imports of fixsplat.js, and makes an .fxs file in its memory. */
+/* The readers of scene formats and the packer as WebAssembly modules. make/web.mk lists the readers of each module. A
+   module reads files by functions imported from fixsplat.js, and makes an .fxs file in its memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,8 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Imports that read files by numbers; 0 is the opened file. Negative results: missing file or missing bytes. */
+/* Functions imported from JavaScript that read files by numbers; file 0 is the opened scene file. Negative results mean
+   a missing file or missing bytes. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);
@@ -104,7 +105,8 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
             s->gaussians[s->count++] = part[until_next];
 }
 
-/* Enlarges the Gaussians of a sample to cover as much as `all` Gaussians: log(scale) grows by log(all / count) / 2. */
+/* Enlarges the Gaussians of a sample to cover as much as all Gaussians of the scene, `all` in number. log(scale) grows
+   by log(all / count) / 2. */
 static void enlarge(sample *s, double all)
 {
     const float more = (float)(fxs_log(all / (double)s->count) / 2);
@@ -118,8 +120,8 @@ static double least_gain(double there)
     return there < 1 ? 2 : 6;
 }
 
-/* Packs a sample of at most `most` Gaussians. `there`: downloaded share of the file. Does nothing if the preview is
-   not worth its time. */
+/* Packs a sample of at most `most` Gaussians as a preview. `there` is the downloaded share of the file. Does nothing if
+   the whole scene is hardly larger than the sample. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
@@ -146,8 +148,8 @@ static int is_elsewhere(const char *name)
     return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
 }
 
-/* Opens file 0. In: limits of Gaussians and of memory in bytes (0: default). Returns 0, 1 if another module may read
-   the file, or an error. */
+/* Opens the scene file (file 0). In: largest number of Gaussians, largest memory in bytes (0: default). Returns 0, 1 if
+   another module may read the file, or a negative error. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .axes = (enum fxs_axes)axes,
@@ -168,8 +170,9 @@ EXPORT(look) int fxs_web_look(const char *name, int axes)
     return error;
 }
 
-/* Packs file 0, or a sample if `most` is not 0. In: limits of open_first, downloaded share of the file, number of
-   threads. Out: address and size of the .fxs file; size 0: no worthwhile sample. Returns the result of open_first. */
+/* Packs the scene file (file 0), or a sample of at most `most` Gaussians if `most` is not 0. In: largest number of
+   Gaussians, largest memory in bytes, downloaded share of the file, number of threads. Out: address and size of the
+   .fxs file; size 0: no worthwhile sample. Returns the result of open_first. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;

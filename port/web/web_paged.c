@@ -1,6 +1,7 @@
-/* Streamed scenes, for paged.js. A chunk has 256 Gaussians. Leaves are the finest chunks, nodes the coarser chunks.
-   One block of memory holds the tables of the leaves, the tables of the nodes, and the pool of chunks. A chunk
-   without a loaded header has a copy of its parent's header, because the parent is visible whenever the chunk is. */
+/* Streamed scenes with levels of detail, for paged.js. A chunk has 256 Gaussians. Leaves are the finest chunks, nodes
+   the coarser chunks of the tree. One block of memory holds the tables of the leaves, the tables of the nodes, and the
+   pool of loaded chunks. A chunk without a loaded header has a copy of its parent's header, because the parent is
+   visible whenever the chunk is. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,8 +33,8 @@ static uint32_t leaves_of(const void *data)
     return header.chunk_count;
 }
 
-/* Checks the header of a file. Returns 0 without levels of detail. Out: bytes of the file, bytes of a chunk, number
-   of chunks of all levels. */
+/* Checks the header of an .fxs file. Returns 0 without levels of detail. Out: bytes of the file, bytes of a chunk (256
+   Gaussians), number of chunks of all levels. */
 EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *header)
 {
     fxs_scene_parts p;
@@ -69,10 +70,10 @@ EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
     release(s);
 }
 
-/* Allocates a scene with a pool for `places` chunks. Returns null if memory ran out or the header is not valid.
-   Out: number of leaves; address, file offset and size of the palette, of the tree, of the node headers and of the
-   leaf headers; file offsets of the leaves and of the nodes; addresses of the pool, the places, the stamps and the
-   list of wanted chunks. */
+/* Allocates a streamed scene with a pool for `places` chunks. Returns null if memory ran out or the header is not
+   valid. Out: number of leaves (finest chunks); address, file offset and size of the palette, of the tree, of the node
+   headers and of the leaf headers; file offsets of the leaves and of the nodes; addresses of the pool, of each chunk's
+   place in the pool, of the stamps of last use, and of the list of wanted chunks. */
 EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
 {
     fxs_scene_parts p;
@@ -105,8 +106,8 @@ EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_
     return s;
 }
 
-/* Checks the loaded tables and the first `there` nodes, and copies headers of parents to all other chunks. Out: as
-   fxs_web_describe. */
+/* Checks the loaded tables and the first `there` nodes (coarse chunks) of a streamed scene. Copies the headers of
+   parents to all other chunks. Out: the numbers of fxs_web_describe (number of Gaussians, box and other facts). */
 EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name, uint32_t there)
 {
     const unsigned char *data = s->data, *pool = s->scene.rows;
@@ -152,7 +153,8 @@ EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *na
     return error;
 }
 
-/* Makes the scene `coarse` of the first `there` nodes, without nodes with both children among them. */
+/* Makes `coarse`, a coarse version of a streamed scene, of the first `there` nodes of its tree. A node whose two
+   children are both among these nodes is left out. */
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;

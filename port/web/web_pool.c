@@ -1,23 +1,24 @@
-/* Threads for fxs_config.run in a module with shared memory. A helper is a worker (thread.js) with another instance
-   of the module. One batch of jobs runs at a time. The caller always runs job 0 and does not wait for helpers that
-   have not started. */
+/* Runs jobs on threads in a module with shared memory (fxs_config.workers.run). A helper is a worker (thread.js) with
+   another instance of the module. One batch of jobs runs at a time. The caller always runs job 0 and does not wait for
+   helpers that have not started. */
 #include <stdint.h>
 #include <stdlib.h>
 
 #include "web.h"
 
-#define HOT __attribute__((aligned(64)))       /* puts a variable into a cache line of its own */
-/* rounds of spinning, some ten microseconds, less than a wake-up takes */
+#define HOT __attribute__((aligned(64)))       /* aligns a variable to a cache line of its own */
+/* Number of rounds that a thread spins before it sleeps: some ten microseconds, less than a wake-up takes. */
 #define SPINS 2000u
 
-static HOT uint32_t turn;          /* counter of batches; odd while a batch of jobs accepts helpers */
+static HOT uint32_t turn;          /* counter of batches of jobs; odd while a batch accepts helpers */
 static HOT uint32_t inside;
 static HOT uint32_t next;
 static HOT void (*batch_job)(void *, uint32_t);
 static void *batch_argument;
 static uint32_t batch_jobs, failed;
 static uint32_t helpers, ending;
-static int may_wait;               /* 0: the caller is the main thread of a page, which may only spin */
+/* whether the caller may sleep; 0 on the main thread of a page, which may only spin */
+static int may_wait;
 
 static uint32_t get(const uint32_t *at)
 {
@@ -47,7 +48,7 @@ static void work(void)
         batch_job(batch_argument, i);
 }
 
-/* Closes the batch to new helpers, and waits for the helpers that run jobs. */
+/* Closes the batch of jobs to new helper threads, and waits for the helpers that run jobs. */
 EXPORT(settle) void fxs_web_settle(void)
 {
     if (get(&turn) & 1)
@@ -59,7 +60,7 @@ EXPORT(settle) void fxs_web_settle(void)
 void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
-    fxs_web_settle();              /* ends the last batch if a job of it trapped */
+    fxs_web_settle();              /* ends the last batch of jobs, which is still open if one of its jobs trapped */
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;
@@ -91,11 +92,12 @@ EXPORT(help) void fxs_web_help(void)
 {
     uint32_t seen;
     add(&helpers, 1);
-    /* reads `turn`, then `ending`; fxs_web_end writes in the reverse order */
+    /* `turn` is read before `ending`, since fxs_web_end writes them in the reverse order */
     while (seen = get(&turn), !get(&ending)) {
         if (seen & 1) {
             add(&inside, 1);
-            if (get(&turn) == seen)            /* if the batch is unchanged, the caller waits for this helper */
+            /* if the batch of jobs has not been closed, its caller waits until this helper has left */
+            if (get(&turn) == seen)
                 work();
             leave();
         }

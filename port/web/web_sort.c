@@ -1,11 +1,12 @@
-/* qsort as a bottom-up heap sort: few comparisons, no extra memory, no slow input. */
+/* The function qsort as a bottom-up heap sort, which makes few comparisons, needs no extra memory, and has no slow
+   input. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef int compare_fn(const void *, const void *);
 
-/* Moves `value` to its place in the heap below the free place `at`. */
+/* Puts `value` into the heap: from the free place `at`, moves down to the place where the value belongs. */
 static inline void sift(char *base, size_t count, size_t at, size_t width, const char *value, compare_fn *compare)
 {
     const size_t top = at;

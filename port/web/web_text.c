@@ -1,5 +1,5 @@
-/* A subset of the C library's functions for messages: %s %d %u %c %f %g, with h, l, ll, z and t, and a precision for
-   strings. JavaScript converts numbers to text. */
+/* The C library's printf functions, as far as messages need: %s %d %u %c %f %g, with h, l, ll, z and t, and a precision
+   for strings. JavaScript converts numbers to text. */
 #include <limits.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,8 @@ __attribute__((import_module("env"), import_name("real"))) double fxs_web_real(c
 
 typedef struct writer {
     char *out;
-    size_t room, length;           /* length of the whole text; at most `room` bytes are written, with the final 0 */
+    /* `length` of the whole text; at most `room` bytes of it are written to `out`, with the final 0 */
+    size_t room, length;
 } writer;
 
 static void put(writer *w, const char *text, size_t length)

@@ -15,7 +15,7 @@ typedef struct named {
     fxs_gl_function function;
 } named;
 
-/* WebGL 2 is OpenGL ES 3.0 with another name of the version. */
+/* Replaces glGetString. WebGL 2 is OpenGL ES 3.0 with another name of the version. */
 static const GLubyte *text(GLenum name)
 {
     return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 (WebGL 2.0)" : "WebGL");
@@ -46,8 +46,9 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     fxs_gles_destroy(gles);
 }
 
-/* Draws into a framebuffer at (x, y). `depth`: texture of a depth buffer, or 0. plane_0 and plane_1: distances of
-   its depths 0 and 1. `backdrop`: texture to draw instead of the background, or 0. */
+/* Draws a picture into a framebuffer, with its lower left corner at (x, y). `depth` is the texture of a depth buffer,
+   or 0. plane_0 and plane_1 are the distances of the depths 0 and 1 in this texture. `backdrop` is a texture to draw
+   instead of the background, or 0. */
 EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, uint32_t framebuffer, uint32_t depth, uint32_t backdrop,
                                         int x, int y, float plane_0, float plane_1, int format, uint32_t background,
                                         int sh_degree, int square, uint32_t budget, uint32_t detail_q8, size_t limit)

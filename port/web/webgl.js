@@ -1,8 +1,8 @@
 // The functions of OpenGL ES 3.0 that kernels/gles calls, on a WebGL2RenderingContext. #objects maps the numbers of
-// OpenGL objects to WebGL objects. Buffers for uploads lie in the module's memory to save a copy.
+// OpenGL objects to WebGL objects. Buffers for uploads lie in the memory of the WebAssembly module to save a copy.
 
-const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // words a pixel of the uploaded layouts RGBA_INTEGER and RG_INTEGER
-const NUM_EXTENSIONS = 0x821d // a parameter of OpenGL that WebGL lacks
+const COMPONENTS = { 0x8d99: 4, 0x8228: 2 } // 32-bit words a pixel of the uploaded layouts RGBA_INTEGER and RG_INTEGER
+const NUM_EXTENSIONS = 0x821d // glGet parameter of OpenGL that WebGL lacks: the number of extensions
 
 const SAME = [
   'ActiveTexture',
@@ -90,7 +90,8 @@ export class Functions {
     this.#forget(name)
   }
 
-  /** Calls the module with WebGL's flags for flipped and premultiplied uploads off, since OpenGL lacks these flags. */
+  /** Calls a function of the module while WebGL's flags for flipped and premultiplied uploads are off, since OpenGL
+      lacks these flags. */
   call(run) {
     const gl = this.#gl
     const switches = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]

@@ -1,12 +1,14 @@
-/* Plans frames of compute shaders, which webgpu.js executes with WebGPU. gpu_begin takes the objects and the camera,
-   and gpu_lay_out makes uniforms and steps. After the frame, gpu_look checks the status. */
+/* Plans the compute shaders of a frame, which webgpu.js executes with WebGPU. gpu_begin takes the objects and the
+   camera. gpu_lay_out makes the uniforms of the shaders and the list of steps (shader calls). After the frame, gpu_look
+   checks the status that the shaders report. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "kernels/compute/plan.h"
 #include "web.h"
 
-#define PART_BYTES (1 << 27)       /* largest part of a scene in bytes; every device can map such a buffer */
+/* largest part of a scene in one GPU buffer, in bytes; every device can map such a buffer */
+#define PART_BYTES (1 << 27)
 
 typedef struct web_plan {
     fxs_plan plan;
@@ -24,8 +26,8 @@ EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
     return FXS_COMPUTE_PROGRAMS_OF(NAME);
 }
 
-/* Returns the buffer capacities of a device, which the caller frees with `release`. `most`: largest storage buffer
-   in bytes. */
+/* Returns the buffer capacities of a GPU device, which the caller frees with `release`. `most` is the largest size of a
+   storage buffer in bytes. */
 EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
 {
     fxs_plan_rooms *rooms = fxs_web_allocate(sizeof *rooms);
@@ -55,8 +57,8 @@ EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_w
     return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
 }
 
-/* Describes a part of a scene, or its chunk headers. Out: bytes of the part; for each of 3 pieces: address, bytes,
-   offset. */
+/* Describes a part of a scene, or the scene's chunk headers, for an upload to a GPU buffer. Out: bytes of the part;
+   then for each of 3 pieces of the part: address, bytes, offset in the buffer. */
 EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
 {
     double *out = fxs_web_numbers();
@@ -79,8 +81,9 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* Bits of `asked`, from bit 0: colour, mean depth, median depth, ids, occluder, backdrop. Images lie on the device;
-   their rows lie side by side from a placeholder address. */
+/* Sets the targets (pictures) of a frame. The bits of `asked` name them, from bit 0: colour, mean depth, median depth,
+   ids, occluder, backdrop. The pictures lie on the device, so the addresses are placeholders. The rows of all pictures
+   lie side by side. */
 static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
 {
     fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
@@ -108,7 +111,7 @@ static int begin(web_plan *w)
     return error;
 }
 
-/* Begins a frame, which gpu_end frees. Out: the number of drawn Gaussians. */
+/* Begins a frame on the GPU, which gpu_end frees. Out: the number of drawn Gaussians. */
 EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
@@ -135,8 +138,9 @@ static void take_step(void *argument, const fxs_step *step)
     w->steps[w->step_count++] = *step;
 }
 
-/* Lays out the frame. Out: address and bytes of the uniforms; address, bytes and device offset of the places;
-   address and number of the steps; device offsets of the images of take_targets, in words; bytes of each buffer. */
+/* Lays out the GPU buffers of the frame. Out: address and bytes of the uniforms; address, bytes and device offset of
+   the table of drawn chunks; address and number of the steps (shader calls); device offsets in 32-bit words of colour,
+   mean depth, median depth, ids, occluder and backdrop; bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;
@@ -173,7 +177,8 @@ EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
     return fxs_plan_look(&w->plan, w->rooms, status, fxs_web_message());
 }
 
-/* Returns the table at the start of the device memory. Out: its size in bytes. */
+/* Returns the table that lies at the start of the device memory: -2 ln(opacity) of each opacity code, Q11. Out: size of
+   the table in bytes. */
 EXPORT(gpu_table) const void *fxs_web_gpu_table(void)
 {
     fxs_web_numbers()[0] = sizeof fxs_offset_of_code_q11;

@@ -1,23 +1,24 @@
 // The back end 'webgpu' executes the plan of a frame (webgpu.c) with the shaders of kernels/compute. The device reports
-// a status after each frame. If all lists fitted their buffers, the picture is shown; else the frame is repeated with
-// larger buffers.
+// a status after each frame. If all lists fitted into their GPU buffers, the picture is shown; else the frame is
+// repeated with larger buffers.
 
 import { parts, texts } from './stages.js'
 
-const STATUS = 16               // words in the status of a frame (FXS_COMPUTE_STATUS)
-const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // numbers of buffers in kernels/compute/records.h
-const BUFFERS = 7               // number of buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
+const STATUS = 16               // number of 32-bit words in the status of a frame (FXS_COMPUTE_STATUS)
+const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // indices of buffers, see kernels/compute/records.h
+const BUFFERS = 7               // number of GPU buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
-const STRIDE = 1024             // bytes in a uniform: FXS_COMPUTE_STRIDE
+const STRIDE = 1024             // size of a uniform block in bytes: FXS_COMPUTE_STRIDE
 const STEP = 13
 const PLACE = 10
 const LOST = 'the WebGPU device was lost: open another Screen'
-const NOTHING = 0xffffffff      // value for "no depth": FXS_NOTHING
+const NOTHING = 0xffffffff      // depth of a pixel without a depth: FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
-const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // numbers of the input images, and the count of all images
+const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // indices of the two input images; number of images
 
-// The shaders before and after the stages of a frame. One shader writes the picture to a texture; an 8-bit format
-// stores k / 255 exactly. Another shader converts the caller's depth buffer to the occluder.
+// The shaders before and after the stages of a frame. One shader writes the picture to a texture; a texture of an 8-bit
+// format stores k / 255 exactly. Another shader converts the caller's depth buffer to the occluder (depths that hide
+// Gaussians).
 const ENDS = `
 struct Place {
     corner: vec2<i32>,
@@ -168,7 +169,8 @@ function checkTargets(targets, pixels) {
 
 const KINDS = ['validation', 'out-of-memory', 'internal']
 
-/** At most one frame of a Screen waits; a newer frame replaces it. */
+/** The part of a Screen that draws with WebGPU. At most one frame waits to be drawn; a newer frame replaces the waiting
+    frame. */
 export class Computed {
   #canvas
   #core
@@ -260,7 +262,8 @@ export class Computed {
     })
   }
 
-  /** Writes a copy of the bytes, since some browsers refuse shared memory. */
+  /** Writes bytes of the module's memory to a GPU buffer. The bytes are copied first, since some browsers refuse shared
+      memory. */
   #write(buffer, to, at, bytes) {
     this.device.queue.writeBuffer(this.#buffers[buffer], to, this.#core.bytes(at, bytes).slice())
   }
@@ -416,7 +419,8 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** Reuses the bind groups of the last frame, since making them is slow. */
+  /** Binds the resources of a shader. The bind groups of the last frame are reused if possible, since making them is
+      slow. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>
@@ -485,7 +489,7 @@ export class Computed {
     return (this.#parts = this.device.createTexture({ size: [width, height], format: this.#format, usage }))
   }
 
-  /** Resizes the canvas, which clears it. Called only with a complete picture. */
+  /** Resizes the canvas, which clears its pixels. Therefore called only when a complete picture follows. */
   #resize(width, height) {
     if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height })
   }

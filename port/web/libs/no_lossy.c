@@ -1,4 +1,4 @@
-/* Stubs for decoding lossy pictures with libwebp. The reader of .sog files refuses lossy pictures. */
+/* Stubs for libwebp's functions that decode lossy pictures. The reader of .sog files refuses lossy pictures. */
 #include "src/dec/vp8_dec.h"
 #include "src/dec/webpi_dec.h"
 
@@ -17,7 +17,7 @@ int VP8InitIoInternal(VP8Io *io, int version)
 
 void WebPInitCustomIo(WebPDecParams *params, VP8Io *io)
 {
-    io->opaque = params;             /* the lossless decoder reads its output buffer from here */
+    io->opaque = params;             /* libwebp's lossless decoder reads its output buffer from `opaque` */
 }
 
 VP8Decoder *VP8New(void)

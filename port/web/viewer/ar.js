@@ -1,23 +1,24 @@
-// Augmented reality (WebXR): puts the scene upright on a floor or table of the room. A ring shows the place, which
-// WebXR hit tests find. A tap or trigger puts the scene there. Dragging the scene moves it, dragging elsewhere turns
-// it, and two fingers turn and scale it.
+// Augmented reality (WebXR): puts the scene upright on a floor or table of the room. A ring shows where the scene will
+// stand, on a surface that WebXR hit tests find. A tap or trigger puts the scene there. Dragging the scene moves it,
+// dragging elsewhere turns it, and two fingers turn and scale it.
 import { button, ICONS } from './body.js'
 import { programOf } from './eyes.js'
 import { add, dot, unit } from './motion.js'
 import { numbers, Place } from './xr.js'
 
 const TABLE = 0.5 // metres: longest side of a scene in the size 'table'
-const [LEAST, MOST] = [0.02, 200] // metres: range of the longest side of a scene scaled by fingers
-const LEVEL = Math.cos(Math.PI / 6) // smallest vertical component of the normal of a level surface
-const BEFORE = 0.7 // metres: distance to the near side of the scene if no surface is known
+const [LEAST, MOST] = [0.02, 200] // metres: limits of the longest side of a scene that fingers scale
+const LEVEL = Math.cos(Math.PI / 6) // smallest vertical component of the unit normal of a surface that counts as level
+const BEFORE = 0.7 // metres: distance from the user to the near side of the scene if no surface is known
 const BELOW = 1.2 // metres: assumed height of the eyes above an unknown floor
-const PATIENCE_MS = 8000 // milliseconds without a surface until a tap puts the scene in front of the user
+const PATIENCE_MS = 8000 // milliseconds without a known surface; then a tap puts the scene in front of the user
 const HINT_MS = 8000
 const REACH = 20 // metres: longest ray from a pointer to the floor
-const TURNING = 4 // ratio of the scene's turn to the angle of a drag
+const TURNING = 4 // ratio of the angle by which the scene turns to the angle of a drag
 const [RING_LEAST, RING_MOST] = [0.06, 0.5]
 
-const SIZES = { table: (longest) => TABLE / longest, true: () => 1 } // metres for a scene unit
+// for each size of the scene: the metres of a scene unit
+const SIZES = { table: (longest) => TABLE / longest, true: () => 1 }
 const OTHER = { table: 'true', true: 'table' }
 const NAMES = { table: 'On the table', true: 'True size' }
 const HINTS = {
@@ -35,7 +36,7 @@ void main() {
   at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   gl_Position = projection * view * vec4(ring.xyz + ring.w * vec3(at.x, 0.0, at.y), 1.0);
 }`
-// A white ring between dark edges is visible on any floor. Colours are premultiplied.
+// The shader draws a white ring between dark edges, which is visible on any floor. Colours are premultiplied.
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 at;
@@ -101,7 +102,7 @@ function apart([a, b], { matrix }) {
   return { far: Math.hypot(...to), angle: Math.atan2(to[1], to[0]) }
 }
 
-/** The Guide of the AR mode (see xr.js) places the scene in the room. */
+/** The class Stand places the scene in the room in the AR mode. It is the mode's Guide (see xr.js). */
 class Stand {
   #host
   #session
@@ -147,7 +148,7 @@ class Stand {
       this.#hold(this.#held.filter((source) => source !== inputSource)))
     try {
       this.#hits = await session.requestHitTestSource({ space: await session.requestReferenceSpace('viewer') })
-    } catch {} // the device has no hit tests
+    } catch {} // a device without hit tests refuses the request, and the scene is placed without a surface
     this.#since = performance.now()
   }
 
@@ -192,7 +193,8 @@ class Stand {
     return SIZES[this.#size](this.#longest)
   }
 
-  /** Middle of the underside of the scene's box: middle - h up, with h = sum of |up_i| side_i / 2. */
+  /** Returns the middle of the underside of the scene's box: the middle of the box minus h up. h is half the height of
+      the box along the unit vector `up`, the sum of |up_i| side_i / 2. */
   get #foot() {
     const { low, high } = this.#host.scene()
     const up = unit(this.#host.view().up)
@@ -221,7 +223,8 @@ class Stand {
     return [position.x + far * x, height, position.z + far * z]
   }
 
-  /** If the device looks straight down, its upper edge gives the horizontal direction of view. */
+  /** Returns the horizontal direction of view of a device. If the device looks straight down, its upper edge gives the
+      direction. */
   #heading(matrix) {
     const ahead = [-matrix[8], -matrix[10]]
     return unit(Math.hypot(...ahead) > 0.01 ? ahead : [matrix[4], matrix[6]])

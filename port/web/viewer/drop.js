@@ -1,7 +1,7 @@
 // Finds the scenes among dropped or chosen files and folders.
 
 const FORMATS = '@FORMATS@'.split(', ')
-// formats that name other files
+// formats of index files: scene files that name other files
 const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name))
 const MOST = 10000 // largest number of files in dropped folders
 
@@ -11,7 +11,7 @@ const isOf = (names) => (file) =>
 const isIndex = isOf(INDEX)
 const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
 
-/** Returns all files of a drop. A file in a folder has its path as name. */
+/** Returns all files that the user has dropped. The name of a file in a folder is its path. */
 export async function filesOf(entries, dropped) {
   if (!entries.some((entry) => entry.isDirectory)) return dropped
   const files = []
@@ -26,7 +26,7 @@ async function take(entry, files) {
     return
   }
   const reader = entry.createReader()
-  // readEntries returns only a part of the entries a call
+  // readEntries returns only some of the entries of a folder in each call
   const next = () => new Promise((done, failed) => reader.readEntries(done, failed))
   for (let some = await next(); some.length; some = await next())
     for (const one of some) {
@@ -35,8 +35,8 @@ async function take(entry, files) {
     }
 }
 
-// Finds scenes among files, and a file of views or settings. An index file gets all files below its folder. A single
-// file without a known ending is tried as a scene.
+// Finds scenes among files, and one file of views or settings. An index file, which names other files, becomes a scene
+// with all files of its folder and below. A single file without a known ending is tried as a scene.
 export function scenesIn(files) {
   const isViews = (file) => /\.json$/i.test(file.name) && !isIndex(file)
   const rest = new Set([...files].sort((a, b) => (a.name < b.name ? -1 : 1)))

@@ -1,3 +1,3 @@
-// The entry of the viewer element for bundlers.
+// The entry module of the viewer element <fixsplat-viewer> for bundlers.
 import './starts.js'
 export * from './viewer.js'

@@ -1,9 +1,10 @@
-// Sends requests to worker.js and returns promises. Ending the worker frees all of its memory.
+// Sends requests to the worker (worker.js), and returns promises of its answers. Ending the worker frees all of its
+// memory.
 import { assets, folderOf, hasStart, startWorker } from 'fixsplat/fixsplat_assets.js'
 
 const WORKER = 'viewer/worker.js'
 
-/** The folder of the viewer's files in a page without a bundler. */
+/** The folder of the viewer's files in a page without a bundler; undefined with a bundler. */
 export const HOME = hasStart(WORKER) ? undefined : folderOf(import.meta.url, 'engine.js')
 
 const moved = (value) => {

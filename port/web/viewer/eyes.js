@@ -41,7 +41,8 @@ export function turnBetween(from, to, far) {
 const VERTEX = `#version 300 es
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }`
 
-// Pixels count from the top left. The picture of an eye starts at x = `left` in the texture.
+// The shader counts pixels from the top left. The texture holds the pictures of both eyes side by side; `left` is the
+// first column of the eye's picture.
 const FRAGMENT = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;
@@ -111,7 +112,8 @@ export class Eyes {
     })
   }
 
-  /** If the camera is unchanged, the bytes of the picture are copied; else the picture is reprojected. */
+  /** Draws the picture of an eye for a camera. If the camera is that of the picture, the bytes are copied; else the
+      picture is reprojected. */
   draw(eye, camera, far, { x, y, width, height }) {
     const gl = this.#gl
     const index = Math.min(eye, this.cameras.length - 1)
@@ -137,10 +139,10 @@ export class Eyes {
 const [LEAST, MOST] = [0.35, 1]
 const STEP = 1.25
 const MARGIN = 1 / 8
-const PATIENCE = 4 // number of quick pictures in a row before the picture size grows
+const PATIENCE = 4 // number of quickly drawn pictures in a row after which the picture size grows
 
-/** Controls the size of pictures for a drawing time of `aim` milliseconds. Smaller pictures get a margin, because
-    the head turns meanwhile. */
+/** Controls the size of pictures, so that drawing takes about `aim` milliseconds. Reduced pictures get a margin around
+    the view, because the head turns while they are drawn. */
 export class Scale {
   value = 0.5
   #aim

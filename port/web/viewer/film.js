@@ -6,7 +6,7 @@ const BITS_A_PIXEL = 0.3
 const QUANTIZER = 20 // quantizer of VP9: 0 is the finest, 63 the coarsest
 const FAST_BITS = 16e6 // bit rate of MediaRecorder in bits a second
 const KEY_S = 2 // seconds between key frames
-const MOST_WAITING = 4 // largest number of frames in the queue of the encoder
+const MOST_WAITING = 4 // largest number of frames that wait in the queue of the encoder
 const MOST_FRAMES = 36000
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
@@ -39,7 +39,8 @@ function element(id, ...inside) {
 
 const bytesOf = (parts) => parts.reduce((sum, bytes) => sum + bytes.length, 0)
 
-/** Clusters of a .webm file start at key frames. Times within a cluster must be below 32768 ms. */
+/** Groups encoded frames into clusters of a .webm file, which start at key frames. Times within a cluster must be below
+    32768 ms. */
 function clustersOf(chunks) {
   const clusters = []
   for (const chunk of chunks) {
@@ -146,8 +147,8 @@ async function recorded(film, frames) {
   return { blob: new Blob(parts, { type: 'video/webm' }), codec: 'MediaRecorder', frames: count }
 }
 
-// Returns { blob, codec, frames, width, height }. draw(seconds, width, height) returns the pixels of a frame.
-// progress(share) may throw to cancel.
+// Makes a film, and returns { blob, codec, frames, width, height }. draw(seconds, width, height) returns the pixels of
+// a frame. progress(share) may throw to cancel the film.
 export async function filmOf(asked, draw, progress) {
   const even = (n) => Math.max(2 * Math.round(n / 2), 2)
   const { rate = 30, seconds } = asked

@@ -41,7 +41,7 @@ async function show({ version, background }) {
   if (await open(`../scene.fxs?${version}`, background)) shown = version
 }
 
-/** Loads the last scene before the next request, after which the server ends. */
+/** Shows the last scene of a fit before the next request to the server. The server ends after that request. */
 async function showLast(facts) {
   for (let tries = 0; facts.version !== shown && tries < 20; tries++) {
     await show(facts)
@@ -89,7 +89,8 @@ const draw = (name, attributes, text = '') => {
   return element
 }
 
-/** Returns the step of an axis: 1, 2 or 5 times a power of ten, for at most TICKS parts. */
+/** Returns the distance between two marks on an axis of the curve: 1, 2 or 5 times a power of ten, for at most TICKS
+    parts. */
 function stepOf(range) {
   const power = 10 ** Math.floor(Math.log10(range / TICKS))
   return power * [1, 2, 5, 10].find((times) => (times * power * TICKS) / range > 0.9999)

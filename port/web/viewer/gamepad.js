@@ -1,7 +1,7 @@
 // Gamepads with the standard mapping (w3.org/TR/gamepad). A gamepad controls the viewer with the focus, else the viewer
 // with the largest visible share.
 const DEAD = 0.15 // dead zone of a stick as a share of its range
-const FAST = 4 // factor for the speed with a trigger pressed
+const FAST = 4 // factor for the speed of the camera while a trigger is pressed
 
 const BINDINGS = {
   fly: [0, 1], // axes of the left stick
@@ -15,9 +15,9 @@ const BINDINGS = {
     2: () => '0', // button X: show the whole scene
     3: () => 'r', // button Y: the start view
     9: () => 'h', // button Start: the list of keys
-    12: () => 'p', // D-pad up and down: another view
+    12: () => 'p', // D-pad up and down: the previous or next view
     13: () => 'n',
-    14: () => ',', // D-pad left and right: another annotation
+    14: () => ',', // D-pad left and right: the previous or next annotation
     15: () => '.',
   },
 }
@@ -48,7 +48,8 @@ function meant() {
   return there.sort((a, b) => value(b) - value(a))[0]
 }
 
-/** The deflection beyond the dead zone is squared, for fine control near the middle. */
+/** Returns the position of a stick. The deflection beyond the dead zone is squared, for fine control near the
+    middle. */
 function placeOf(pad, axes) {
   const place = axes.map((i) => pad.axes[i] ?? 0)
   const far = Math.hypot(...place)

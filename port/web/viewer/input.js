@@ -1,5 +1,6 @@
-// Listens to pointers and keys, and calls the functions of an object `act`. drag, look and pan get distances in pixels,
-// zoom a factor, focus and click a pixel, fly and arrows seconds, press a key.
+// Listens to pointers and keys, and calls the functions of an object `act`. The functions drag, look and pan get
+// distances in pixels, and zoom gets a factor. focus and click get a pixel, fly and arrows get seconds, and press gets
+// a key.
 
 const CLICK_PIXELS = 4 // pixels: a pointer that moves farther is a drag, not a click
 

@@ -20,7 +20,7 @@ export function joystick(root, act) {
   root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet]
   const stick = document.createElement('div')
   stick.id = 'stick'
-  stick.ariaHidden = 'true' // hidden from screen readers, since keys do the same
+  stick.ariaHidden = 'true' // the stick is hidden from screen readers, since keys do the same
   root.getElementById('stage').after(stick)
   let held = null
   let last = 0

@@ -1,4 +1,4 @@
-// Translates the texts of the viewer. A table for each language other than English is loaded when needed.
+// Translates the texts of the viewer. The table of a language other than English is loaded when it is needed.
 
 const TABLES = { de: () => import('./language_de.js'), zh: () => import('./language_zh.js') }
 const NAMES = ['aria-label', 'title', 'placeholder']

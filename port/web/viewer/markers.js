@@ -1,9 +1,10 @@
-// Annotations: numbered markers on the picture, and the caption of the selected marker. Markers that the scene hides
-// are faded, by the depths of a small picture.
+// Annotations: numbered markers on the picture, and the caption of the selected marker. A small picture of depths tells
+// which markers are hidden by the scene; these markers are faded.
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
-const AGAIN_MS = 250 // minimum milliseconds between two depth tests; at least 5 times the time of a test
+// minimum milliseconds between two depth tests of the markers; slow tests wait longer, 5 times the time of a test
+const AGAIN_MS = 250
 const SMALL = 320
 
 const LINK = ICONS.share

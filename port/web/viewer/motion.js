@@ -1,7 +1,7 @@
 // The geometry of cameras: functions that return a moved camera. Angles are in radians, lengths in scene units. `look`
 // is the target of a camera.
 
-const POLE = 0.02 // smallest angle between the direction of view and up, radians
+const POLE = 0.02 // smallest angle in radians between the direction of view and the up direction
 
 export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -29,8 +29,8 @@ function axes({ eye, look, up }) {
   return { forward, right, down: cross(forward, right) }
 }
 
-/** Turns the vector `from` and the camera's up vector to the right and down, but not over the poles. Returns both
-    vectors. */
+/** Turns the vector `from` and the camera's up vector by the angles `right` and `down`. Does not turn past the scene's
+    up direction or its opposite. Returns both vectors. */
 function turn(camera, from, up, right, down) {
   const view = axes(camera)
   const axis = unit(up)
@@ -72,7 +72,8 @@ export function pan(camera, height, right, down) {
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
 }
 
-/** Scales the distance to the target; for an orthographic camera, the visible area. */
+/** Zooms a camera by a factor. Scales the distance to the target; for an orthographic camera, scales the visible
+    area. */
 export function zoom(camera, factor, nearest) {
   const least = Math.min(1, nearest / (camera.flat ? heightAt(camera) : distance(camera)))
   const times = Math.max(factor, least)
@@ -122,7 +123,7 @@ function frontOf(up) {
   )
 }
 
-/** Returns a camera that sees all corners of a scene's box, at 1.1 times the least distance. */
+/** Returns a camera that sees all corners of a scene's box, from 1.1 times the smallest distance that shows them. */
 export function seeAll(scene, sceneUp, fov, aspect, first) {
   const { low, high } = first ?? scene
   const up = unit(sceneUp)
@@ -144,7 +145,8 @@ export function seeAll(scene, sceneUp, fov, aspect, first) {
   return { eye: add(look, from, 1.1 * (first?.part ?? 1) * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
 }
 
-/** Converts a camera of a cameras.json file. Its target is the point of its axis nearest to the middle of the scene. */
+/** Converts a camera of a cameras.json file. Its target becomes the point of the camera's axis that is nearest to the
+    middle of the scene's box. */
 export function ofView(view, { low, high }) {
   const column = (i) => view.rotation.map((row) => row[i])
   const forward = unit(column(2))

@@ -1,13 +1,14 @@
-// Chooses the size of pictures while the camera moves: the largest size that takes at most AIM_MS, or at most WORTH
-// times the time of the smallest size.
+// Chooses the size of pictures while the camera moves. The largest size is taken that is drawn in AIM_MS milliseconds,
+// or in WORTH times the time of the smallest size.
 
-const AIM_MS = 40 // milliseconds to aim at for a picture in motion
-const WORTH = 1.3 // largest accepted time of a picture, as a multiple of the time of the smallest picture
-const MARGIN = 1.3 // hysteresis: ratio between the limits for growing and for shrinking
+const AIM_MS = 40 // drawing time in milliseconds to aim at for a picture while the camera moves
+const WORTH = 1.3 // largest accepted drawing time, as a multiple of the drawing time of the smallest picture
+// hysteresis: ratio of the drawing time for shrinking pictures to the drawing time for growing pictures
+const MARGIN = 1.3
 const DIVISORS = [1, 1.5, 2, 3, 4]
-const KEPT = 7 // number of recent pictures for the median time
+const KEPT = 7 // number of recent pictures for the median of drawing times
 const PROBES = 5
-const PATIENCE = 12 // number of pictures before their size may grow
+const PATIENCE = 12 // number of pictures of one size before the size may grow
 const FORGOTTEN = 100
 
 const LAST = DIVISORS.length - 1
@@ -17,7 +18,7 @@ const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
 export class Pace {
   #step = 0
-  #times = STEPS.map(() => 0) // milliseconds for a picture at each step of DIVISORS; 0: unknown
+  #times = STEPS.map(() => 0) // drawing time in milliseconds for each divisor of the picture size; 0: unknown
   #recent = []
   #count = 0
 

@@ -5,7 +5,7 @@ import { Pace } from './pace.js'
 const MOST_PIXELS = 1 << 23
 const LEAST_PIXELS = 1 << 14
 const SHOWN_MS = 100
-const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner is not opened again
+const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner after its opening is not opened again
 const TRIES = 3
 const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i
 const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' }
@@ -33,8 +33,8 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Opens a back end. Without `wanted`, a trial of the GPU follows later. Returns false if the processor replaces
-      the GPU. */
+  /** Opens the back end `wanted` for drawing. If `wanted` is not given, opens 'wasm', and a later trial may choose the
+      GPU. Returns false if a wanted back end of the GPU fails and 'wasm' replaces it. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
@@ -57,7 +57,8 @@ export class Picture {
     this.#stage.replaceChildren()
   }
 
-  /** Makes a canvas below the visible canvas. The id 0 means that a worker can only return pixels. */
+  /** Makes a canvas below the visible canvas and opens a back end. The id 0 means that the browser has no canvas for
+      workers, so the worker returns pixels. */
   async #open(engine, backend) {
     const canvas = document.createElement('canvas')
     const id = canvas.transferControlToOffscreen ? ++screens : 0
@@ -99,7 +100,8 @@ export class Picture {
     return this.#most >= LEAST_PIXELS
   }
 
-  // Times the GPU back ends once and returns the engine of a faster back end, else null.
+  // Times the GPU back ends once. If one of them is faster than the present back end, returns the engine (worker) that
+  // draws with it, else null.
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true

@@ -7,7 +7,7 @@ const IDLE_MS = 2500 // milliseconds without input before the scene turns by its
 const TURN = 0.25 // speed of the turning scene in radians a second
 const UPRIGHT = [0, -1, 0]
 const BY_KEY = 400
-const BY_ZOOM = 4 // seconds of walking for a zoom by 100 %
+const BY_ZOOM = 4 // seconds of walking that replace a zoom by 100 % in the walk mode
 
 export class Pilot {
   camera = null
@@ -30,7 +30,7 @@ export class Pilot {
   #actedAt = 0
   #turning = 0
 
-  /** moved(isMoving, byHand) is called after each change of the camera. */
+  /** The caller's function moved(isMoving, byHand) is called after each change of the camera. */
   constructor(element, moved) {
     this.#element = element
     this.#moved = moved
@@ -171,7 +171,7 @@ export class Pilot {
     this.#move(camera, true)
   }
 
-  /** A drag across the height of the element is half a turn. */
+  /** Turns the camera by a drag of dx, dy pixels. A drag across the height of the element is half a turn. */
   #turned(turn, dx, dy) {
     const angle = Math.PI / this.#element.clientHeight
     if (this.#scene && (dx || dy)) this.act(turn(this.camera, this.up, dx * angle, dy * angle))

@@ -1,5 +1,5 @@
-// Shared code of the three.js and PlayCanvas adapters, which draw all Splats objects that a camera sees as one picture.
-// A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
+// Shared code of the three.js and PlayCanvas adapters. All Splats objects (scenes in an engine) that a camera sees are
+// drawn as one picture. A matrix is 16 numbers in columns. The axes of an engine are x right, y up, z back.
 
 import { load, pick, Scene, Screen } from 'fixsplat'
 
@@ -20,8 +20,8 @@ function unit(a) {
   return a.map((value) => value / length)
 }
 
-/** Converts the matrices of a camera to a Pinhole camera. An orthographic camera is moved back, since its near plane
-    may lie behind the camera. */
+/** Converts the matrices of an engine's camera to a Pinhole camera of fixsplat. An orthographic camera is moved back,
+    since its near plane may lie behind the camera. */
 export function viewOf(world, projection, near, width, height) {
   const orthographic = isOrthographic(projection)
   const back = orthographic ? 1 - near : 0
@@ -82,7 +82,8 @@ export function placedOf({ name, scene, opacity, tint, crops }, translation, [x,
 
 // ---- Stages: all Splats of a renderer -------------------------------------------------------------------------
 
-/** A subclass has changed(one, error), which is called when an object has changed. */
+/** A Stage draws all Splats objects (scenes) of a renderer. A subclass has changed(one, error), which is called when an
+    object has changed. */
 export class Stage {
   splats = new Set()
   users = 0
@@ -101,7 +102,8 @@ export class Stage {
     Object.assign(this, { width, height })
   }
 
-  /** `owners` counts the objects of a scene, and the last object frees the scene. Null: the caller frees the scene. */
+  /** Adds a Splats object. `owners` counts the objects that share a scene, and the last removed object frees the scene.
+      If `owners` is null, the caller frees the scene. */
   add(one, owners) {
     if (owners) owners.count++
     this.splats.add(one)
@@ -165,7 +167,8 @@ void main()
 {
     gl_Position = vec4(float(gl_VertexID % 2) * 4.0 - 1.0, float(gl_VertexID / 2) * 4.0 - 1.0, 0.0, 1.0);
 }`
-// Shader that converts a depth buffer to near / distance; 0: no geometry.
+// The fragment shader that converts each depth of a depth buffer to near / distance. 0 means that no geometry is at the
+// pixel.
 const TURN = `#version 300 es
 precision highp float;
 uniform highp sampler2D depths;
@@ -182,8 +185,8 @@ void main()
     gl_FragDepth = depth == places.z ? 0.0 : min(near_by_z, 1.0);
 }`
 const [PERSPECTIVE, ORTHOGRAPHIC, LOGARITHMIC] = [0, 1, 2]
-// A copy of a multisampled buffer or of depths must have the same format. WebGL does not report a canvas's format, so
-// these formats are tried in turn.
+// A copy of a multisampled buffer or of a depth buffer must have the format of the original. WebGL does not report the
+// formats of a canvas, so these formats are tried in turn.
 const DEPTHS = ['DEPTH24_STENCIL8', 'DEPTH_COMPONENT24', 'DEPTH_COMPONENT32F', 'DEPTH_COMPONENT16', 'DEPTH32F_STENCIL8']
 const COLOURS = ['RGBA16F', 'RGBA8', 'RGBA32F', 'SRGB8_ALPHA8', 'R11F_G11F_B10F', 'RGB10_A2']
 
@@ -271,8 +274,8 @@ class Surface {
   }
 }
 
-/** Draws after the opaque meshes of an engine's render, and copies their depths. A subclass has the render target
-    `target`; undefined: the canvas. */
+/** A WebGLStage draws Gaussians after the opaque meshes in an engine's render, and copies the depths of the meshes. A
+    subclass has the render target `target`; undefined: the canvas. */
 export class WebGLStage extends Stage {
   #formats
   #depths
@@ -311,8 +314,8 @@ export class WebGLStage extends Stage {
     for (const one of this.splats) this.changed(one)
   }
 
-  /** Draws `picture` for a rectangle of the current target, hidden by the target's depths. With isLight, also copies
-      the target's colours to `behind`. */
+  /** Draws the Gaussians in a rectangle of the current render target to `picture`. Gaussians behind the depths of the
+      render target are hidden. With isLight, also copies the render target's colours to `behind`. */
   drawWithin(seen, view, camera, [x, y, width, height], isLight) {
     const depth = keeping(this.gl, (framebuffer) => {
       this.gl.bindFramebuffer(this.gl.READ_FRAMEBUFFER, framebuffer)

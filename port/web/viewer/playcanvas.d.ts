@@ -25,19 +25,20 @@ export class Splats extends Entity {
       PlayCanvas has x right, y up, z back. The default is therefore half a turn about x. `turn.set(0, 0, 0, 1)`
       keeps the axes of the scene. */
   readonly turn: Quat
-  /** A factor for the opacity, as `Placed.opacity`. */
+  /** A factor for the opacity of all Gaussians, 0 to 1; 1 by default. */
   opacity: number
-  /** Factors for red, green and blue, as `Placed.tint`. */
+  /** Factors for red, green and blue, 0 to 4 each; [1, 1, 1] by default. */
   tint: Vector
-  /** Crop boxes in scene coordinates, as `Placed.crops`. */
+  /** At most 8 crop boxes in scene coordinates; see `Placed.crops`. */
   crops: readonly Crop[]
-  /** Options of the picture. A picture of several Splats uses the options of the first loaded Splats. */
+  /** Options for drawing. A picture of several Splats objects uses the options of the object that was loaded first. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
   /** The ids of the layers that draw the entity; LAYERID_WORLD by default. */
   layers: readonly number[]
   /** The box around the visible part of the scene, in world units. */
   readonly aabb: BoundingBox
-  /** The entity as an argument of fixsplat's functions, placed by its world transform. */
+  /** This entity in the form that fixsplat's functions, such as `render`, take as argument. Its placement is the world
+      transform. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /** Finds the Gaussian of this entity on a ray; null if the ray meets none. With `camera`, the ray must start at
       the camera, and the pixel of the camera's picture is searched. Returns the hit point in world units, its

@@ -1,5 +1,5 @@
-// The PlayCanvas adapter: Splats is an entity in a PlayCanvas scene, on a device of WebGL 2. placed.WebGLStage draws
-// during the render of each layer.
+// The PlayCanvas adapter: a Splats object is a scene of Gaussians as an entity in PlayCanvas, on a device of WebGL 2.
+// The class WebGLStage of placed.js draws the Gaussians during the render of each layer.
 
 import {
   BLENDEQUATION_ADD, BLENDMODE_ONE, BLENDMODE_ONE_MINUS_SRC_ALPHA, BlendState, BoundingBox, Entity, GAMMA_NONE,
@@ -15,8 +15,9 @@ export const viewOf = ({ entity, projectionMatrix, nearClip }, width, height) =>
 
 const boxOf = ({ x, y, z, w }, { width, height }) => [x * width, y * height, z * width, w * height].map(Math.floor)
 
-// The picture must be blended in display colours, but a linear target blends linear light. The shader therefore reads
-// the colours behind the picture and writes the difference. PlayCanvas uses a gamma of 2.2.
+// The picture of the Gaussians must be blended in display colours (with gamma), but a linear render target blends
+// linear light. The shader therefore reads the colours behind the picture and writes the difference. PlayCanvas uses a
+// gamma of 2.2.
 const SHOW = `#version 300 es
 precision highp float;
 uniform highp sampler2D picture;
@@ -108,7 +109,8 @@ class Stage extends placed.WebGLStage {
 
 export class Splats extends Entity {
   #stage
-  #owners                       // { count }: number of entities of the scene; null: the caller owns the scene
+  // { count }: the number of entities that share the scene; null: the caller owns the scene
+  #owners
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]

@@ -1,4 +1,5 @@
-// The bar for camera tracks: play and pause, a slider, a choice of the track, a button for a film.
+// The bar of controls for camera tracks: play and pause, a slider, a choice of the track, and a button that makes a
+// film.
 import { button } from './body.js'
 
 const PLAY = 'M7 4.5v15l12-7.5z'

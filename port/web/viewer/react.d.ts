@@ -7,7 +7,8 @@ type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttr
 type SceneProps = ClassAttributes<PlacedScene> & Omit<HTMLAttributes<PlacedScene>, keyof Place> & Place &
   { src?: string; class?: string }
 
-// The JSX types for React 19 and React 18.2.6 or later, then the global types for earlier React 18.
+// The types of the viewer's elements in JSX: for React 19 and React 18.2.6 or later, then as global types for earlier
+// React 18.
 declare module 'react' {
   namespace JSX {
     interface IntrinsicElements {

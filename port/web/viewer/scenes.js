@@ -19,7 +19,7 @@ const product = ([a, b, c, d], [e, f, g, h]) => [
   a * h + b * g - c * f + d * e,
 ]
 
-/** Returns the quaternion of a rotation by degrees about x, then y, then z. */
+/** Returns the quaternion of a rotation that turns by degrees about x, then y, then z. */
 const quaternionOf = (degrees) =>
   degrees.map((angle, axis) => {
     const part = [Math.cos(angle * RADIANS), 0, 0, 0]
@@ -84,7 +84,7 @@ export class Item {
   facts = null
   bytes = null
   failed = false
-  wrong = null // an Error in the placement; the last valid placement is kept
+  wrong = null // the Error in the attributes that place the scene, else null; the last valid placement is kept
   #place = {}
   #timer = 0
 

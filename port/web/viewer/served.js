@@ -1,11 +1,11 @@
-// The page of a scene of `fixsplat view --web`. Shows the state of the scene, the packed scene and each newer version.
-// The page's address sets the scene (?scene=/scenes/0/NAME) and other attributes.
+// The page that shows one scene of the server `fixsplat view --web`. The page shows the progress of packing, then the
+// packed scene and each newer version. The page's address sets the scene (?scene=/scenes/0/NAME) and other attributes.
 import './viewer.js'
 import { Language, askedFor } from './language.js'
 import { followAddress } from './views.js'
 
 const ASK_MS = 1000
-const FIRST_MS = 300 // milliseconds between requests until a scene is shown
+const FIRST_MS = 300 // milliseconds between requests for the state until a scene is shown
 const SILENT = 3
 
 const params = new URLSearchParams(location.search)

@@ -1,6 +1,6 @@
-// Reads and writes settings files, and reads settings files of supersplat-viewer, versions 1 and 2. A faulty part is
-// left out, with a line of text. A camera is { eye, look, up, fov, longer }. With `longer`, fov is the field of view of
-// the longer side of the picture.
+// Reads and writes settings files of the viewer. Reads settings files of supersplat-viewer too, versions 1 and 2. A
+// faulty part is left out and reported by a line of text. A camera is { eye, look, up, fov, longer }. With `longer`,
+// fov is the field of view of the longer side of the picture.
 import { LOOPS } from './track.js'
 import { hasNumbers } from './views.js'
 
@@ -85,7 +85,7 @@ function trackOf(value, name) {
 
 // ---- Files of supersplat-viewer ------------------------------------------------------------------------------------
 
-/** Converts a vector of supersplat-viewer, which turns scenes by half a turn about z. */
+/** Converts a vector of a settings file of supersplat-viewer, which turns scenes by half a turn about z. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
 const UP = [0, -1, 0]
 
@@ -95,7 +95,8 @@ function poseOfTheirs({ position, target, fov } = {}) {
 
 const rowsOf = (list, i) => (Array.isArray(list) ? list.slice(3 * i, 3 * i + 3) : undefined)
 
-/** Times of supersplat-viewer's tracks are in frames, or in seconds in early files without a frame rate. */
+/** Converts a camera track of supersplat-viewer. Its times are in frames, or in seconds in early files without a frame
+    rate. */
 function trackOfTheirs(track, fov) {
   if (!isObject(track)) return track
   const { name, duration, frameRate, loopMode, interpolation, smoothness, keyframes } = track

@@ -56,8 +56,9 @@ function addressAll(files) {
   return addresses
 }
 
-// On file://, a worker cannot be a module and cannot use blob: addresses of the page. The page therefore sends the
-// files, and the worker makes its own addresses. Messages that arrive early are kept.
+// In a page opened by a file:// address, a worker cannot be a module and cannot use blob: addresses of the page. The
+// page therefore sends the files, and the worker makes its own addresses. Messages that arrive before the worker is
+// ready are kept.
 function work(addressAll) {
   const kept = []
   const keep = (event) => kept.push(event.data)

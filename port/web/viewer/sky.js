@@ -5,7 +5,7 @@ import { add, cross, dot, unit } from './motion.js'
 
 const MOST_BYTES = 256e6
 const MOST_WIDTH = 4096
-const SPAN = 8 // pixels between exactly computed directions
+const SPAN = 8 // distance in pixels between two exactly computed directions of view
 const TURN = 2 * Math.PI
 const skies = new Map()
 
@@ -83,8 +83,9 @@ function sample({ width, height, pixels }, u, v, out, at) {
   out[at + 3] = 255
 }
 
-// Every SPAN-th pixel of a row has an exact direction, and the pixels between are interpolated linearly. Near the poles
-// and where u wraps around, all pixels are exact.
+// Draws the skybox as a camera sees it. Every SPAN-th pixel of a row has an exact direction of view, and the pixels
+// between are interpolated linearly. Near the poles, and where the left and right edges of the sky picture meet, all
+// pixels are exact.
 function seen(sky, camera, up, width, height) {
   const { right, down, forward, step, cx, cy } = raysOf(camera, width, height)
   const axes = axesOf(up)

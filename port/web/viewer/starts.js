@@ -1,4 +1,4 @@
-// Sets how to start the viewer's worker after a bundler has moved its script.
+// Sets the function that starts the viewer's worker if a bundler has moved the worker's script.
 import { folderInVite, setStart } from 'fixsplat/fixsplat_assets.js'
 
 const folder = folderInVite(import.meta.url, 'fixsplat-viewer')

@@ -6,8 +6,8 @@ export interface Renderer {
   readonly domElement: HTMLCanvasElement | OffscreenCanvas
 }
 
-/** The events of Splats. The event 'change' asks for a new render, because parts of a streamed scene have arrived or
-    a lost WebGL context was restored. `error` is set if requests have failed. */
+/** The events of a Splats object. The event 'change' asks for a new render, because parts of a streamed scene have
+    arrived or a lost WebGL context was restored. `error` is set if requests have failed. */
 export interface SplatsEventMap extends Object3DEventMap {
   change: { error?: Error }
 }
@@ -35,17 +35,18 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
       three.js has x right, y up, z back. The default is therefore half a turn about x. `turn.identity()` keeps the
       axes of the scene. */
   readonly turn: Quaternion
-  /** A factor for the opacity, as `Placed.opacity`. */
+  /** A factor for the opacity of all Gaussians, 0 to 1; 1 by default. */
   opacity: number
-  /** Factors for red, green and blue, as `Placed.tint`. */
+  /** Factors for red, green and blue, 0 to 4 each; [1, 1, 1] by default. */
   tint: Vector
-  /** Crop boxes in scene coordinates, as `Placed.crops`. */
+  /** At most 8 crop boxes in scene coordinates; see `Placed.crops`. */
   crops: readonly Crop[]
-  /** Options of the picture. A picture of several Splats uses the options of the first loaded Splats. */
+  /** Options for drawing. A picture of several Splats objects uses the options of the object that was loaded first. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
   /** The box around the visible part of the scene, in the space of the object. Box3.setFromObject reads this box. */
   readonly boundingBox: Box3
-  /** The object as an argument of fixsplat's functions, placed by its matrixWorld. */
+  /** This object in the form that fixsplat's functions, such as `render`, take as argument. Its placement is the
+      matrixWorld. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /** Draws all Splats of this scene for the next `render` with this camera, to the current render target or the
       canvas. Only a WebGPURenderer needs this call; await the promise before `render`. The opaque meshes are

@@ -1,5 +1,6 @@
-// The three.js adapter: Splats is an object in a three.js scene. With a WebGLRenderer, the picture is drawn during the
-// render. With a WebGPURenderer, `update` draws the picture before the render.
+// The three.js adapter: a Splats object is a scene of Gaussians as an object of three.js. With a WebGLRenderer, the
+// picture of the Gaussians is drawn during the render. With a WebGPURenderer, `update` draws the picture before the
+// render.
 
 import {
   Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType,
@@ -34,8 +35,8 @@ const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
 
 const COVER = 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }'
 
-// The picture must be blended in sRGB, but a linear target blends linear light. The shader therefore reads the colours
-// behind the picture and writes the difference.
+// The picture of the Gaussians must be blended in sRGB, but a linear render target blends linear light. The shader
+// therefore reads the colours behind the picture and writes the difference.
 const SHOW = `
 uniform highp sampler2D picture;
 uniform highp sampler2D behind;
@@ -111,7 +112,8 @@ class WebGL extends placed.WebGLStage {
 
 // ---- WebGPU ---------------------------------------------------------------------------------------------------
 
-/** Draws the picture before a render, since WebGPU reports only later that a frame is complete. */
+/** Draws the picture of the Gaussians before a WebGPURenderer's render, since WebGPU reports only later that a frame is
+    complete. */
 class WebGPU extends placed.Stage {
   changed = changed
   takesParts = false
@@ -161,7 +163,8 @@ class WebGPU extends placed.Stage {
            seenOf(this, rootOf(one), camera)[0] === one
   }
 
-  /** Updates run one after the other, since a frame uses the textures until it is finished. */
+  /** Draws the picture of the Gaussians for a camera. Calls of `update` run one after the other, since a frame uses the
+      textures until it is finished. */
   update(one, camera) {
     const turn = this.#turn.catch(() => {}).then(() => this.#update(rootOf(one), camera))
     this.#turn = turn

@@ -1,4 +1,4 @@
-// Settings files, annotations, camera tracks and films of the viewer, loaded on first use.
+// Settings files, annotations, camera tracks and films of the viewer. The viewer loads this module on first use.
 import { staysInside } from 'fixsplat/read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
@@ -7,12 +7,12 @@ import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
 import { addressOf, nameOf, textAt } from './views.js'
 
-const KEY_S = 2 // seconds between keys that are added to a track
+const KEY_S = 2 // seconds from the last key of a track to a key that the user adds
 const FLIGHT_MS = 1000
 const NEARER = 0.6
 const LONGEST_S = 0.5 // longest time step of a playing track in seconds
-const WAIT_MS = 100 // milliseconds before a film repeats a frame with missing parts
-const PATIENCE_MS = 30000 // longest wait for missing parts in milliseconds
+const WAIT_MS = 100 // milliseconds until a frame of a film with missing parts of the scene is drawn again
+const PATIENCE_MS = 30000 // longest wait of a film for missing parts of a streamed scene, in milliseconds
 const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar']
 const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight']
 

@@ -1,4 +1,5 @@
-// The CSS rules of markers, captions and the player, as a script that bundlers and policies do not block.
+// The CSS rules of markers, captions and the player, as a script, which bundlers and content security policies do not
+// block.
 export const rules = `
 #markers { position: absolute; inset: 0; isolation: isolate; overflow: hidden; pointer-events: none; }
 .marker { position: absolute; left: -15px; top: -15px; min-width: 30px; height: 30px; border-radius: 15px;

@@ -5,8 +5,8 @@ export const LOOPS = ['none', 'repeat', 'pingpong']
 
 const flat = ({ eye, look, up, fov }) => [...eye, ...look, ...up, fov]
 
-/** Two more keys before and after close the path of a repeated track. If the track ends with its last key, one
-    second is inserted before the next round, as in supersplat-viewer. */
+/** Returns the keys of a repeated track with two more keys before and two behind, which close the path. If the track
+    ends with its last key, one second is inserted before the next round, as in supersplat-viewer. */
 function closed(keys, duration) {
   if (keys.length < 2) return keys
   const length = duration + (duration === keys.at(-1).time ? 1 : 0)
@@ -25,7 +25,7 @@ function segmentAt(keys, time) {
   return low
 }
 
-/** The slope at key i of values p at times t: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
+/** Returns the slope of a camera track at key i, for values p at times t: (p[i+1] - p[i-1]) / (t[i+1] - t[i-1]). */
 function slopes(keys, i) {
   const [before, after] = [keys[Math.max(i - 1, 0)], keys[Math.min(i + 1, keys.length - 1)]]
   return after.values.map((x, k) => (x - before.values[k]) / (after.time - before.time))

@@ -50,21 +50,21 @@ export class PlacedScene extends HTMLElement {
   set opacity(value: Place['opacity'])
   get tint(): string | null
   set tint(value: Place['tint'])
-  /** A file, or the files of one scene, to show instead of `src`. Set `source` before the element is put into a
-      viewer. */
+  /** A file, or the files of one scene, to show instead of the address in the attribute `src`. Set `source` before the
+      element is put into a viewer. */
   source: File | File[] | null
 }
 
 export interface ShownScene {
-  /** The address, the file or the files of the scene. */
+  /** The source of the scene: its address, its file or its files. */
   source: string | File | File[]
   name: string
-  /** The number of Gaussians. */
+  /** The number of Gaussians of the scene. */
   count: number
   /** The smallest (`low`) and the largest (`high`) x, y, z of the scene, in scene units. */
   low: number[]
   high: number[]
-  /** The element of the scene; null for the scene of `src` or `open`. */
+  /** The <fixsplat-scene> element of the scene; null for a scene opened by the attribute `src` or the method `open`. */
   element: PlacedScene | null
 }
 
@@ -82,7 +82,7 @@ export interface Found {
 export interface Settings {
   /** The background colour, #rrggbb. The default is dark or light, as the system prefers. */
   background: string
-  /** The back end that draws; '' chooses the fastest back end. */
+  /** The back end that draws: 'wasm', 'webgpu' or 'webgl2'; '' chooses the fastest back end. */
   backend: Backend | ''
   /** The largest number of Gaussians in a picture, for scenes with levels of detail; 0, the default: no limit. */
   budget: number
@@ -90,7 +90,7 @@ export interface Settings {
   detail: number
   /** True turns the scene while the user does nothing. */
   turn: boolean
-  /** How the user moves the camera; 'orbit' by default. */
+  /** The mode in which the user moves the camera; 'orbit' by default. */
   mode: 'orbit' | 'fly' | 'walk'
   /** The height of the eye above the ground while walking, in scene units. The default is 0: estimated from the
       start view or from the height of the scene. */
@@ -103,7 +103,7 @@ export interface Settings {
   up: number[]
   /** The resolution of the picture as a share of the device pixels in width and height, 0.25 to 1; 1 by default. */
   sharpness: number
-  /** False draws colours that do not depend on the direction of view. True by default. */
+  /** True draws colours that depend on the direction of view (spherical harmonics). True by default. */
   colours: boolean
   /** True shows the frame rate and other numbers of the picture. */
   readout: boolean
@@ -119,7 +119,7 @@ export interface ViewerError extends Error {
   source?: string | File | File[]
 }
 
-/** The events of <fixsplat-viewer>. They do not bubble. */
+/** The events of the element <fixsplat-viewer>. The events do not bubble. */
 export interface ViewerEvents {
   load: CustomEvent<ShownScene>
   /** The progress of loading a scene. `done` is the completed share of the stage, 0 to 1; undefined if unknown.
@@ -128,7 +128,7 @@ export interface ViewerEvents {
     source: ShownScene['source']; name: string; element: PlacedScene | null
     stage: 'download' | 'prepare'; done?: number; bytes?: number
   }>
-  /** An error. The property `error` of the event is a ViewerError. */
+  /** An error has occurred. The property `error` of the event is a ViewerError. */
   error: ErrorEvent
   /** The camera has changed. `byHand` is true for input by pointer, key or gamepad, false for a program. */
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
@@ -137,8 +137,9 @@ export interface ViewerEvents {
   /** A click on the scene. `x` and `y` are CSS pixels of the element. `found` is null if no Gaussian is at the
       pixel. */
   pick: CustomEvent<{ x: number; y: number; found: Found | null }>
-  /** A picture is shown. `drawn` is the number of Gaussians, `missing` the number of parts that have not arrived.
-      Width and height were divided by `divisor` because the camera moves; 1 at rest. */
+  /** A picture is shown. `drawn` is the number of Gaussians. `missing` is the number of parts of streamed scenes that
+      have not arrived. The width and height of the picture were divided by `divisor` because the camera moves; 1 at
+      rest. */
   frame: CustomEvent<{
     width: number; height: number; divisor: number; milliseconds: number; backend: Backend
     drawn: number; missing: number
@@ -150,7 +151,8 @@ export interface ViewerEvents {
   pause: CustomEvent<{ track: number }>
   ended: CustomEvent<{ track: number }>
   timeupdate: CustomEvent<{ track: number; time: number }>
-  /** Pictures were drawn for VR or AR. `scale` is the width and height of the pictures as a share of the viewport. */
+  /** The pictures of both eyes were drawn for VR, or pictures for AR. `scale` is the width and height of the pictures
+      as a share of the viewport. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
@@ -181,7 +183,8 @@ export interface Annotation {
 /** A camera track: a path of the camera along cubic curves through its keys. */
 export interface CameraTrack {
   name?: string
-  /** The behaviour at the end of the track. 'none', the default, stops there. */
+  /** The behaviour at the end of the track. 'none', the default, stops there. 'repeat' starts again, and 'pingpong'
+      plays the track backwards. */
   loop?: 'none' | 'repeat' | 'pingpong'
   /** The duration in seconds; the time of the last key by default. */
   duration?: number
@@ -191,14 +194,14 @@ export interface CameraTrack {
   step?: boolean
   /** True if `fov` of all keys is the field of view of the longer side of the picture. False by default. */
   longer?: boolean
-  /** 1 to 10,000 keys. `time` is in seconds and increases from key to key. */
+  /** The keys of the track, 1 to 10,000. `time` is in seconds and increases from key to key. */
   keys: readonly (Omit<Pose, 'longer'> & { time: number })[]
 }
 
 /** The content of a settings file. Settings files of supersplat-viewer, versions 1 and 2, are read too. */
 export interface SettingsFile
   extends Partial<Omit<Settings, 'backend' | 'fov' | 'flat' | 'up' | 'readout'>> {
-  /** The version of the file format. */
+  /** The version of the format of settings files. */
   fixsplat: 1
   /** The start view of the camera. */
   camera?: Pose
@@ -212,7 +215,7 @@ export interface SettingsFile
 }
 
 export interface FilmOptions {
-  /** The index of the track, from 0; the selected track by default. */
+  /** The index of the track to film, from 0; the selected track by default. */
   track?: number
   /** The size of the film in pixels, rounded to even numbers. The default is the size of the viewer's picture. */
   width?: number
@@ -222,13 +225,13 @@ export interface FilmOptions {
   /** The bit rate in bits a second. The default is a constant quality if the encoder supports that, else 0.3 bits a
       pixel. */
   bitrate?: number
-  /** Receives the completed share, 0 to 1. An exception from this function cancels the film. */
+  /** Receives the completed share of the film, 0 to 1. An exception from this function cancels the film. */
   progress?: (share: number) => void
 }
 
 export interface Film {
   blob: Blob
-  /** The encoder. Without WebCodecs, 'MediaRecorder' records each frame for its duration by the clock. */
+  /** The encoder of the film. Without WebCodecs, 'MediaRecorder' records each frame for its duration by the clock. */
   codec: 'VP9' | 'VP8' | 'MediaRecorder'
   frames: number
   width: number
@@ -247,17 +250,17 @@ export class Viewer extends HTMLElement {
       shifted camera has three more numbers: 1 if orthographic, then `ViewerCamera.shift`. The text is empty without
       a scene. */
   get view(): string
-  /** Sets the attribute `view`, the start view. */
+  /** Sets the attribute `view`, the start view, as text in the format of `Viewer.view`. */
   set view(text: string | null | undefined)
-  /** A link to the viewer's page that shows this scene with this view. */
+  /** A link to the viewer's page that shows this scene from the present camera. */
   readonly link: string
   readonly scenes: ShownScene[]
   /** A copy of the camera; null without a scene. Setting some fields keeps the other fields. Before a scene is
       loaded, setting the camera sets the start view and needs `eye` and `look`. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
-  /** All settings. Setting an object changes the settings in the object. Setting a string sets the attribute
-      `settings`. */
+  /** All settings of the viewer. Setting an object changes only the settings in the object. Setting a string sets the
+      attribute `settings`, the address of a settings file. */
   get settings(): Settings
   set settings(values: { [Name in keyof Settings]?: Settings[Name] | null } | string)
   /** Opens a scene: an address, a file, or the files of one scene. Returns false if the scene cannot be opened; the
@@ -271,8 +274,8 @@ export class Viewer extends HTMLElement {
   replace(source: string): Promise<boolean>
   /** Shows a view of the attribute `cameras`. The index counts from 0 and wraps around. */
   showView(index: number): void
-  /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion.
-      Returns true on arrival, false if the camera was moved otherwise. */
+  /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion. Returns
+      true on arrival, or false if another motion of the camera came between. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
   /** Finds the Gaussian at a point of the element, in CSS pixels; null if no Gaussian is there. */
   pick(x: number, y: number): Promise<Found | null>
@@ -289,9 +292,9 @@ export class Viewer extends HTMLElement {
   /** Plays a track, by its index from 0; the selected track by default. A paused track continues. */
   play(track?: number): Promise<void>
   pause(): void
-  /** Pauses the track, and shows the track at a time in seconds. */
+  /** Pauses the selected track, and shows the view of the track at a time in seconds. */
   seek(seconds: number): void
-  /** The time of the selected track, in seconds. */
+  /** The present time of the selected track, in seconds. */
   readonly time: number
   /** The duration of the selected track, in seconds. */
   readonly duration: number
@@ -323,16 +326,17 @@ export interface ViewerAttributes {
   /** The address of a picture to show until the first picture of the scene. */
   poster?: string
   backend?: Backend | ''
-  /** The number of drawing threads, as `LoadOptions.threads`. */
+  /** The number of drawing threads, 1 to 64; see `LoadOptions.threads`. */
   threads?: number | string
   turn?: '' | true
   /** Hides the whole interface. */
   noui?: '' | true
   /** The parts of the interface to show; all parts by default. */
   ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
-  /** The name of the scene in the corner; the name of its file by default. */
+  /** The name of the scene, shown in the corner of the viewer; the name of its file by default. */
   label?: string
-  /** 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is held. */
+  /** The use of the mouse wheel. 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is
+      held. */
   wheel?: 'page' | ''
   ar?: Settings['ar']
   /** The time in seconds that a removed scene stays in memory; 60 by default. */

@@ -1,6 +1,6 @@
-// The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> in it.
-// `src` and `open` load their scene in a new worker, which replaces the present worker when the scene has arrived
-// (#openAlone). Further scenes are loaded in the present worker (#load).
+// The element <fixsplat-viewer> shows the scene of its attribute `src`, and a scene for each <fixsplat-scene> element
+// inside. The attribute `src` and the method `open` load a scene in a new worker (#openAlone). The new worker replaces
+// the present worker when the scene has arrived. Further scenes are loaded in the present worker (#load).
 import { addressIn } from 'fixsplat/fixsplat_assets.js'
 import { Engine, HOME } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
@@ -17,13 +17,14 @@ const STILL_MS = 150 // milliseconds without motion after which the picture is a
 const GLIDE_MS = 1000 // default duration of flyTo in milliseconds
 const KEPT_S = 60
 const HINT_MS = 5000
-// budgets of the slider in Gaussians; one more step means no limit
+// Steps of the quality slider: the largest number of Gaussians in a picture. One more step means no limit.
 const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6]
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
-const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers of headsets, which have WebXR on secure pages only
+// user agents of headset browsers, which offer WebXR on secure pages only
+const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i
 
-const MOST_AWAY = 2 // number of viewers that keep their scenes after removal from the page
+const MOST_AWAY = 2 // number of viewers that keep their scenes in memory after removal from the page
 const away = new Set()
 
 const template = document.createElement('template')
@@ -121,7 +122,7 @@ export class Viewer extends HTMLElement {
     } catch {}
   }
 
-  /** Waits, so that a viewer that is moved within the document keeps running. */
+  /** Waits after the element is removed, so that a viewer that is moved within the document keeps running. */
   disconnectedCallback() {
     this.#leaving = setTimeout(() => this.#leave())
   }
@@ -240,7 +241,8 @@ export class Viewer extends HTMLElement {
     return typeof source === 'string' ? source : ''
   }
 
-  /** The link goes to this page if `linksHere` is set, or if a bundler left the viewer's page out. */
+  /** Returns a link to the scene and the present view. The link goes to this page if `linksHere` is set, or if a
+      bundler left the viewer's page out. */
   get link() {
     const link = this.linksHere ? null : addressIn('viewer/index.html', HOME)
     if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`
@@ -517,7 +519,8 @@ export class Viewer extends HTMLElement {
     return own ?? item
   }
 
-  /** Loads, places and removes scenes until the visible scenes are the wanted scenes. */
+  /** Loads, places and removes scenes until the viewer shows exactly the scenes that its attributes and elements ask
+      for. */
   #gather() {
     const next = () => this.#gatherNow().catch((error) => this.#engine && this.#fail(error))
     return (this.#gathered = this.#gathered.then(next).then(() => !!this.#scene))
@@ -582,7 +585,7 @@ export class Viewer extends HTMLElement {
     } else this.#change()
   }
 
-  /** Frees an unwanted scene after `keep` seconds, and the worker after its last scene. */
+  /** Frees a scene that is no longer shown after `keep` seconds. Ends the worker if no other scene is in it. */
   #letGo(item) {
     const seconds = this.hasAttribute('keep') ? this.#numberOf('keep') : KEPT_S
     item.let(seconds, () => {
@@ -658,7 +661,7 @@ export class Viewer extends HTMLElement {
     else if (told.stage === 'noSky') this.#sayNoSky(told)
     else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
     else if (told.stage === 'preview') {
-      // a failed preview is ignored; loading the whole scene reports the error
+      // a preview that fails is ignored, since loading the whole scene reports the error
       if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {})
     } else this.#hearOfProgress([this.#opening?.item, this.#adding].find((item) => item?.key === told.key), told)
   }
@@ -674,7 +677,7 @@ export class Viewer extends HTMLElement {
   }
 
   async #fail(cause, { source } = {}) {
-    // replacement if words.js cannot be loaded
+    // If words.js, which translates errors, cannot be loaded, the message of the error is shown unchanged.
     const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) }
     const { wordsOf } = await import('./words.js').catch(() => bare)
     const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
@@ -736,7 +739,7 @@ export class Viewer extends HTMLElement {
 
   async #packAll() {
     for (const item of this.#shown.filter(({ element }) => element))
-      // null for a streamed scene, which has no packed bytes
+      // The bytes are null for a streamed scene, which cannot be packed into one file.
       item.bytes = await this.#engine.ask('packed', item.key).catch(() => null)
   }
 
@@ -785,7 +788,7 @@ export class Viewer extends HTMLElement {
 
   async #openScenes([first, ...more]) {
     if (!(await this.open(first))) return false
-    this.removeAttribute('label') // the label belonged to the former scene
+    this.removeAttribute('label') // the attribute label named the former scene
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#dropped = more.map((files) => this.add(files))
     if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)
@@ -977,7 +980,8 @@ export class Viewer extends HTMLElement {
 
   // ---- Headset ------------------------------------------------------------------------------------------------------
 
-  /** Browsers of headsets show the VR button on insecure pages too, to tell why VR fails. */
+  /** Shows the buttons for VR and AR if the browser supports them. A headset browser shows the VR button on an insecure
+      page too, where the button tells why VR is not available. */
   async #findHeadset() {
     const { headset, room, arSize } = this.#ui
     const { xr } = navigator
@@ -1223,7 +1227,8 @@ export class Viewer extends HTMLElement {
     this.addEventListener('dragleave', over(false))
     this.addEventListener('drop', (event) => {
       over(false)(event)
-      const { items, files } = event.dataTransfer // the browser empties dataTransfer after the event
+      // items and files are read now, because the browser empties dataTransfer after the event
+      const { items, files } = event.dataTransfer
       this.#takeDrop([...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean), [...files])
     })
   }

@@ -1,26 +1,26 @@
-// Walking: the eye stays at its height above the ground, low steps are climbed, walls stop. A height map finds ground
-// and walls. The height map is a small orthographic picture of depths, straight down from the eye.
+// Walking: the eye stays at its height above the ground, low steps are climbed, and walls stop the walk. A height map
+// finds ground and walls. The height map is a small orthographic picture of depths, straight down from the eye.
 import { add, cross, dot, unit } from './motion.js'
 
 const CELLS = 48
-const FOCAL = 4096 // the renderer rounds focal lengths to 1 / FOCAL pixels a unit
-// The lengths from CELL to PACE are multiples of the eye's height.
+const FOCAL = 4096 // the renderer rounds focal lengths (pixels for a scene unit) to multiples of 1 / FOCAL
+// The constants from CELL to PACE are lengths, as multiples of the eye's height above the ground.
 const CELL = 1 / 16
-const REACH = 1.25 // walking farther from the middle of a height map waits for the next map
-const STALE = 0.4 // distance from the middle of a height map that requests the next map
-const FOOT = 0.12 // radius around a point for measuring the ground
+const REACH = 1.25 // distance from the middle of a height map beyond which a walk waits for the next map
+const STALE = 0.4 // distance from the middle of a height map beyond which the next map is requested
+const FOOT = 0.12 // radius around a point in which the height of the ground is measured
 const BODY = 0.2 // smallest distance of the eye to walls
 const STEP = 0.25 // largest height of a step that is climbed
 const DROP = 2 // largest depth that is stepped down; a deeper drop is a hole
-const STRIDE = 0.05 // longest single step of the walk
-const BACK = 0.4 // distance to a chosen point at which walking ends
-const PACE = 2.5 // distance walked in a second at a speed of 1
-const LEAST = 3 // blocked cells that stop the walk; fewer cells are stray Gaussians
-const EASE = 10 // rate a second of the eye's exponential approach to its height
+const STRIDE = 0.05 // longest single step of the walk, in heights of the eye
+const BACK = 0.4 // distance before a point chosen by the user at which the walk ends
+const PACE = 2.5 // distance walked in a second at a speed setting of 1
+const LEAST = 3 // number of blocked cells of the height map that stop the walk; fewer cells are stray Gaussians
+const EASE = 10 // rate a second at which the eye exponentially approaches its height above the ground
 const STALE_MS = 1000 // milliseconds after which a height map is renewed
 const GLIDE_MS = 500
 const TRIES = 8
-// angles of ways along a wall, in radians
+// Angles in radians between the wanted direction and the directions that are tried to walk along a wall.
 const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180)
 
 /** Returns the mean of the middle half of a list, robust against stray Gaussians. */
@@ -30,7 +30,7 @@ function middle(list) {
   return half.reduce((sum, x) => sum + x, 0) / half.length
 }
 
-/** A height map below a place, along `up`. A cell has the size `cell` in scene units. */
+/** A height map of the scene below a place; `up` is the up direction. `cell` is the size of a cell in scene units. */
 class Ground {
   constructor(facts) {
     Object.assign(this, facts)
@@ -38,7 +38,7 @@ class Ground {
     this.level = dot(this.place, this.axes.up)
   }
 
-  /** Returns the heights of the cells around a point; -Infinity for an empty cell. */
+  /** Returns the heights of the height map's cells around a point; -Infinity for an empty cell. */
   heights(point, radius) {
     const from = add(point, this.place, -1)
     const [x, y] = [this.axes.right, this.axes.down].map((axis) => dot(from, axis) / this.cell + CELLS / 2 - 0.5)
@@ -64,12 +64,12 @@ export class Walker {
   #asking = null
   #feet = 0
   #floats = false
-  #eye = null // position of the eye as set by walking; another position requires begin()
+  #eye = null // position of the eye after the last step of walking; if the eye is elsewhere, begin() must be called
   #usual = { scene: null, height: 1 }
   #last = 0
 
-  /** `host` has draw(camera, size), which returns a promise of depths, and height(), which is 0 for the estimated
-      height. */
+  /** `host` is an object with two functions. draw(camera, size) returns a promise of depths. height() returns the
+      wanted height of the eye; 0: the estimated height. */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host
@@ -87,7 +87,8 @@ export class Walker {
     return unit(this.#pilot.up)
   }
 
-  /** If the camera looks straight up or down, its up vector gives the horizontal direction of view. */
+  /** Returns the horizontal direction of view of a camera. If the camera looks straight up or down, its up vector gives
+      the direction. */
   #level(camera) {
     const up = this.#up
     const ahead = add(camera.look, camera.eye, -1)
@@ -97,7 +98,8 @@ export class Walker {
     return unit(steep ? flat(camera.up.map((x) => -Math.sign(dot(ahead, up)) * x)) : level)
   }
 
-  /** Moves the eye to the ground: in front of a point, below the camera, or on the way to its target. */
+  /** Begins a walk by moving the eye to its height above the ground. The place is in front of the given point, else
+      below the camera, else on the way to the camera's target. */
   async begin(point = null) {
     const own = (this.#asking = {})
     const { camera } = this.#pilot
@@ -120,7 +122,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** Estimates the eye's height from the start view, else as an eighth of the scene's height. */
+  /** Estimates the eye's height above the ground from the start view, else as an eighth of the scene's height. */
   async #findUsual() {
     const scene = this.#host.scene()
     if (this.#usual.scene === scene) return
@@ -184,7 +186,7 @@ export class Walker {
 
   // ---- Walking ------------------------------------------------------------------------------------------------------
 
-  /** Walks to the right and ahead. Both arguments are seconds at full speed. */
+  /** Walks to the right and ahead. Both arguments are walking times in seconds at full speed. */
   go(right, forward) {
     const { camera } = this.#pilot
     if (!this.#host.scene() || !(right || forward)) return
@@ -204,7 +206,7 @@ export class Walker {
     this.#ease()
   }
 
-  /** Takes one step, along a wall if the way is blocked. Returns the new position. */
+  /** Takes one step of the walk, along a wall if the way is blocked. Returns the new position. */
   #step(place, way, length) {
     const up = this.#up
     const now = this.#stops(place)

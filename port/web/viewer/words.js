@@ -3,8 +3,8 @@
 const FORMATS = '@FORMATS@'
 const size = (bytes) => (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} KB` : `${(bytes / 1e6).toFixed(1)} MB`)
 
-// Each row has a kind, a pattern of the message, and a function that writes the text with the translating function
-// `say`. Without a function, the message is the text. The first matching row is used.
+// Each row of this table of errors has a kind, a pattern of the message, and a function. The function writes the text
+// with the translating function `say`. Without a function, the message is the text. The first matching row is used.
 const TABLE = [
   ['browser', /^no WebAssembly$/, (say) =>
     say('This browser has no WebAssembly, or it is switched off: a newer one shows the scene')],

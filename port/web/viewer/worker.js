@@ -4,12 +4,12 @@
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 
 const SEEN = 40000 // smallest number of Gaussians in an early preview
-const SEEN_SHARE = 1 / 3 // downloaded share that allows a preview of fewer Gaussians
+const SEEN_SHARE = 1 / 3 // downloaded share of the file after which a preview may have fewer than SEEN Gaussians
 const PREVIEW_MS = 1000 // longest wait in milliseconds for the page to draw a preview
-const AHEAD_MS = 600 // milliseconds of extrapolation of the camera's motion, for prefetching
+const AHEAD_MS = 600 // milliseconds of camera motion to extrapolate for prefetching parts of a scene
 const STOPPED_MS = 300 // milliseconds between two pictures after which the camera counts as stopped
 const NO_DEPTH = 0xffffffff
-const UNIT = 65536 // depth value of one scene unit
+const UNIT = 65536 // depth value of one scene unit: depths have 16 fraction bits
 const screens = {}
 const scenes = new Map()
 let placed = []
@@ -19,7 +19,8 @@ let drawn = () => {}
 const isThere = ({ key }) => scenes.has(key)
 const objects = () => placed.filter(isThere).map(({ key, place }) => ({ scene: scenes.get(key), ...place }))
 
-/** Places a point in the world. A unit quaternion (w, q) rotates v to v + 2 w (q x v) + 2 q x (q x v). */
+/** Moves a point of a scene to its place in the world. A unit quaternion (w, q) rotates v to v + 2 w (q x v) + 2 q x (q
+    x v). */
 function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 }) {
   const [w, ...q] = rotation.map((x) => x / Math.hypot(...rotation))
   const cross = (a, b) => [1, 2, 0].map((j, i) => a[j] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[j])
@@ -62,7 +63,8 @@ function put(key, scene) {
   scenes.set(key, scene)
 }
 
-/** Loading waits until the page has drawn the preview. A preview of few Gaussians is skipped. */
+/** Sends a preview of a loading scene to the page. Loading waits until the page has drawn the preview. A preview of few
+    Gaussians is skipped. */
 function preview(key, part, share) {
   if (part.count < SEEN && share < SEEN_SHARE) return part.free()
   put(key, part)
@@ -78,7 +80,8 @@ function onScreen(call) {
   else call()
 }
 
-/** Draws on a Screen, or returns the pixels without a Screen. Returns null if the Screen has failed. */
+/** Draws a picture on the Screen with the number `id`. Returns the pixels if there is no Screen, or null if the Screen
+    has failed. */
 async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
@@ -222,7 +225,8 @@ const words = {
 
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
 
-  /** The farthest depth of 3 x 3 pixels counts, since the marker of an annotation lies on a surface. */
+  /** Returns the depths at pixels in scene units, to test whether the scene hides the markers of annotations. The
+      farthest depth of 3 x 3 pixels counts, since a marker lies on a surface. */
   depths(pixels, camera, options) {
     const { width, height } = options
     const depth = depthOf(camera, options)

@@ -1,4 +1,5 @@
-// The worker for bundlers, which drop unused code: imports and uses all modules that are loaded on demand elsewhere.
+// The worker for bundlers, which drop unused code. This script imports and uses all modules that are loaded on demand
+// elsewhere.
 import { openPaged } from 'fixsplat/paged.js'
 import { Functions } from 'fixsplat/webgl.js'
 import { Computed } from 'fixsplat/webgpu.js'

@@ -4,23 +4,24 @@
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
-const REACH = 2 // metres: distance from the head to the camera's target
+const REACH = 2 // metres: distance from the head to the target of the camera when VR starts
 const NEAR = 0.1
-const AIM_MS = 50 // milliseconds to aim at for a pair of pictures
+const AIM_MS = 50 // drawing time in milliseconds to aim at for the pictures of both eyes
 const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
-// deflection of a thumbstick that starts a turn, and deflection that allows the next turn
+// Deflection of a thumbstick that starts a turn, and deflection below which the next turn is allowed.
 const [PUSHED, IDLE] = [0.7, 0.3]
 const DEAD = 0.15
 
-/** The placement of the room in the scene: axes (right, up, back), origin, scene units a metre. */
+/** The placement of the user's room in the scene: its axes (right, up, back), its origin, and the number of scene units
+    in a metre. */
 export class Place {
   constructor(axes, units, origin = [0, 0, 0]) {
     Object.assign(this, { axes, units, origin })
   }
 
-  /** Returns a level placement. The horizontal direction (hx, hz) of the room becomes the camera's direction of
-      view. */
+  /** Returns a placement of the room with a level floor. The horizontal direction (hx, hz) of the room becomes the
+      camera's direction of view. */
   static towards([hx, hz], { camera, up }, units) {
     const y = unit(up)
     const level = (a) => add(a, y, -dot(a, y))
@@ -60,7 +61,8 @@ export class Place {
     return new Place(this.axes, this.units, add(this.origin, by, times))
   }
 
-  /** Turns the placement to the right about the vertical, and scales the metre by a factor. */
+  /** Returns the placement of the room, turned to the right about the vertical. The number of scene units in a metre is
+      multiplied by `times`. */
   changed(angle, times) {
     const axes = this.axes.map((axis) => rotate(axis, this.axes[1], -angle))
     return new Place(axes, this.units * times, this.origin)
@@ -78,7 +80,8 @@ const pushed = (x = 0) => (Math.abs(x) < DEAD ? 0 : x)
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
-/** The Guide of the VR mode starts at the page's camera and moves by thumbsticks. */
+/** The class Walker is the Guide of the VR mode, which places the room in the scene. It starts at the page's camera,
+    and the user moves by thumbsticks. */
 class Walker {
   #host
   #turning = false
@@ -87,7 +90,8 @@ class Walker {
     this.#host = host
   }
 
-  /** The left stick moves in the direction of view. The right stick turns, and moves up and down. */
+  /** Moves the user by the thumbsticks. The left stick moves in the direction of view. The right stick turns, and moves
+      up and down. */
   step(place, { pose, session, seconds }) {
     const { matrix, position } = pose.transform
     place ??= Place.of(this.#host.view(), pose.transform)
@@ -107,8 +111,9 @@ class Walker {
   }
 }
 
-/** A mode has the type of the WebXR session, texts, the reference spaces to try in order, and the class Guide. A
-    Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if none is chosen yet. */
+/** A mode (VR or AR) has the type of the WebXR session, texts, and the class Guide. It also lists the reference spaces
+    to try in order. A Guide places the room in the scene: step(place, now) returns the Place of a frame, or null if
+    none is chosen yet. */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
