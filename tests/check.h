@@ -12,7 +12,7 @@ static int check_faults, check_skips;                   /* numbers of failed che
 #define CHECK(condition) \
     ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))
 
-/* Leaves the test function and prints the reason. */
+/* Skips the rest of the test function and prints the reason. */
 #define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
 
 #define RUN(test) RUN_AS(#test, test())

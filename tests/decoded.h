@@ -45,7 +45,7 @@ typedef struct decoded {
     int axis_bits;
 } decoded;
 
-enum { FIELDS = 11 };                  /* 3 positions, 3 scales, the rotation word, 3 colours, opacity */
+enum { FIELDS = 11 };   /* fields of a Gaussian: 3 positions, 3 scales, the rotation word, 3 colours, opacity */
 
 static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {

@@ -38,7 +38,7 @@ static inline void make_folder(const char *name)
     CHECK(!mkdir(in_folder(name), 0777));
 }
 
-/* rgb: null writes a picture of noise. */
+/* Writes a picture as .ppm. rgb: the colours; null writes noise. */
 static inline void put_ppm(const char *name, int width, int height, const uint8_t *rgb)
 {
     static uint8_t bytes[1 << 17];
