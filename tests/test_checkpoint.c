@@ -446,7 +446,8 @@ static void goes_on_as_if_never_stopped(void)
     fxs_fit_destroy(whole);
 }
 
-/* Resumes a fit in the last tenth of its steps, in which the scales of Gaussians are quantised as in the packed file. */
+/* Resumes a fit in the last tenth of its steps, in which the scales of Gaussians are quantised as in the packed
+   file. */
 static void goes_on_in_the_last_tenth(void)
 {
     const fxs_fit_options mine = options;

@@ -1,4 +1,5 @@
-/* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula. */
+/* Tests pictures that are rendered through lenses with distortion. Positions are compared with an independent
+   inverse of the lens formula. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include "src/fit/photo_pixels.h"
