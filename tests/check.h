@@ -33,7 +33,7 @@ static inline void *check_aligned(size_t bytes)
     return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
 }
 
-/* Prints the totals of a test program. Returns the exit status. */
+/* Prints how many tests of the program passed, failed and were skipped. Returns the exit status. */
 static int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);

@@ -11,7 +11,7 @@
 
 static uint64_t fit_state = 1;
 
-/* splitmix64 (Steele, Lea, Flood 2014) */
+/* Random generator splitmix64 (Steele, Lea, Flood 2014). */
 static inline uint64_t fit_random(void)
 {
     uint64_t z = fit_state += 0x9e3779b97f4a7c15u;

@@ -1,5 +1,6 @@
-/* Fuzzes the pager, which loads the chunks of a scene on demand. The source of the chunks may fail, corrupt bytes or
-   state a wrong size. Once no chunk is missing, an intact scene must render like the whole scene. */
+/* Fuzzes the pager, which loads the chunks (256 Gaussians each) of a scene on demand. The source of the chunks
+   may fail, corrupt bytes or state a wrong size. Once all chunks are loaded, an intact scene must render like the
+   whole scene. */
 #include <fixsplat/pager.h>
 #include <fixsplat/internal/message.h>
 

@@ -11,7 +11,7 @@
 static fxs_message message;
 static fxs_photos photos;
 
-/* Continues an FNV-1a hash. The start value is 2166136261. */
+/* Adds bytes to an FNV-1a hash. The start value is 2166136261. */
 static inline uint32_t hash_on(uint32_t hash, const void *data, size_t size)
 {
     const uint8_t *bytes = data;

@@ -1,5 +1,5 @@
 /* Makes random packed scenes with level-of-detail trees of any shape. Computes their cuts: the tree nodes that a
-   frame draws. Nodes are refined in the order of their keys. */
+   frame draws. Nodes are refined in the order of their priorities. */
 #ifndef RANDOM_TREE_H
 #define RANDOM_TREE_H
 
@@ -36,7 +36,8 @@ static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int 
     free(open);
 }
 
-/* The scene has `leaves` chunks, at least 2. The caller releases its data with free. */
+/* Makes a random packed scene with a level-of-detail tree and `leaves` finest chunks (256 Gaussians each), at
+   least 2. The caller releases its data with free. */
 static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves, int deep, int alike)
 {
     const int degree = between(0, 2);

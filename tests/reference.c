@@ -39,7 +39,7 @@ static int gaussian_is_valid(const fxs_gaussian *g)
         && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
 }
 
-/* Rotation matrix of the quaternion w, x, y, z of any length. */
+/* Computes the rotation matrix of the quaternion w, x, y, z of any length. */
 static void rotation_matrix(const float *rotation, double m[3][3])
 {
     double q[4], length = 0;
@@ -110,7 +110,7 @@ static double determinant(const struct reference_splat *s)
     return s->a * s->c - s->b * s->b;
 }
 
-/* Real spherical harmonics of degrees 1 to 3 in the unit direction d, with Condon-Shortley signs. */
+/* Evaluates the real spherical harmonics of degrees 1 to 3 in the unit direction d, with Condon-Shortley signs. */
 static void sh_basis(const double *d, double basis[15])
 {
     double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;

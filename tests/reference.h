@@ -18,7 +18,7 @@ enum reference_cutoff {
 struct reference_options {
     enum reference_cutoff cutoff;
     int sh_degree;
-    int antialiased;          /* 1: lower the opacity to compensate for the dilation */
+    int antialiased;          /* 1: lower the opacity of a splat to compensate for its dilation */
     double background[3];
 };
 
@@ -34,7 +34,7 @@ struct reference_splat {
 /* Places a scene in the world: world = translation + scale * rotation * position. SH coefficients rotate with the
    object. */
 struct reference_object {
-    double rotation[9];  /* rotation matrix, row by row */
+    double rotation[9];  /* rotation matrix of the placed object, row by row */
     double translation[3], scale;
     double opacity, tint[3];
 };
@@ -44,12 +44,13 @@ struct reference_object {
 int reference_project(const fxs_gaussian *gaussian, const fxs_view *view, const struct reference_options *options,
                       struct reference_splat *out);
 
-/* Projects a Gaussian of a placed object. Returns like reference_project. */
+/* Projects a Gaussian of a placed object. Returns 1, or 0 if the Gaussian is culled. */
 int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
                              const fxs_view *view, const struct reference_options *options,
                              struct reference_splat *out);
 
-/* Renders to width * height * 3 doubles, top row first, not clamped. Returns 0, or -1 if memory runs out. */
+/* Renders Gaussians to width * height * 3 doubles, top row first, not clamped. Returns 0, or -1 if memory runs
+   out. */
 int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_view *view,
                      const struct reference_options *options, double *rgb);
 

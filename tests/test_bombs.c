@@ -421,7 +421,8 @@ static void make_exponents_ply(const char *name)
 }
 
 static const struct bomb {
-    const char *name, *line;   /* line: expected part of the error message; null: the file must be readable */
+    /* line: expected part of the error message for a bomb; null: the file must be readable */
+    const char *name, *line;
     void (*make)(const char *name);
 } bombs[] = {
     {"padded.sog", "268402689 Gaussians or more in 1", make_padded_sog},
@@ -559,7 +560,7 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-/* read: number of bytes that the reader took from offset `from` of the file on */
+/* read: number of bytes that the reader took from the file, counted from offset `from` on */
 static struct { uint64_t read, from; int opened; } taken;
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)

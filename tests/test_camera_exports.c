@@ -15,7 +15,7 @@ static const double poses[CAMERAS][6] = {
 static const double focal = 70, middle[2] = {31, 25.5};
 static const double k[4] = {-0.12, 0.04, -0.01, 0.003}, p[2] = {0.004, -0.003};
 
-/* Camera-to-world matrix with columns right, up and back: Rz(-heading) Rx(pitch) Ry(roll). */
+/* Computes the camera-to-world matrix with columns right, up and back: Rz(-heading) Rx(pitch) Ry(roll). */
 static void turned(const double pose[6], double m[9])
 {
     const double d = acos(-1) / 180, h = -pose[0] * d, a = pose[1] * d, b = pose[2] * d;
@@ -29,7 +29,7 @@ static void turned(const double pose[6], double m[9])
         m[i] = zx[i / 3 * 3] * y[i % 3] + zx[i / 3 * 3 + 1] * y[3 + i % 3] + zx[i / 3 * 3 + 2] * y[6 + i % 3];
 }
 
-/* World-to-camera matrix with rows right, down and forward. */
+/* Computes the world-to-camera matrix of a pose, with rows right, down and forward. */
 static void rows_of(const double pose[6], double r[9])
 {
     double m[9];
@@ -81,7 +81,7 @@ static void write_bundler(int lens)
 
 #ifdef FXS_WITH_EXPAT
 
-static double away;                /* shift along x of the transform that the Metashape file states */
+static double away;                /* shift along x in the transform that the Metashape file states */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
 /* Writes a Metashape .xml of cameras. owner: the XML element that states the transform, "component", "chunk" or ""

@@ -945,7 +945,7 @@ static void start_is_placed(void)
     fxs_placement_init(&p, 0, 0);
     fxs_placement_start(&p, &start);
     CHECK(!memcmp(&start, &plain, sizeof start));
-    fxs_placement_turn(&p, 0, 90);     /* rotates the y axis to z, and z to -y */
+    fxs_placement_turn(&p, 0, 90);     /* rotates the scene: the y axis to z, and z to -y */
     for (int i = 0; i < 4; i++)
         p.rotation[i] *= 3;
     p.scale = 2;

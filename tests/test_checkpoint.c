@@ -21,7 +21,7 @@ static float uniform(uint64_t index)
     return fxs_fit_uniform(fxs_fit_random(17, 4, index));
 }
 
-/* The coloured spots are coarse enough for the fit to split and clone Gaussians. */
+/* Makes photographs of coloured spots, so coarse that the fit splits and clones Gaussians. */
 static void make_input(void)
 {
     fxs_fit_options_init(&options);

@@ -31,7 +31,7 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;   /* largest number of bytes of a scene in one upload to the GPU; 0: no limit */
+static uint64_t part_bytes;   /* largest number of bytes of a scene in an upload to the GPU; 0: no limit */
 static fxs_message why;
 
 static struct fake {

@@ -12,7 +12,7 @@ static fxs_exif exif;
 enum { SHORT = 3, LONG = 4, RATIONAL = 5, SEGMENT = 400 };
 
 typedef struct maker {
-    uint8_t bytes[SEGMENT];        /* an EXIF segment: "Exif\0\0" and a TIFF file */
+    uint8_t bytes[SEGMENT];        /* bytes of an EXIF segment: "Exif\0\0" and a TIFF file */
     size_t size;
     int is_big;
 } maker;

@@ -402,8 +402,8 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    /* m->by_centre is the length of the gradient by the projected centre. The loss there is a mean over pixels and
-       channels, so the expected value is scaled. */
+    /* m->by_centre is the length of the loss gradient with respect to the projected centre. The loss is a mean
+       over pixels and channels there, so the expected value is scaled. */
     const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }

@@ -191,7 +191,8 @@ static double gradient_of(const fxs_fit_model *m, size_t i)
     return m->views[i] > 0 ? (double)(m->by_centre[i] / m->views[i]) : 0;
 }
 
-/* Returns what densification should do with a Gaussian: 'g' removes, 'c' clones, 's' splits, ' ' keeps the Gaussian. */
+/* Returns the expected treatment of a Gaussian in densification: 'g' removes, 'c' clones, 's' splits, ' ' keeps
+   the Gaussian. */
 static char plain_fate(const fxs_fit_model *m, size_t i, const fxs_fit_densify *d)
 {
     const int wanted = gradient_of(m, i) >= (double)d->gradient;
@@ -234,7 +235,8 @@ static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
             r[a][b] = rows[a][b] / n;
 }
 
-/* The first child of a split Gaussian lies on the positive side of each axis, the second child on the negative side. */
+/* Checks a child of a split Gaussian. The first child lies on the positive side of each axis, the second on the
+   negative side. */
 static int is_child(const fxs_fit_model *m, size_t i, const fxs_fit_model *old, size_t of, int which)
 {
     int ok = has_moments(m, i, -1) && !differing(m, i, old, of, FXS_FIT_ROTATION, FXS_FIT_OPACITY) &&

@@ -207,7 +207,7 @@ static void test_gain_steps(void)
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
         float sums[FXS_FIT_GAIN];
-        /* nine gradients of a colour matrix, of which a gain for each channel uses only the diagonal */
+        /* nine gradients of a colour matrix; a gain for each channel uses only the diagonal */
         for (int c = 0; c < FXS_FIT_GAIN; c++)
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
         const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];

@@ -108,7 +108,8 @@ static void test_rsqrt(void)
         printf("  relative error 2^%.2f, %d outside\n", log2(worst), outside);
 }
 
-/* The square root is rounded down, so a result that is less than 1 too small is no error. */
+/* Measures the error of fxs_sqrt. The square root is rounded down, so a result that is less than 1 too small is
+   no error. */
 static void visit_sqrt(uint32_t x)
 {
     double exact = sqrt(x), got = fxs_sqrt(x);

@@ -637,7 +637,7 @@ static void meshes(void)
 
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
-enum { UNITS = 10 };                       /* number of texture units that the back end binds */
+enum { UNITS = 10 };                       /* number of texture units that the GLES back end binds */
 
 /* A copy of the OpenGL state, to compare the state before and after a frame. Unsupported state stays 0. */
 typedef struct state {

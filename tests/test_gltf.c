@@ -346,7 +346,7 @@ static void extreme_values(void)
     CHECK(out[0].scale[1] == 0 && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
-/* Drafts of the glTF extension KHR_gaussian_splatting store SCALE as logarithms. */
+/* Reads SCALE as logarithms, which drafts of the glTF extension KHR_gaussian_splatting store. */
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {

@@ -308,8 +308,8 @@ static void zoom_to_point(fxs_camera *camera)
     camera->near_q32 = 1 << 12;
 }
 
-/* Moves the camera sideways by 0 or 64 times the depth of an orthographic camera's projection plane. Enlarges
-   the Gaussians, so that they may still be seen. */
+/* Moves the camera sideways by 64 times the depth of an orthographic camera's projection plane, or not at all.
+   Enlarges the Gaussians, so that they may still be seen. */
 static void move_off_axis(void)
 {
     fxs_chunk_view cv;

@@ -265,8 +265,8 @@ static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn
     }
 }
 
-/* Places an object and a camera anew, which must not change the picture. Depths grow with the object's scale, so
-   the frame has fewer depth bits. */
+/* Moves an object and the camera alike, which must not change the picture. Depths grow with the object's scale,
+   so the frame has fewer depth bits. */
 static void test_carried_with_the_camera(void)
 {
     int drawn = 0;
@@ -622,7 +622,7 @@ static void test_tint_is_rounded(void)
     }
 }
 
-/* The depths of a scaled object must be right to two units of the last place. */
+/* Compares the depths of a scaled object with doubles. They must be right to two units of the last place. */
 static void test_depths_are_scaled(void)
 {
     static const uint16_t position[3];

@@ -170,8 +170,8 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* Checks the random points of a set of photographs without points. They must equal those that
-   fxs_photos_random_points makes. */
+/* Checks the random points of a set of photographs without points. fxs_photos_random_points must make the same
+   points. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -290,7 +290,7 @@ static void bad_photos(void)
 static void proportions(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    /* writes a photograph that is one pixel higher than its camera states */
+    /* writes a photograph that has one row of pixels more than its camera states */
     put_ppm("c/images/sub/4.ppm", 24, 21, NULL);
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
@@ -949,7 +949,8 @@ static void nerfstudio_parts(void)
     put_text("n/transforms.json");
     options.hold_out = 0;
     char said[256] = "";
-    /* reports photographs without a camera; those that the lists leave out have cameras */
+    /* reports photographs without a camera; photographs outside of the lists have cameras, so they are not
+       reported */
     options.left_out = left_out;
     options.left_out_argument = said;
     CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);

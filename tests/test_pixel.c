@@ -13,7 +13,7 @@
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
-enum { COARSE = 61 };   /* step between tested numbers: a prime, since builds with a sanitizer are slow */
+enum { COARSE = 61 };   /* step between tested numbers: a prime; above 1, since builds with a sanitizer are slow */
 #else
 enum { COARSE = 1 };
 #endif

@@ -352,7 +352,8 @@ static void filters(void)
         }
 }
 
-/* Reads a .ply with unknown properties. A message must name those that affect the pictures of other programs. */
+/* Reads a .ply with unknown properties. A message must name properties that affect the pictures of other
+   programs. */
 static void unused_properties(void)
 {
     static const struct { const char *properties[4]; const char *named; } cases[] = {

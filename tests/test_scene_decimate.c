@@ -80,8 +80,8 @@ static void all_stay(void)
     }
 }
 
-/* Weighted sums over the Gaussians of a scene, which merging keeps: weight, position, dc, SH, and second moments
-   w (R S S R' + x x') about the origin. */
+/* Weighted sums over the Gaussians of a scene, which merging keeps. They sum the weight, position, dc (base
+   colour), SH, and second moments w (R S S R' + x x') about the origin. */
 enum { SUMS = 1 + 3 + 3 + 45 + 6 };
 
 static void add_moments(double sums[SUMS], const fxs_gaussian *g)

@@ -768,7 +768,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* True if the Gaussians of an .lcc2 are those of its .sog file, rotated. The axes of .lcc2 have z up. */
+/* True if the Gaussians of an .lcc2 equal the rotated Gaussians of its .sog file. The axes of .lcc2 have z up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -894,7 +894,8 @@ static void changed_while_open(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* True if two Gaussians are equal but for opacity. The converter of the .ply moved opacities 0 and 1 by 1e-6. */
+/* True if two Gaussians are equal, apart from opacity. The converter of the .ply moved opacities 0 and 1 by
+   1e-6. */
 static int same_but_for_ends(fxs_gaussian a, const fxs_gaussian *b)
 {
     int close = fabs(1 / (1 + exp(-a.opacity)) - 1 / (1 + exp(-b->opacity))) < 1.5e-6;

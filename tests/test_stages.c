@@ -15,7 +15,7 @@
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
 
-static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
+static uint64_t seed = 88172645463325252u;   /* state of the random generator xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -38,7 +38,7 @@ static double uniform(double low, double high)
 typedef struct recipe {
     double reach;   /* largest distance of Gaussian centres from the origin on each axis, in scene units */
     double sigma_low, sigma_high;   /* range of log2(sigma) of random Gaussians */
-    int needle;                     /* 1: one axis at sigma_high, two axes at sigma_low */
+    int needle;   /* 1: Gaussians are needles, with one axis at sigma_high and two axes at sigma_low */
     int opacity_low, opacity_high;  /* range of the opacity codes of random Gaussians */
 } recipe;
 
@@ -854,7 +854,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(!context.config.workers.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
-    /* The statistics count the pixels of whole tiles, even those outside the picture. */
+    /* statistics of pairs of splats and pixels count whole tiles, even beyond the edge of the picture */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
     check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
@@ -1009,7 +1009,7 @@ static void step_out(beside *b, const fxs_stage_view *view, const fxs_camera *ca
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* iterates because the radius depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* repeats, because the splat's radius depends on the slope x/z */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }

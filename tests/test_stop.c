@@ -83,8 +83,8 @@ static int draw_strips(bench *b)
     return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
-/* Makes a random scene to render. room: the memory is the minimum plus `room` sixteenths of what a whole frame
-   needs. */
+/* Makes a random scene to render. room: the memory is the minimum plus room / 16 of the difference to the memory
+   of a whole frame. */
 static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;

@@ -484,7 +484,7 @@ static void drop(viewer *v, const char *path)
     settle(v);
 }
 
-/* True if the viewer's picture is what the renderer gives for the view. */
+/* True if the viewer's picture equals the renderer's picture of the view. */
 static int shows(const viewer *v, fxs_view view, int width, int height)
 {
     renderer r;
@@ -1109,7 +1109,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Lets the viewer write the scene as it is cropped. Returns the number of Gaussians in the written file. */
+/* Lets the viewer write the cropped scene. Returns the number of Gaussians in the written file. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];

@@ -1,4 +1,4 @@
-/* Computes the lists of all tiles with the plain C stages. */
+/* Computes the lists of the splats (projected Gaussians) of all tiles with the renderer's plain C functions. */
 #ifndef TILE_LISTS_H
 #define TILE_LISTS_H
 
@@ -6,8 +6,8 @@
 
 #include "src/core/lister.h"
 
-/* Lists of the splats (projected Gaussians) of each tile. The list of tile t has counts[t] entries, the last of
-   which is entries[ends[t] - 1]. */
+/* Lists of the splats (projected Gaussians) of each tile. The list of tile t has counts[t] entries. Its last
+   entry is entries[ends[t] - 1]. */
 typedef struct tile_lists {
     uint32_t *counts, *ends, *entries;
 } tile_lists;
