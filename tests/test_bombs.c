@@ -29,7 +29,7 @@ static void write_file(const char *name, const void *data, size_t length)
     }
 }
 
-/* Makes a WebP image whose pixels take no bits: each of the five prefix codes has a single symbol. */
+/* Makes a WebP image of pixels that take no bits: each of the five prefix codes has a single symbol. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
 {
     uint64_t bits = (uint64_t)(width - 1) | (uint64_t)(height - 1) << 14 | (uint64_t)1 << 28;
@@ -127,8 +127,8 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
 
 enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };
 
-/* Makes a .sog in which a single zip entry serves as all images. Zero padding after the image deflates to almost
-   nothing. */
+/* Makes a .sog with a single zip entry that serves as all images. Zero padding after the image deflates to
+   almost nothing. */
 static void make_padded_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -140,7 +140,7 @@ static void make_padded_sog(const char *name)
     free(image);
 }
 
-/* Makes a .sog in which each image is a zip entry with twice as many pixels as needed. */
+/* Makes a .sog with a zip entry for each image. The images have twice as many pixels as needed. */
 static void make_large_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -261,7 +261,7 @@ static void make_shared_images(const char *name)
     free(image);
 }
 
-/* Makes a .gltf whose buffers all name the same file, which begins with an .spz. */
+/* Makes a .gltf with many buffers that all name the same file. The file begins with an .spz. */
 static void make_shared_buffer(const char *name)
 {
     uint8_t *spz = calloc(PADDED, 1);
@@ -373,7 +373,7 @@ static void make_palette_rad(const char *name)
     write_rad(name, 4, columns, ",\"maxSh\":1,\"shCodeCount\":2000000000");
 }
 
-/* Makes a .rad with a faulty level-of-detail tree, in which each node names all later nodes as its children. */
+/* Makes a .rad with a faulty level-of-detail tree: each node names all later nodes as its children. */
 static void make_tangled_rad(const char *name)
 {
     enum { NODES = 5000 };
@@ -606,8 +606,8 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     return count;
 }
 
-/* Reads a .glb with two .spz files. With enough memory each .spz is read once. The minimum memory holds only one of
-   them decompressed, so they are read again. */
+/* Reads a .glb with two .spz files. With enough memory each .spz is read once. The minimum memory holds a single
+   one decompressed, so they are read again. */
 static void spz_is_inflated_once(void)
 {
     enum { NODES = 20, EACH = 100, PAYLOAD = 20 * EACH };

@@ -519,7 +519,7 @@ static void transforms(void)
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
     for (int i = 0; i < 3; i++)
-        stretch[i] = 0.037;   /* the reader accepts a matrix whose columns are all scaled by the same factor */
+        stretch[i] = 0.037;   /* the reader accepts a matrix with all columns scaled by the same factor */
     put_transforms(top, "");
     check_camera("transforms.json", "b.jpg", 320, 240);
     stretch[1] = 0.04;

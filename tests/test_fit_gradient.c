@@ -56,8 +56,9 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* Computes the projected covariance J W Sigma W^T J^T + 0.3 I with Sigma = R S S R^T. If antialiased, multiplies the
-   opacity by sqrt(det / det_03), the determinants without and with the added 0.3. */
+/* Computes the projected covariance J W Sigma W^T J^T + 0.3 I with Sigma = R S S R^T. With antialiasing,
+   multiplies the opacity by the square root of a quotient: the determinant without 0.3 I by the determinant with
+   0.3 I. */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
@@ -367,7 +368,7 @@ static double size_of(const double *d, int k)
 
 typedef struct tally {
     int gaussians, unseen, outside, beside, dark, capped, closed;
-    double worst;                  /* largest error of a gradient so far, relative to its tolerance */
+    double worst;                  /* largest error of a gradient until now, relative to its tolerance */
 } tally;
 
 static void count_cuts(const scene *s, int i, tally *t)
@@ -402,8 +403,8 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    /* m->by_centre is the length of the loss gradient with respect to the projected centre. The loss is a mean
-       over pixels and channels there, so the expected value is scaled. */
+    /* m->by_centre is the length of the loss gradient with respect to the projected centre. Its loss is a mean
+       over pixels and channels, so the expected value is scaled. */
     const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }

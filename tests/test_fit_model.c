@@ -575,7 +575,8 @@ static void relocated_at_the_threshold(void)
     fxs_fit_model_free(&old);
 }
 
-/* Tests growth: it must add a twentieth of the Gaussians, drawn at random with probability by opacity. */
+/* Tests growth: it must add a twentieth of the Gaussians, drawn at random with probability proportional to
+   opacity. */
 static void grown(void)
 {
     enum { COUNT = 4000 };

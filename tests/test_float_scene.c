@@ -181,7 +181,7 @@ static void what_is_left_out(void)
     fxs_scene_file_close(file);
 }
 
-/* Returns the PSNR between a rendered scene and a copy whose Gaussians are moved by a millionth of a unit. */
+/* Returns the PSNR between a rendered scene and a copy with all Gaussians moved by a millionth of a unit. */
 static double psnr_of_nudge(const char *name)
 {
     const fxs_procedural_scene *made = fxs_procedural_find(name);

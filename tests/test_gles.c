@@ -288,8 +288,8 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* Draws thin Gaussians whose tile lists exceed the memory. In tiles that a thin Gaussian does not touch, its
-   coordinate u overflows. */
+/* Draws thin Gaussians, with more tile lists than the memory holds. In tiles that a thin Gaussian does not
+   touch, its coordinate u overflows. */
 static void runs(void)
 {
     subject s;

@@ -214,7 +214,7 @@ static void halves(void)
     CHECK(read_file(gaussians, ROOM) == 0 && isnan(gaussians[0].rotation[0]));
 }
 
-/* Reads a .ksplat in which a section has unused capacity that the file omits. */
+/* Reads a .ksplat with unused capacity in a section, which the file omits. */
 static void room_at_the_end(void)
 {
     make_file(1, 0);

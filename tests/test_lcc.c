@@ -353,7 +353,7 @@ static void axes(void)
     make_meta("", 1);
     put_file("scene.lcc", text, length);
     CHECK(read_scene(NULL) == 1);
-    for (int i = 0; i < 9; i++)   /* the coefficient of -y in the file becomes that of -z in the scene */
+    for (int i = 0; i < 9; i++)   /* the coefficient of -y in the file becomes the coefficient of -z in the scene */
         CHECK(fabsf(out[0].sh[i] - (i == 3 ? -0.5f : 0)) < 1e-6f);
 }
 

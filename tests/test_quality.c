@@ -29,7 +29,7 @@
 #include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
-/* LARGE: smallest number of Gaussians for which the file size is limited */
+/* LARGE: smallest number of Gaussians with a limit of the file size */
 enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };
 typedef struct grade {
     double psnr, ssim;
@@ -223,7 +223,7 @@ typedef struct aspect {
     double up[3];
     double front;                          /* direction from the scene to its front, in degrees about the up axis */
     double close;   /* distance of the first view; 1: the scene's bounding sphere fills the picture */
-    double tilt;   /* angle by which the scene and its cameras are rotated, in degrees about tilt_axis */
+    double tilt;   /* angle of the rotation of the scene and its cameras, in degrees about tilt_axis */
     int kind;
 } aspect;
 

@@ -421,7 +421,7 @@ static void written_trees(void)
         count = info.count;
     }
     CHECK(count == 1);
-    open_options.level = levels - 1;   /* level with opaque leaves merged into nodes whose coded opacity is above 1 */
+    open_options.level = levels - 1;   /* level with opaque leaves merged into nodes of a coded opacity above 1 */
     write_line(MANY, 6);
     put_file(size);
     CHECK(read_file(out, 64) == 0 && out[0].opacity == 20);

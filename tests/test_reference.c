@@ -26,7 +26,7 @@ static const fxs_view front = {
     FXS_PERSPECTIVE, 0
 };
 
-/* Makes a round, half opaque, grey Gaussian whose sigma is 1 scene unit. */
+/* Makes a round, half opaque, grey Gaussian with a sigma of 1 scene unit. */
 static fxs_gaussian gaussian_at(float x, float y, float z)
 {
     fxs_gaussian g;

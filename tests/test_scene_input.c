@@ -294,7 +294,7 @@ static void count_comes_first(void)
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0))
         return;
     CHECK(info.count == MANY && info.sh_degree == 0 && memory.largest < 100000);
-    memory.fails_at = memory.calls + 1;   /* the allocation after that of the gzip buffer fails */
+    memory.fails_at = memory.calls + 1;   /* fails the allocation that follows the gzip buffer's */
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_MEMORY && strstr(message.text, "out of memory"));
     memory.fails_at = -1;
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == 1 && memory.largest >= MANY_BYTES);

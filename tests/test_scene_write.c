@@ -405,9 +405,9 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    /* RMS error below 0.9 of that of 256 evenly spaced values */
+    /* RMS error below 0.9 of the error of 256 evenly spaced values */
     CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));
-    for (int i = 0; i < 5000; i++)     /* random scales; ten of them are large */
+    for (int i = 0; i < 5000; i++)     /* random scales; ten of these are large */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);
     for (int i = 0; i < 5000; i++)

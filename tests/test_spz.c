@@ -91,7 +91,7 @@ static void expected_rotation(int i, double q[4])
     q[largest] = sqrt(fmax(rest, 0));
 }
 
-/* Checks Gaussians whose axes may point the other way. sign: expected signs of x, y, z. */
+/* Checks Gaussians with axes that may point the other way. sign: expected signs of x, y, z. */
 static void check_gaussians(const double sign[3])
 {
     const fxs_gaussian *g = out;
@@ -350,7 +350,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* entry of the compressed sizes' table for the array of rotations */
+        uint8_t *last = bytes + 32 + 4 * 16;   /* entry of the array of rotations in the table of compressed sizes */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);

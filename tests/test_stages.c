@@ -929,7 +929,8 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* Renders Gaussians whose tile lists exceed the memory, so the frame is rendered in several runs of tiles. */
+/* Renders Gaussians with more tile lists than the memory holds, so the frame is rendered in several runs of
+   tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};

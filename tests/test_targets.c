@@ -130,7 +130,7 @@ static brute brute_pixel(const uint32_t *row, uint32_t count, int x, int y, uint
 }
 
 static struct {
-    double largest;                /* largest relative error of a mean depth so far */
+    double largest;                /* largest relative error of a mean depth until now */
     /* numbers of pixels with a mean depth, and of pixels with a splat hidden by the occluder */
     long pixels, hidden;
 } tally;

@@ -114,7 +114,7 @@ static void put_zeros(int encoding, int count, int width)
             put("0 ");
 }
 
-/* Makes a .ply with list properties, whose header gives only a lower bound of the size. encoding: 0 ASCII, 1
+/* Makes a .ply with list properties. Its header gives only a lower bound of the size. encoding: 0 ASCII, 1
    little-endian, 2 big-endian. */
 static void make_lists_ply(int encoding)
 {
