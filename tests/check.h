@@ -12,7 +12,7 @@ static int check_faults, check_skips;                   /* numbers of failed che
 #define CHECK(condition) \
     ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))
 
-/* Leaves the test function and prints the reason. */
+/* Skips the rest of the test function and prints the reason. */
 #define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
 
 #define RUN(test) RUN_AS(#test, test())
@@ -33,7 +33,7 @@ static inline void *check_aligned(size_t bytes)
     return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
 }
 
-/* Prints the totals of a test program. Returns the exit status. */
+/* Prints how many tests of the program passed, failed and were skipped. Returns the exit status. */
 static int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);

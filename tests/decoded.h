@@ -1,4 +1,4 @@
-/* Decodes a packed scene by docs/format.md. Shares no code with the library. */
+/* Decodes a packed scene by the description in docs/format.md. Shares no code with the library. */
 #ifndef DECODED_H
 #define DECODED_H
 
@@ -33,7 +33,7 @@ static inline double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* Extends a code to `wide` bits by repeating its high bits. */
+/* Extends a code (quantised number) to `wide` bits by repeating its high bits. */
 static inline uint32_t widen(uint32_t code, int bits, int wide)
 {
     return code << (wide - bits) | code >> (2 * bits - wide);
@@ -45,7 +45,7 @@ typedef struct decoded {
     int axis_bits;
 } decoded;
 
-enum { FIELDS = 11 };                  /* 3 positions, 3 scales, the rotation word, 3 colours, opacity */
+enum { FIELDS = 11 };   /* fields of a Gaussian: 3 positions, 3 scales, the rotation word, 3 colours, opacity */
 
 static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {

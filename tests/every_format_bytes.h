@@ -175,8 +175,8 @@ static inline void make_zstd_spz(void)
 
 enum { GLTF_FLOATS = 14 * GAUSSIANS };
 
-/* Writes glTF's JSON for two primitives: floats in buffer 0, and an .spz of `spz` bytes at `offset` of buffer
-   `where`. */
+/* Writes glTF's JSON for two primitives. The first has floats in buffer 0. The second is an .spz of `spz` bytes at
+   `offset` in the buffer with index `where`. */
 static inline void put_gltf_json(const char *first_buffer, size_t first_size, int where, size_t offset, size_t spz)
 {
     static const struct { const char *name, *type; int components; } attributes[] = {
@@ -315,7 +315,7 @@ static inline void make_rad_chunks(void)
 }
 #endif
 
-/* Writes two cells with a Gaussian each and a third Gaussian in the environment. */
+/* Writes an .lcc scene of two cells with a Gaussian each and a third Gaussian in the environment. */
 static inline void make_lcc(void)
 {
     put("{\"totalLevel\":1,\"attributes\":[{\"name\":\"scale\",\"min\":[1,2,3],\"max\":[4,5,6]},{\"name\":\"shcoef\",");
@@ -458,7 +458,8 @@ static inline void put_npy(const char *type, const char *order, const char *shap
     put("%*s\n", (int)(127 - size), "");
 }
 
-/* is_by_column: 1 stores the palette in Fortran order, as numpy writes a transposed array. */
+/* Adds the .npy files of an SH palette. is_by_column: 1 stores the palette in Fortran order, as numpy writes a
+   transposed array. */
 static inline void add_gsplat_sh(int is_by_column)
 {
     const int first = file_count;

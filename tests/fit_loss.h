@@ -17,7 +17,7 @@ static inline void fit_window(double window[FIT_WINDOW])
         window[i] /= sum;
 }
 
-/* Returns SSIM from the means of a, b, a^2, b^2 and ab over a window. */
+/* Returns the SSIM of two pictures a and b from the means of a, b, a^2, b^2 and ab over a window. */
 static inline double fit_similarity(const double m[5])
 {
     const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
@@ -25,7 +25,8 @@ static inline double fit_similarity(const double m[5])
     return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) / ((m[0] * m[0] + m[1] * m[1] + c1) * (variances + c2));
 }
 
-/* Convolves five channels along one axis. Neighbouring pixels are `step` apart; a line has `size` pixels. */
+/* Applies a Gaussian filter along one axis to five numbers of each pixel. Neighbouring pixels are `step` apart. A
+   line has `size` pixels. */
 static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int pixels, int step, int size,
                                    const double *window)
 {
@@ -39,9 +40,9 @@ static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int
     }
 }
 
-/* Sums 0.8 |a - b| + 0.2 (1 - SSIM) over one channel. The photograph's samples are three bytes apart. Pixels with
-   mask 0 count as outside of the picture; mask may be null. is_cut: 1 gives no loss where the photograph is white
-   and the picture is brighter. */
+/* Sums 0.8 |a - b| + 0.2 (1 - SSIM) over one channel of the picture a and the photograph b. The photograph's samples
+   are three bytes apart. Pixels with mask 0 count as outside of the picture; mask may be null. is_cut: 1 gives no loss
+   where the photograph is white and the picture is brighter. */
 static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int is_cut,
                               int width, int height)
 {

@@ -11,7 +11,7 @@
 
 static uint64_t fit_state = 1;
 
-/* splitmix64 (Steele, Lea, Flood 2014) */
+/* Random generator splitmix64 (Steele, Lea, Flood 2014). */
 static inline uint64_t fit_random(void)
 {
     uint64_t z = fit_state += 0x9e3779b97f4a7c15u;
@@ -25,7 +25,7 @@ static inline double fit_uniform(double low, double high)
     return low + (high - low) * (double)(fit_random() >> 11) * 0x1p-53;
 }
 
-/* Lists the distinct versions of the stages for this processor, plain C first. Returns their number, at most
+/* Lists the distinct kernel tables of the fit for this processor, plain C first. Returns their number, at most
    FIT_VERSIONS. */
 enum { FIT_VERSIONS = 5 };
 static const unsigned fit_cpus[FIT_VERSIONS] = {0, FXS_CPU_SSE41, FXS_CPU_AVX2, FXS_CPU_AVX512, FXS_CPU_NEON};

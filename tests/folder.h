@@ -13,7 +13,7 @@
 
 static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 
-/* Returns a path in the folder. The second next call overwrites the path. */
+/* Returns the path of a file in the temporary folder. The path is valid until the second call after this call. */
 static inline const char *in_folder(const char *name)
 {
     static char path[2][1024];
@@ -35,7 +35,7 @@ static inline void put_file(const char *name, const void *data, size_t size)
 static char text[1 << 16];
 static size_t length;
 
-/* Appends formatted text to the content of the next file. */
+/* Appends formatted text to a buffer, the content of the next file to write. */
 static inline void say(const char *format, ...)
 {
     va_list arguments;

@@ -1,5 +1,5 @@
-/* Fuzzes the readers of camera files. Byte 0 of an input picks the format. Bytes 1 and 2 give the size of the first
-   of two files. */
+/* Fuzzes the readers of camera files. Byte 0 of an input picks the file format. A reader gets two files. Bytes 1 and
+   2 give the size of the first file. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

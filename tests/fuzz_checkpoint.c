@@ -1,5 +1,5 @@
-/* Fuzzes the resuming of a fit from a checkpoint with correct checksum. A resumed fit runs two more steps. Its
-   parameters must be finite and must pack to a scene. */
+/* Fuzzes the resuming of a fit from a checkpoint file. The fuzz target corrects the checksum of the file. A resumed
+   fit runs two more steps. Its parameters must be finite and must pack to a scene. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

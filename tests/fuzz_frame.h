@@ -14,7 +14,8 @@
 #include "fastest.h"
 
 enum {
-    FUZZ_GUARD = 1 << 20,          /* size of the guard on either side of a zone */
+    /* size in bytes of the poisoned guard on either side of the memory that a test may access */
+    FUZZ_GUARD = 1 << 20,
     FUZZ_ROOM = 4 << 20,
     FUZZ_CONTROL = 20,
     FUZZ_EDIT = 6,
@@ -35,7 +36,7 @@ typedef struct fuzz_frame {
     fxs_object objects[FUZZ_OBJECTS];
     fxs_crop crops[FUZZ_OBJECTS][2];
     uint32_t count;
-    unsigned images;               /* bit i: image i is a target */
+    unsigned images;               /* bit i: image i (colour, coverage, mean depth, median depth, id) is rendered */
     int depth_bits, occluded, upside_down, wrong_stride;
     fxs_context levels[FUZZ_LEVELS];
     int level_count;
@@ -43,10 +44,11 @@ typedef struct fuzz_frame {
     size_t picture;
 } fuzz_frame;
 
-/* One zone for each use: memory, left picture, right picture, occluder. */
+/* Four zones of memory between guards: the renderer's memory, left picture, right picture, occluder depths. */
 static _Alignas(64) unsigned char fuzz_zones[FUZZ_ZONES][FUZZ_GUARD + FUZZ_ROOM + FUZZ_GUARD];
 
-/* Returns the start of a zone with `bytes` accessible bytes. Returns null if the zone is too small. */
+/* Makes `bytes` bytes of a zone accessible and poisons the rest. Returns their start, or null if the zone is too
+   small. */
 static unsigned char *fuzz_room(int zone, size_t bytes)
 {
     static size_t open[FUZZ_ZONES] = {FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM};
@@ -66,7 +68,7 @@ static uint32_t fuzz_word(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* Each edit selects a part of the file and an offset, and writes 1 to 8 equal bytes. */
+/* Damages a packed scene. Each edit selects a part of the file and an offset, and writes 1 to 8 equal bytes. */
 static void fuzz_edit(fuzz_frame *f, size_t headers, const uint8_t *edits, size_t size)
 {
     for (; size >= FUZZ_EDIT; edits += FUZZ_EDIT, size -= FUZZ_EDIT) {
@@ -149,7 +151,8 @@ static void fuzz_wild_object(fxs_object *object)
     case 6: object->crops = NULL; break;
     case 7: object->scene = NULL; break;
     }
-    if (object->crop_count > 2)                /* too many crops are refused before they are read */
+    /* more than two crops: adds FXS_MAX_CROPS, so that the renderer refuses the count before it reads the crops */
+    if (object->crop_count > 2)
         object->crop_count += FXS_MAX_CROPS;
 }
 
@@ -214,7 +217,8 @@ static void fuzz_images(fuzz_frame *f, unsigned control)
         depths[i] = next() % 4 ? (uint32_t)next() >> next() % 32 : FXS_NOTHING;
 }
 
-/* Returns the targets of an eye. Equal initial bytes make unwritten pixels compare equal. */
+/* Returns the target images of an eye. All bytes start equal, so that pixels that the renderer leaves unwritten
+   compare equal. */
 static fxs_targets fuzz_targets(const fuzz_frame *f, int eye)
 {
     fxs_targets t;
@@ -249,7 +253,8 @@ static void fuzz_levels(fuzz_frame *f)
         }
 }
 
-/* Returns 0 if no scene of the input opens. The caller releases f->data in either case. */
+/* Makes the scene, objects and cameras of a frame from a fuzz input. Returns 0 if no scene of the input opens. The
+   caller releases f->data in either case. */
 static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
 {
     memset(f, 0, sizeof *f);
@@ -292,7 +297,7 @@ static size_t fuzz_frame_bytes(const fuzz_frame *f, fxs_frame_memory *memory)
     return fxs_frame_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height, memory);
 }
 
-/* Returns the minimum memory of a frame of this view in bytes. */
+/* Returns the minimum memory in bytes with which the frame renders. */
 static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_frame_memory *memory)
 {
     fxs_stats stats = {.visible = 0};

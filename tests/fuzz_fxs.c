@@ -1,5 +1,5 @@
-/* Fuzzes rendering of a packed scene, valid or damaged, in mono and in stereo, in full and in minimum memory. Every
-   kernel set of this processor must match plain C. */
+/* Fuzzes rendering of a packed scene, valid or damaged. Renders one picture and stereo pairs, in full and in
+   minimum memory. Every set of kernels for this processor must match plain C. */
 #include "one_scene.h"
 #include "fuzz_frame.h"
 

@@ -1,5 +1,5 @@
-/* Fuzzes .glb files with a valid container. Two bytes of an input give the size of the JSON. The JSON and the binary
-   chunk follow. */
+/* Fuzzes the reader of .glb files. The container is always valid. Two bytes of an input give the size of the
+   JSON. The JSON and the binary chunk follow. */
 #include <stdlib.h>
 #include <string.h>
 

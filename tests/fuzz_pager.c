@@ -1,5 +1,6 @@
-/* Fuzzes the pager, which loads the chunks of a scene on demand. The source of the chunks may fail, corrupt bytes or
-   state a wrong size. Once no chunk is missing, an intact scene must render like the whole scene. */
+/* Fuzzes the pager, which loads the chunks (256 Gaussians each) of a scene on demand. The source of the chunks
+   may fail, corrupt bytes or state a wrong size. Once all chunks are loaded, an intact scene must render like the
+   whole scene. */
 #include <fixsplat/pager.h>
 #include <fixsplat/internal/message.h>
 
@@ -13,7 +14,8 @@ enum { CONTROL = 12, FRAMES = 3, TURNS = 40, WAIT_NS = 2000000 };
 typedef struct fuzz_source {
     const unsigned char *bytes;
     size_t there, claimed;
-    uint32_t reads, fails_each, lies_each;   /* every n-th read fails or returns wrong bytes; 0: none */
+    /* fails_each n: every n-th read fails; lies_each n: every n-th read returns wrong bytes; 0: none */
+    uint32_t reads, fails_each, lies_each;
     int closed;
 } fuzz_source;
 
@@ -36,7 +38,8 @@ static void close_part(void *argument)
     ((fuzz_source *)argument)->closed++;
 }
 
-/* Returns the error code of fxs_render. Sets *missing to the number of missing chunks, 0 on failure. */
+/* Renders a frame of a paged scene. Returns the error code of fxs_render. Sets *missing to the number of missing
+   chunks (256 Gaussians each), 0 on failure. */
 static int draw(const fxs_scene *scene, fxs_pager *pager, const fxs_camera *camera, const fxs_options *options,
                 unsigned char *pixels, size_t *picture, uint32_t *missing)
 {
@@ -120,7 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_frame f = {.data = made.data, .bytes = made.bytes};
     fxs_file_seal(f.data, f.bytes);
     fuzz_edit(&f, (size_t)(made.scene.rows - made.data), data + CONTROL, size - CONTROL);
-    if (data[0] & 16)                      /* damaged bytes with valid checksums */
+    if (data[0] & 16)                      /* bit 4: updates the checksums, so that the damaged bytes pass as valid */
         fxs_file_seal(f.data, f.bytes);
     fuzz_source s = {.bytes = f.data, .there = f.bytes, .claimed = f.bytes, .reads = data[0] & 32 ? 4096 : 0};
     switch (data[2] % 8) {

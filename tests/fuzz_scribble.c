@@ -1,5 +1,6 @@
-/* Fuzzes a scene that changes during rendering. A thread writes into the scene, or for reproducible findings the
-   renderer's clock does. Any picture or error is accepted. Memory beyond the caller's must stay untouched. */
+/* Fuzzes a scene that changes during rendering. A thread writes into the scene while the renderer reads it. Instead,
+   the renderer's clock callback may write, so that findings are reproducible. Any picture or error is accepted. Memory
+   outside of the caller's buffers must stay untouched. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -9,7 +10,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* `original` and `other` are valid scenes of the same layout. */
+/* The scene to overwrite during rendering. `original` and `other` are valid scenes of the same layout. */
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
@@ -25,7 +26,7 @@ static uint32_t scribble_random(uint32_t *seed)
     return *seed ^= *seed << 5;
 }
 
-/* Overwrites a random range with bytes of a valid scene, or with up to 64 equal bytes. */
+/* Overwrites a random range of the scene with bytes of a valid scene, or with up to 64 equal bytes. */
 static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
@@ -106,7 +107,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                    fuzz_room(0, least), least, &picked));
 }
 
-/* Chunk headers may be reversed. In some chunks only the first few Gaussians have a nonzero opacity. */
+/* Makes a valid second scene from a scene. Its chunk headers may be in reverse order. In some chunks (256 Gaussians
+   each) only the first few Gaussians have a nonzero opacity. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
     unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);

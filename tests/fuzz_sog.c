@@ -1,5 +1,5 @@
-/* Fuzzes scenes in several files: SOG, tilesets, .lcc and gsplat's folders. Two bytes of an input give the size of
-   each file. A scene is read twice and must give the same result. */
+/* Fuzzes the readers of scenes in several files: SOG, tilesets, .lcc and gsplat's folders. Two bytes of an input give
+   the size of each file. A scene is read twice and must give the same result. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,7 +6,8 @@
 
 #include <stdint.h>
 
-enum { HEIF_WIDTH = 20, HEIF_HEIGHT = 24 };      /* size after the rotation of the picture */
+/* width and height of the photograph after the rotation that the file states */
+enum { HEIF_WIDTH = 20, HEIF_HEIGHT = 24 };
 
 static const uint8_t turned_heif[1123] = {
     0, 0, 0, 28, 102, 116, 121, 112, 104, 101, 105, 99, 0, 0, 0, 0, 109, 105, 102, 49, 104, 101, 105, 99, 109, 105, 97,

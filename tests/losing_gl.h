@@ -10,7 +10,7 @@
 
 enum { CONTEXT_LOST = 0x0507 };
 
-static long calls_left = LONG_MAX;         /* number of OpenGL calls that still succeed */
+static long calls_left = LONG_MAX;         /* number of OpenGL calls that still succeed before all fail */
 static GLenum loss;
 static struct {
     fxs_gl gl;
@@ -58,7 +58,7 @@ LOSING_VALUE(const GLubyte *, GetString, (GLenum a), (a), 0)
 LOSING_VALUE(const GLubyte *, GetStringi, (GLenum a, GLuint b), (a, b), 0)
 LOSING_VALUE(void *, MapBufferRange, (GLenum a, GLintptr b, GLsizeiptr c, GLbitfield d), (a, b, c, d), 0)
 
-/* Unmaps the buffer even after the simulated loss, because the real context still works. */
+/* Unmaps a buffer even after the simulated loss of the device, because the real context still works. */
 static GLboolean GL_APIENTRY losing_UnmapBuffer(GLenum target)
 {
     const GLboolean good = real.gl.UnmapBuffer(target);

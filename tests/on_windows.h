@@ -18,7 +18,8 @@
 #define setenv(name, value, replace) _putenv_s(name, value)
 #define unsetenv(name) _putenv_s(name, "")
 
-/* _mktemp has only 26 names for a process id, which an earlier process may have used up. */
+/* Replaces POSIX mkdtemp. Windows' _mktemp has only 26 names for a process id, and an earlier process may have used
+   all of them. */
 static inline char *mkdtemp(char *name)
 {
     char *end = name + strlen(name) - strlen("XXXXXX");
@@ -30,8 +31,8 @@ static inline char *mkdtemp(char *name)
     return NULL;
 }
 
-/* Aligned blocks that free accepts. The pointer from malloc and a 64-bit mark lie before an aligned block.
-   free_block replaces free and looks for the mark. */
+/* Replaces posix_memalign, so that free accepts the aligned block. The pointer from malloc and a 64-bit mark lie
+   before the block. free_block replaces free and looks for the mark. */
 #define ALIGNED_MARK 0x7a11ed0b10c5ba5eu
 
 static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
@@ -48,13 +49,13 @@ static inline int posix_memalign(void **memory, size_t alignment, size_t bytes)
 
 static inline void free_block(void *memory)
 {
-    uint64_t *volatile where = memory;         /* volatile: memory before the block exists */
+    uint64_t *volatile where = memory;   /* volatile hides from the compiler that block[-1] lies before the block */
     uint64_t *block = where;
     free(block && (uintptr_t)block % 64 == 0 && block[-1] == ALIGNED_MARK ? (void *)(uintptr_t)block[-2] : memory);
 }
 #define free free_block
 
-/* Replaces an existing file. The two names may differ in case only. */
+/* Replaces an existing file, as POSIX rename does. The two names may differ in case only. */
 static inline int rename_over(const char *from, const char *to)
 {
     if (!rename(from, to))

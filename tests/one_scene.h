@@ -91,7 +91,7 @@ static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *came
     return count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
 }
 
-/* The pictures of both eyes have the same stride. */
+/* Renders a stereo pair. The pictures of both eyes have the same stride. */
 static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
                                     const fxs_options *options, enum fxs_format format, void *memory,
                                     size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)
@@ -101,7 +101,7 @@ static inline int one_render_stereo(const fxs_context *context, const fxs_scene 
     return render_eyes(context, &object, 1, cameras, options, targets, memory, memory_bytes, stats);
 }
 
-/* The view that stages receive for the scene's chunks. */
+/* Computes the camera in the coordinates of the scene, as the renderer's stages receive the camera. */
 static inline int one_view_init(fxs_stage_view *view, const fxs_scene *scene, const fxs_camera *camera,
                                 const fxs_options *options)
 {

@@ -1,5 +1,6 @@
-/* Builds a packed scene by hand. packed_scene_make zeroes all but the given values. The test then fills in the
-   headers in native byte order and the rows in little-endian. packed_scene_finish opens the scene. */
+/* Builds a packed scene by hand. packed_scene_make fills in its arguments and zeroes the rest. The test then fills in
+   the headers in native byte order. The test also fills in the rows (data of the Gaussians) in little-endian order.
+   packed_scene_finish opens the scene. */
 #ifndef PACKED_SCENE_H
 #define PACKED_SCENE_H
 
@@ -13,12 +14,12 @@ typedef struct packed_scene {
     size_t bytes;
     fxs_packed_header *header;
     fxs_chunk *chunks;
-    int8_t *palette;               /* null: the scene has no SH palette */
+    int8_t *palette;               /* SH palette of the scene, or null for a scene without SH palette */
     unsigned char *rows;
     fxs_scene scene;
 } packed_scene;
 
-/* Converts the headers between native byte order and little-endian. */
+/* Converts the headers of the packed scene between native byte order and little-endian. */
 static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
 {
     for (uint32_t i = 0; i < chunk_count; i++)
@@ -26,7 +27,7 @@ static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
     fxs_packed_header_turn(s->header);
 }
 
-/* Opens the finished scene. The test must not read the headers afterwards. */
+/* Converts the headers to little-endian and opens the scene. The test must not read the headers afterwards. */
 static inline int packed_scene_finish(packed_scene *s)
 {
     packed_scene_turn(s, s->header->chunk_count);

@@ -11,7 +11,7 @@
 static fxs_message message;
 static fxs_photos photos;
 
-/* Continues an FNV-1a hash. The start value is 2166136261. */
+/* Adds bytes to an FNV-1a hash. The start value is 2166136261. */
 static inline uint32_t hash_on(uint32_t hash, const void *data, size_t size)
 {
     const uint8_t *bytes = data;
@@ -38,7 +38,7 @@ static inline void make_folder(const char *name)
     CHECK(!mkdir(in_folder(name), 0777));
 }
 
-/* rgb: null writes a picture of noise. */
+/* Writes a picture as .ppm. rgb: the colours; null writes noise. */
 static inline void put_ppm(const char *name, int width, int height, const uint8_t *rgb)
 {
     static uint8_t bytes[1 << 17];

@@ -1,5 +1,5 @@
 #include "scene_writer.h"
-/* Generates a procedural scene, writes a .ply, and reads and packs the file. */
+/* Generates a procedural scene, writes it to a .ply, then reads and packs the .ply. */
 #ifndef PROCEDURAL_SCENE_H
 #define PROCEDURAL_SCENE_H
 

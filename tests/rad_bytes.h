@@ -11,7 +11,7 @@ enum { RAD_COLUMNS = 16, RAD_CHUNKS = 8, RAD_COLUMN_ROOM = 1 << 15 };
 
 static struct rad_column {
     const char *property, *encoding;
-    const char *more;                  /* further JSON members of the column, such as ",\"min\":0" */
+    const char *more;   /* text of further JSON members for the column's description, such as ",\"min\":0" */
     uint8_t bytes[RAD_COLUMN_ROOM];
     size_t size;
 } rad_columns[RAD_COLUMNS];
@@ -27,7 +27,7 @@ static inline void rad_begin(int compressed)
     rad_compressed = compressed;
 }
 
-/* Makes a column of all bytes written since the last column. */
+/* Makes a column of all bytes that were written since the previous column. */
 static inline void rad_add_column(const char *property, const char *encoding, const char *more)
 {
     struct rad_column *c = &rad_columns[rad_column_count++];

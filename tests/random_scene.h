@@ -10,7 +10,7 @@
 
 static uint64_t state;
 
-/* splitmix64 (Steele, Lea, Flood 2014) */
+/* Random generator splitmix64 (Steele, Lea, Flood 2014). */
 static uint64_t next(void)
 {
     uint64_t z = state += 0x9e3779b97f4a7c15u;
@@ -53,7 +53,7 @@ static void fill_chunk(const packed_scene *s, uint32_t c)
         chunk->sh_mean[i] = (int8_t)between(-128, 127);
 }
 
-/* The scene has 1 to `most` Gaussians. The caller releases its data with free. */
+/* Makes a random packed scene of 1 to `most` Gaussians. The caller releases its data with free. */
 static packed_scene random_scene(enum fxs_profile profile, int32_t most)
 {
     int degree = between(0, 3);

@@ -1,12 +1,13 @@
 /* Makes random packed scenes with level-of-detail trees of any shape. Computes their cuts: the tree nodes that a
-   frame draws. Nodes are refined in the order of their keys. */
+   frame draws. Nodes are refined in the order of their priorities. */
 #ifndef RANDOM_TREE_H
 #define RANDOM_TREE_H
 
 #include "random_scene.h"
 #include "src/core/cut.h"
 
-/* deep: 1 builds a chain of nodes. alike: 1 gives all nodes equal keys at equal distance. */
+/* Makes the inner nodes of a random level-of-detail tree. deep: 1 builds a chain of nodes. alike: 1 gives all nodes
+   at equal distance the same priority of refinement. */
 static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int alike)
 {
     uint32_t *open = (uint32_t *)calloc(leaves, sizeof *open), count = 0;
@@ -35,7 +36,8 @@ static inline void random_nodes(fxs_node *nodes, uint32_t leaves, int deep, int 
     free(open);
 }
 
-/* The scene has `leaves` chunks, at least 2. The caller releases its data with free. */
+/* Makes a random packed scene with a level-of-detail tree and `leaves` finest chunks (256 Gaussians each), at
+   least 2. The caller releases its data with free. */
 static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves, int deep, int alike)
 {
     const int degree = between(0, 2);
@@ -87,7 +89,8 @@ static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t
     options->detail_q8 = between(0, 2) ? 0 : (uint32_t)between(1, 1 << between(1, 16));
 }
 
-/* Computes the cut of a frame on the CPU. Returns the drawn chunks, released with free. Null: no object needs a cut. */
+/* Computes the cut of a frame (the nodes of the level-of-detail trees that are drawn) on the CPU. Returns the list of
+   drawn chunks (256 Gaussians each), released with free. Null: no object needs a cut. */
 static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                                   const fxs_options *options, uint32_t *drawn)
 {

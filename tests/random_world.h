@@ -14,7 +14,7 @@
 
 enum { WORLD_OBJECTS = 128, WORLD_GUARD = 0xa5 };
 
-/* A packed scene, and unpacked Gaussians for the reference renderer. */
+/* A scene in two forms: packed for the renderer, and as unpacked Gaussians for the reference renderer. */
 typedef struct part {
     fxs_packed_scene packed;
     fxs_pack_report report;
@@ -162,7 +162,8 @@ static inline fxs_id picture_id(const picture *p, int i)
     return ((const fxs_id *)p->targets.id.pixels)[i];
 }
 
-/* Renders with the memory of an undivided frame and checks a guard behind the memory. */
+/* Renders a frame with enough memory for the whole picture at once. Checks that a guard behind the memory is
+   unchanged. */
 static inline int world_render(const fxs_context *context, const world *w, const fxs_camera *camera,
                                const fxs_options *options, const fxs_targets *targets, fxs_stats *stats)
 {
@@ -240,7 +241,8 @@ static inline void reference_world_free(reference_world *r)
     free(r->rgb);
 }
 
-/* Returns the PSNR of an RGBA8 picture in dB. *drawn: share of pixels with a transmittance below 1/2. */
+/* Returns the PSNR in dB of an RGBA8 picture against the reference picture. *drawn: share of pixels with a
+   transmittance below 1/2. */
 static inline double world_psnr(const picture *p, const reference_world *r, double *drawn)
 {
     struct fxs_metrics metrics = {0};
@@ -261,7 +263,8 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
 
 enum { WORLD_VERSIONS = 6 };
 
-/* Lists plain C kernels, then each instruction set of this processor alone. Returns the number of kernel sets. */
+/* Fills `versions` with tables of kernels: plain C, then each instruction set of this processor alone. Returns the
+   number of tables. */
 static inline int world_versions(fxs_kernels versions[WORLD_VERSIONS])
 {
     int count = 0;

@@ -39,7 +39,7 @@ static int gaussian_is_valid(const fxs_gaussian *g)
         && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
 }
 
-/* Rotation matrix of the quaternion w, x, y, z of any length. */
+/* Computes the rotation matrix of the quaternion w, x, y, z of any length. */
 static void rotation_matrix(const float *rotation, double m[3][3])
 {
     double q[4], length = 0;
@@ -54,15 +54,16 @@ static void rotation_matrix(const float *rotation, double m[3][3])
     m[2][0] = 2 * (x * z - w * y), m[2][1] = 2 * (y * z + w * x), m[2][2] = 1 - 2 * (x * x + y * y);
 }
 
-/* Row of the projection matrix of an orthographic camera: focal * axis. */
+/* Computes a row of the projection matrix of an orthographic camera: focal * axis. */
 static void parallel_row(double focal, const double *axis, double row[3])
 {
     for (int i = 0; i < 3; i++)
         row[i] = focal * axis[i];
 }
 
-/* Row of J W, with J the derivative of focal * x / z + centre: focal / z * (axis - slope * forward). The slope x/z
-   is clamped to the image widened by 15 % of its size on each side. The linear approximation diverges beyond. */
+/* Computes a row of J W: the Jacobian J of the perspective projection times the rotation W to the camera. J is the
+   derivative of focal * x / z + centre, so the row is focal / z * (axis - slope * forward). The slope x/z is clamped to
+   the image widened by 15 % of its size on each side. The linear approximation diverges beyond. */
 static void jacobian_row(double focal, double centre, int size, double slope, double z, const double *axis,
                          const double *forward, double row[3])
 {
@@ -84,7 +85,8 @@ static void turn_back(const double m[9], const double v[3], double out[3])
         out[i] = m[i] * v[0] + m[3 + i] * v[1] + m[6 + i] * v[2];
 }
 
-/* Sigma' = J W O R S (J W O R S)^T. The rows of J W are given. O is the rotation and scale of the object. */
+/* Computes the 2D covariance Sigma' = M M^T with M = J W O R S. The rows of J W are given. O is the rotation and
+   scale of the object. R and S are the rotation and the scales of the Gaussian. */
 static void project_covariance(const fxs_gaussian *g, const struct reference_object *object, double jw[2][3],
                                struct reference_splat *out)
 {
@@ -108,7 +110,7 @@ static double determinant(const struct reference_splat *s)
     return s->a * s->c - s->b * s->b;
 }
 
-/* Real spherical harmonics of degrees 1 to 3 in the unit direction d, with Condon-Shortley signs. */
+/* Evaluates the real spherical harmonics of degrees 1 to 3 in the unit direction d, with Condon-Shortley signs. */
 static void sh_basis(const double *d, double basis[15])
 {
     double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -129,7 +131,8 @@ static void sh_basis(const double *d, double basis[15])
     basis[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* max(0, 0.5 + SH) * tint, with SH in the direction from the camera in the object's frame. */
+/* Computes the colour of a Gaussian: max(0, 0.5 + SH) * tint. The SH are evaluated in the direction from the camera,
+   rotated to the object's coordinates. */
 static void shade(const fxs_gaussian *g, const struct reference_object *object, const double *from_camera, int degree,
                   double colour[3])
 {
@@ -147,7 +150,7 @@ static void shade(const fxs_gaussian *g, const struct reference_object *object, 
     }
 }
 
-/* ceil(3 sqrt(lambda_max)), with the eigenvalue computed as in Kerbl et al. */
+/* Radius of a splat in pixels: ceil(3 sqrt(lambda_max)), with the eigenvalue lambda_max computed as in Kerbl et al. */
 static int square_radius(const struct reference_splat *s)
 {
     double mid = (s->a + s->c) / 2, det = determinant(s);
@@ -155,7 +158,8 @@ static int square_radius(const struct reference_splat *s)
     return (int)fmin(ceil(3 * sqrt(lambda)), 1 << 30);
 }
 
-/* alpha >= 1/255 means d2 <= 2 ln(255 opacity), with d2 the squared Mahalanobis distance. */
+/* Returns the largest squared Mahalanobis distance d2 at which a splat is drawn. alpha >= 1/255 means d2 <= 2 ln(255
+   opacity). */
 static double distance_limit(const struct reference_splat *s, enum reference_cutoff cutoff)
 {
     double limit = 2 * log(255 * s->opacity);
@@ -169,7 +173,8 @@ static int clamp_index(double value, int size)
     return (int)clamp(value, 0, size);
 }
 
-/* A negative limit makes the radius NaN and gives an empty span. */
+/* Returns the pixels along one axis that a splat can cover. limit: largest squared Mahalanobis distance. A negative
+   limit makes the radius NaN and gives an empty span. */
 static struct span pixel_span(double centre, double variance, int radius, int size, double limit,
                               enum reference_cutoff cutoff)
 {
@@ -192,7 +197,7 @@ static void pixel_box(const struct reference_splat *s, int width, int height, en
     *rows = pixel_span(s->y, s->c, s->radius, height, limit, cutoff);
 }
 
-/* Centre and Jacobian. Returns 0 unless the centre is beyond the near plane. */
+/* Projects the centre of a Gaussian and computes the Jacobian. Returns 0 unless the centre is beyond the near plane. */
 static int project_centre(const double offset[3], const fxs_view *view, double jw[2][3],
                           struct reference_splat *out)
 {
@@ -284,7 +289,8 @@ static void trace_pixel(const struct canvas *canvas, const struct reference_spla
     t->largest_margin[i] = 1 - second / t->most[i];
 }
 
-/* A pixel that becomes opaque blends its background at once and sets its transmittance to 0. */
+/* Blends a splat at a pixel, front to back. A pixel that becomes opaque blends its background at once and sets its
+   transmittance to 0. */
 static void blend_pixel(const struct canvas *canvas, const struct reference_splat *s, double alpha, size_t i)
 {
     double before = canvas->transmittance[i], after = before * (1 - alpha);
@@ -319,7 +325,7 @@ static void blend_splat(const struct canvas *canvas, const struct reference_spla
     }
 }
 
-/* Splats of equal depth are sorted by address, which is the order of their indices. */
+/* Compares two splats for qsort. Splats of equal depth are sorted by address, which is the order of their indices. */
 static int compare_depth(const void *left, const void *right)
 {
     const struct reference_splat *l = *(const struct reference_splat *const *)left;
@@ -351,7 +357,7 @@ void reference_trace_free(struct reference_trace *trace)
     free(trace->largest_margin);
 }
 
-/* Until trace_end, mean holds the sum of weight * depth. */
+/* Clears the depth targets of a picture. Until trace_end divides, `mean` holds the sum of weight * depth. */
 static void trace_start(struct reference_trace *t, size_t pixels)
 {
     for (size_t i = 0; i < pixels; i++) {

@@ -11,14 +11,14 @@
 #include <fixsplat/scene.h>
 
 enum reference_cutoff {
-    REFERENCE_MAHALANOBIS,   /* pixels with a squared Mahalanobis distance <= 9 */
-    REFERENCE_SQUARE         /* pixels of all 16x16 tiles that the square centre +- radius touches */
+    REFERENCE_MAHALANOBIS,   /* draws a splat at pixels with a squared Mahalanobis distance <= 9 */
+    REFERENCE_SQUARE   /* draws a splat in all 16x16 tiles that the square of its radius around its centre touches */
 };
 
 struct reference_options {
     enum reference_cutoff cutoff;
     int sh_degree;
-    int antialiased;          /* 1: lower the opacity to compensate for the dilation */
+    int antialiased;          /* 1: lower the opacity of a splat to compensate for its dilation */
     double background[3];
 };
 
@@ -31,9 +31,10 @@ struct reference_splat {
     int radius;          /* radius in pixels: ceil(3 sigma_max) */
 };
 
-/* world = translation + scale * rotation * position. SH coefficients rotate with the object. */
+/* Places a scene in the world: world = translation + scale * rotation * position. SH coefficients rotate with the
+   object. */
 struct reference_object {
-    double rotation[9];  /* rotation matrix, row by row */
+    double rotation[9];  /* rotation matrix of the placed object, row by row */
     double translation[3], scale;
     double opacity, tint[3];
 };
@@ -43,12 +44,13 @@ struct reference_object {
 int reference_project(const fxs_gaussian *gaussian, const fxs_view *view, const struct reference_options *options,
                       struct reference_splat *out);
 
-/* Projects a Gaussian of a placed object. Returns like reference_project. */
+/* Projects a Gaussian of a placed object. Returns 1, or 0 if the Gaussian is culled. */
 int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
                              const fxs_view *view, const struct reference_options *options,
                              struct reference_splat *out);
 
-/* Renders to width * height * 3 doubles, top row first, not clamped. Returns 0, or -1 if memory runs out. */
+/* Renders Gaussians to width * height * 3 doubles, top row first, not clamped. Returns 0, or -1 if memory runs
+   out. */
 int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_view *view,
                      const struct reference_options *options, double *rgb);
 
@@ -58,26 +60,28 @@ int reference_render_splats(const struct reference_splat *splats, size_t count, 
 
 #define REFERENCE_NONE ((size_t)-1)
 
-/* Further targets of a picture. Splats are given by their index. REFERENCE_NONE: no splat. */
+/* Depths and indices of the splats (projected Gaussians) at each pixel, recorded while blending. REFERENCE_NONE is
+   the index of no splat. */
 struct reference_trace {
-    const double *occluder;    /* depths that hide splats behind them; may be null */
-    double *mean;              /* sum of weight * depth / sum of weights; infinite if all weights are 0 */
+    const double *occluder;    /* depth at each pixel beyond which splats are hidden; may be null */
+    double *mean;              /* mean depth: sum of weight * depth / sum of weights; infinite if all weights are 0 */
     double *weight;
     size_t *median;            /* index of the splat at which the transmittance falls below 1/2 */
-    double *median_margin;     /* smallest |transmittance - 1/2| after any splat */
+    double *median_margin;     /* smallest |transmittance - 1/2| after any splat at the pixel */
     size_t *largest;           /* index of the splat with the largest weight */
     double *most;
-    double *largest_margin;    /* relative gap between the largest and the second largest weight */
+    /* relative gap between the largest and the second largest weight of a splat at the pixel */
+    double *largest_margin;
 };
 
-/* Allocates the arrays and sets occluder to null. Returns 0, or -1 if memory runs out. */
+/* Allocates the arrays of a trace and sets occluder to null. Returns 0, or -1 if memory runs out. */
 int reference_trace_init(struct reference_trace *trace, int width, int height);
 void reference_trace_free(struct reference_trace *trace);
 
 int reference_trace_splats(const struct reference_splat *splats, size_t count, int width, int height,
                            const struct reference_options *options, struct reference_trace *trace, double *rgb);
 
-/* Converts levels from 0..1 to 0..255, clamped and rounded to nearest. Alpha is 255. */
+/* Converts a picture from levels of 0..1 to bytes of 0..255, clamped and rounded to nearest. Alpha is 255. */
 void reference_to_rgba8(const double *rgb, int width, int height, uint8_t *rgba);
 
 #endif

@@ -7,7 +7,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* Returns the number of bits of X and of Y, from the Gaussian's three scale codes of 10 bits. */
+/* Returns the number of bits of each of the numbers X and Y of a rotation word. The three 10-bit scale codes of the
+   Gaussian decide the number. */
 static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scale_step_q24)
 {
     int32_t fall[3];
@@ -24,13 +25,13 @@ static inline int axis_bits_of_word(int is_small, uint32_t scale_word, uint32_t 
     return axis_bits(is_small, scale, scale_step_q24);
 }
 
-/* Converts the upper 16 bits, a signed number, divided by 2^15. */
+/* Returns the upper 16 bits of a word as a signed number divided by 2^15. */
 static inline double in_units(uint32_t word)
 {
     return (word >> 16) / 32768.0 - (word >> 31 ? 2 : 0);
 }
 
-/* Sets axis[i] to the direction of axis i. Returns X^2 + Y^2. */
+/* Decodes a rotation word. Sets axis[i] to the direction of the Gaussian's axis i. Returns X^2 + Y^2. */
 static inline double word_axes(double axis[3][3], uint32_t word, int bits)
 {
     const double x = in_units(word), y = in_units(word << bits), u = in_units(word << 2 * bits), square = x * x + y * y;
@@ -64,8 +65,8 @@ static inline void word_quaternion(double q[4], uint32_t word, int bits)
         q[i] = of[most][i] / (2 * sqrt(squares[most]));
 }
 
-/* Returns the angle in degrees between the axes of a word and of a quaternion. order[i]: the quaternion's axis for
-   axis i of the word. */
+/* Returns the angle in degrees between the rotations of a rotation word and of a quaternion. order[i]: the
+   quaternion's axis that corresponds to axis i of the word. */
 static inline double angle_of_word(uint32_t word, int bits, const float rotation[4], const int order[3])
 {
     const double w = (double)rotation[0], x = (double)rotation[1], y = (double)rotation[2], z = (double)rotation[3];

@@ -14,7 +14,7 @@
 
 enum { MAX_FILE = 1 << 21 };
 
-static const char path[] = "made/scene";   /* a file name for messages */
+static const char path[] = "made/scene";   /* file name that appears in error messages */
 static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
@@ -98,7 +98,8 @@ static inline void take_written(void)
 
 /* ---- Reading a scene file ---- */
 
-/* Reads the file twice, with batches of two sizes. Returns 0, or the error code of the reader. */
+/* Reads the file in memory twice, with two different numbers of Gaussians in each call. Returns 0, or the error code
+   of the reader. */
 static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
 {
     fxs_scene_file *file;

@@ -6,7 +6,7 @@
 
 #include <fixsplat/internal/stage.h>
 
-/* Returns the Q24 value with the given low 32 bits that is nearest to `about`. */
+/* Restores the high bits of a Q24 number: returns the value nearest to `about_q24` with the given low 32 bits. */
 static inline int64_t unwrap_q24(uint32_t low_bits, int64_t about_q24)
 {
     return about_q24 + (int32_t)(low_bits - (uint32_t)about_q24);
@@ -27,7 +27,8 @@ static inline int splat_level(const fxs_splat *s, const fxs_bounds *b, int x, in
     return fxs_level_q11(coordinate(u_q24), fxs_row_level_q11(coordinate(v_q24), s->offset_q11));
 }
 
-/* Kerbl et al. 2023 list a splat in tiles floor((c - r) / 16) to floor((c + r + 15) / 16) - 1. */
+/* True if a splat is drawn in the tile of pixel x, y. Kerbl et al. 2023 draw a splat with centre c and radius r in
+   tiles floor((c - r) / 16) to floor((c + r + 15) / 16) - 1. */
 static inline int splat_has_tile(const fxs_bounds *b, int x, int y)
 {
     double cx = ldexp(b->cx_q14, -14), cy = ldexp(b->cy_q14, -14), radius = b->square_radius;

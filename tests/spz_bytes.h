@@ -18,7 +18,8 @@ typedef struct spz_bytes {
     int version, count, degree, fractional_bits, flags;
     const uint8_t *extensions;
     size_t extensions_size;
-    uint8_t arrays[SPZ_ARRAYS][1 << 10];   /* arrays: positions, alphas, colours, scales, rotations, SH */
+    /* arrays of the .spz in file order: positions, alphas, colours, scales, rotations, SH */
+    uint8_t arrays[SPZ_ARRAYS][1 << 10];
 } spz_bytes;
 
 static inline size_t spz_array_size(const spz_bytes *s, int array)

@@ -1,5 +1,6 @@
-/* Renders in less memory than fxs_frame_bytes: in bands of tile rows, and in depth slices of a tile row. The bytes
-   must be equal down to the minimum memory of the view. One byte less is refused and nothing is written. */
+/* Renders in less memory than a whole frame needs. The picture is then rendered in bands of tile rows, and in depth
+   slices of a tile row. The pictures must have equal bytes with any memory down to the minimum. With one byte less the
+   frame is refused and nothing is written. */
 #include <fixsplat/system.h>
 #include "one_scene.h"
 #include "random_scene.h"
@@ -22,7 +23,7 @@ static struct {
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, sliced;            /* numbers of frames in several bands and of frames in slices */
+static uint64_t banded, sliced;   /* numbers of frames that were rendered in several bands and in depth slices */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -143,7 +144,7 @@ static void draw_random(int height)
     draw();
 }
 
-/* Renders a random view with 1, 2 and 4 threads, in plain C and with the fastest kernels. */
+/* Renders a random view in little memory: with 1, 2 and 4 threads, in plain C and with the fastest kernels. */
 static void check_case(uint64_t seed, int32_t most, int height)
 {
     state = seed * 0x1234567u;
@@ -195,8 +196,8 @@ static void test_same_bytes_of_larger_scenes(void)
 
 enum { ROWS = 6 };
 
-/* The picture is one tile wide and ROWS tiles high. Chunk c has counts[c][r] Gaussians in tile row r, at a depth of
-   2^log2 units. log2 is 0 or 16. */
+/* Makes a scene for a picture one tile wide and ROWS tiles high. Chunk c (up to 256 Gaussians) has counts[c][r]
+   Gaussians in tile row r. Their depth is 2^log2 scene units; log2 is 0 or 16. */
 static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int log2)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, chunks * FXS_CHUNK, 0);

@@ -19,7 +19,8 @@ static float random_place(float size)
     return ((float)(state >> 8) / 8388608.0f - 1) * size;
 }
 
-/* Points fill a box of 20 x 2 x 10 units. One camera at z = -30 sees all points; the other camera faces away. */
+/* Makes points that fill a box of 20 x 2 x 10 units, and two cameras. One camera at z = -30 sees all points; the
+   other faces away. */
 static void set_up(void)
 {
     for (int i = 0; i < POINTS; i++)

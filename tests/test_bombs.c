@@ -29,7 +29,7 @@ static void write_file(const char *name, const void *data, size_t length)
     }
 }
 
-/* Five prefix codes of one symbol each make a WebP pixel take no bits. */
+/* Makes a WebP image of pixels that take no bits: each of the five prefix codes has a single symbol. */
 static size_t flat_webp(int width, int height, uint8_t out[40])
 {
     uint64_t bits = (uint64_t)(width - 1) | (uint64_t)(height - 1) << 14 | (uint64_t)1 << 28;
@@ -127,7 +127,8 @@ static size_t put_glb(int nodes, const uint8_t *const spz[], const size_t spz_si
 
 enum { SIDE = 16383, PADDED = (1 << 20) + (1 << 16) };
 
-/* A single zip entry serves as all images. Zero padding after the image deflates to almost nothing. */
+/* Makes a .sog with a single zip entry that serves as all images. Zero padding after the image deflates to
+   almost nothing. */
 static void make_padded_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -139,7 +140,7 @@ static void make_padded_sog(const char *name)
     free(image);
 }
 
-/* Each image is a zip entry of twice the needed size. */
+/* Makes a .sog with a zip entry for each image. The images have twice as many pixels as needed. */
 static void make_large_sog(const char *name)
 {
     uint8_t *image = calloc(PADDED, 1);
@@ -186,7 +187,7 @@ static void go_through_links(char *name, int i)
     strcpy(name + 32, "s/meta.json");
 }
 
-/* The streamed scene names a scene of one Gaussian 65,536 times. */
+/* Writes a streamed SOG scene that names a file of one Gaussian 65,536 times. */
 static void write_streamed_sog(const char *name, void name_of(char *name, int i))
 {
     uint8_t image[40];
@@ -260,7 +261,7 @@ static void make_shared_images(const char *name)
     free(image);
 }
 
-/* All buffers of a .gltf are a single file that begins with an .spz. */
+/* Makes a .gltf with many buffers that all name the same file. The file begins with an .spz. */
 static void make_shared_buffer(const char *name)
 {
     uint8_t *spz = calloc(PADDED, 1);
@@ -290,7 +291,8 @@ static void make_shared_buffer(const char *name)
     size = 0;
 }
 
-/* Gzip compresses by the factor 1032. Packing needs yet more memory for each Gaussian. */
+/* Makes an .spz of 4 million equal Gaussians. Gzip compresses the .spz by the factor 1032. Packing needs yet more
+   memory for each Gaussian. */
 static void make_inflating_spz(const char *name)
 {
     write_file(name, bytes, flat_spz(4000000, 3, bytes, MAX_FILE));
@@ -371,7 +373,7 @@ static void make_palette_rad(const char *name)
     write_rad(name, 4, columns, ",\"maxSh\":1,\"shCodeCount\":2000000000");
 }
 
-/* Each node names all later nodes as its children. */
+/* Makes a .rad with a faulty level-of-detail tree: each node names all later nodes as its children. */
 static void make_tangled_rad(const char *name)
 {
     enum { NODES = 5000 };
@@ -419,7 +421,8 @@ static void make_exponents_ply(const char *name)
 }
 
 static const struct bomb {
-    const char *name, *line;   /* line: expected part of the error message; null: the file is readable */
+    /* line: expected part of the error message for a bomb; null: the file must be readable */
+    const char *name, *line;
     void (*make)(const char *name);
 } bombs[] = {
     {"padded.sog", "268402689 Gaussians or more in 1", make_padded_sog},
@@ -557,7 +560,8 @@ static void limits_are_exact(void)
     CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
-static struct { uint64_t read, from; int opened; } taken;   /* read: number of bytes read from offset `from` on */
+/* read: number of bytes that the reader took from the file, counted from offset `from` on */
+static struct { uint64_t read, from; int opened; } taken;
 
 static int read_counted(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -582,7 +586,7 @@ static int open_counted(void *argument, const char *name, fxs_scene_input *input
 enum { PASSES = 3, MOST_READ = 4096 };
 static fxs_gaussian pass_read[PASSES][MOST_READ];
 
-/* Reads the scene PASSES times and sets `taken`. Returns the number of Gaussians, or -1. */
+/* Reads the scene PASSES times and counts the bytes read. Returns the number of Gaussians, or -1. */
 static long read_passes(uint64_t max_memory, uint64_t from)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .max_memory = max_memory};
@@ -602,7 +606,8 @@ static long read_passes(uint64_t max_memory, uint64_t from)
     return count;
 }
 
-/* The minimum memory holds only one of two .spz files. */
+/* Reads a .glb with two .spz files. With enough memory each .spz is read once. The minimum memory holds a single
+   one decompressed, so they are read again. */
 static void spz_is_inflated_once(void)
 {
     enum { NODES = 20, EACH = 100, PAYLOAD = 20 * EACH };

@@ -5,7 +5,7 @@
 
 enum { CAMERAS = 9, WIDE = 64, HIGH = 48 };
 
-/* heading, pitch and roll of a camera in degrees, then its position east, north, up */
+/* poses of the test's cameras: heading, pitch and roll in degrees, then position east, north, up */
 static const double poses[CAMERAS][6] = {
     {0, 0, 0, 0, 0, 0}, {90, 90, 0, 1, 2, 3}, {-180, 45, 180, -4, 5, 0.5}, {271.5, -30, 91, 3, -2, 1},
     {359, 179, -179.5, 0.25, 1.5, -7}, {-33.25, 87.5, 14.75, 0.3, -0.4, 1.9}, {720.5, 12, -270, 8, 9, 10},
@@ -15,7 +15,7 @@ static const double poses[CAMERAS][6] = {
 static const double focal = 70, middle[2] = {31, 25.5};
 static const double k[4] = {-0.12, 0.04, -0.01, 0.003}, p[2] = {0.004, -0.003};
 
-/* Camera-to-world matrix with columns right, up and back: Rz(-heading) Rx(pitch) Ry(roll). */
+/* Computes the camera-to-world matrix with columns right, up and back: Rz(-heading) Rx(pitch) Ry(roll). */
 static void turned(const double pose[6], double m[9])
 {
     const double d = acos(-1) / 180, h = -pose[0] * d, a = pose[1] * d, b = pose[2] * d;
@@ -29,7 +29,7 @@ static void turned(const double pose[6], double m[9])
         m[i] = zx[i / 3 * 3] * y[i % 3] + zx[i / 3 * 3 + 1] * y[3 + i % 3] + zx[i / 3 * 3 + 2] * y[6 + i % 3];
 }
 
-/* World-to-camera matrix with rows right, down and forward. */
+/* Computes the world-to-camera matrix of a pose, with rows right, down and forward. */
 static void rows_of(const double pose[6], double r[9])
 {
     double m[9];
@@ -41,7 +41,7 @@ static void rows_of(const double pose[6], double r[9])
     }
 }
 
-/* lens: number of radial coefficients of the lens */
+/* Writes a .csv of cameras with the given number of radial lens coefficients. */
 static void write_csv(int lens)
 {
     say("#cameras %d\r\n#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\r\n", CAMERAS);
@@ -81,10 +81,11 @@ static void write_bundler(int lens)
 
 #ifdef FXS_WITH_EXPAT
 
-static double away;                /* shift of a Metashape chunk along x */
+static double away;                /* shift along x in the transform that the Metashape file states */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
-/* owner: the XML element that states the transform, "component", "chunk" or "" (none). */
+/* Writes a Metashape .xml of cameras. owner: the XML element that states the transform, "component", "chunk" or ""
+   (none). */
 static void write_metashape(const char *owner, const char *type, const char *calibration)
 {
     const int whole = *owner != 0, component = !strcmp(owner, "component");
@@ -167,7 +168,8 @@ static void check_poses(const fxs_view_list *list, int width, int height, const 
     }
 }
 
-/* Brown's lens formula: a radial series of `coefficients` terms, then tangential terms. */
+/* Checks the radial and tangential terms of a lens. The expected values come from Brown's formula, with
+   `coefficients` radial terms. */
 static void check_lens(const fxs_lens *lens, int coefficients, int fisheye, double skew)
 {
     for (double x = -0.6; x < 0.7; x += 0.3)
@@ -191,7 +193,8 @@ static void csv(void)
     write_csv(4);
     fxs_view_list list = read_list("e/cameras.csv");
     check_poses(&list, WIDE, HIGH, middle, focal);
-    check_poses(&list, HIGH, WIDE, upright, focal);        /* focal length and centre scale with the longer side */
+    /* the focal length and the image centre scale with the longer side of the picture */
+    check_poses(&list, HIGH, WIDE, upright, focal);
     check_poses(&list, 2 * WIDE, 2 * HIGH, twice, 2 * focal);
     for (size_t i = 0; i < list.count; i++)
         check_lens(&list.views[i].lens, 4, 0, 0);
@@ -241,7 +244,7 @@ static void bundler(void)
         CHECK(!rename(from, in_folder("moved")));
     }
     remove(in_folder("moved"));
-    say("a set 5\n");                                     /* the name of this camera ends in a number */
+    say("a set 5\n");   /* the image name "a set 5" ends in a number after a space */
     put_text("e/x.list.txt");
     say("# Bundle file v0.3\n1 0\n9 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n");
     put_text("e/x.out");
@@ -267,7 +270,8 @@ static void metashape(void)
         fxs_view_list_free(&list);
     }
     for (int far = 0; far < 2; far++) {
-        away = far ? 4e6 : 60000;      /* positions from 4e6 on count as geocentric and lose their offset */
+        /* camera positions from 4e6 on count as geocentric, and the reader subtracts their offset */
+        away = far ? 4e6 : 60000;
         write_metashape("component", "frame", LENS);
         fxs_view_list list = read_list("e/cameras.xml");
         CHECK(list.moved == far);
@@ -317,7 +321,7 @@ static void metashape_components(void)
 }
 #endif
 
-/* Undistorted photographs of all formats match COLMAP's convention to the pixel. */
+/* Camera exports give the same undistorted photographs as COLMAP files of the same cameras, to the pixel. */
 static void photographs(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .hold_out = 3};

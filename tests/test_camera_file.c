@@ -72,7 +72,8 @@ static void check_fault(const char *name, const char *words)
         free(views);
 }
 
-/* The rotation is 0.7 radians about (1, 2, 3), by Rodrigues' formula R = cos I + sin [k] + (1 - cos) k k^T. */
+/* The rotation of the test camera is 0.7 radians about (1, 2, 3). Rodrigues' formula for an axis k is R = cos I + sin
+   [k] + (1 - cos) k k^T. */
 
 static const double centre[3] = {1.25, -0.375, 2.0625};
 static double rotation[9], quaternion[4], translation[3];
@@ -518,7 +519,7 @@ static void transforms(void)
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
     for (int i = 0; i < 3; i++)
-        stretch[i] = 0.037;            /* a common scale of all columns of the matrix is accepted */
+        stretch[i] = 0.037;   /* the reader accepts a matrix with all columns scaled by the same factor */
     put_transforms(top, "");
     check_camera("transforms.json", "b.jpg", 320, 240);
     stretch[1] = 0.04;
@@ -667,7 +668,8 @@ static void camera_from_view(void)
         CHECK(camera.position_q32[i] == (int64_t)(view.position[i] * 4294967296.0));
 }
 
-/* Computes the matrix of glFrustum or glOrtho from left, right, bottom, top, near, far. far = 0 means infinity. */
+/* Computes the projection matrix of glFrustum or glOrtho from left, right, bottom, top, near, far. far = 0 means
+   infinity. */
 static void make_projection(double m[16], int flat, const double at[6])
 {
     const double wide = at[1] - at[0], high = at[3] - at[2], deep = at[5] - at[4], near = at[4], far = at[5];
@@ -682,7 +684,7 @@ static void make_projection(double m[16], int flat, const double at[6])
     m[15] = flat;
 }
 
-/* OpenGL's camera has y up and z back. */
+/* Makes an OpenGL view matrix. OpenGL's camera has y up and z back. */
 static void make_view_matrix(double m[16])
 {
     memset(m, 0, 16 * sizeof *m);
@@ -828,7 +830,7 @@ static void view_of_a_box(void)
     CHECK(fxs_view_frame_box(&view, far_low, far_high, up, &(fxs_picture){50, 640, 360}, &message) == FXS_ERR_ARGUMENT);
 }
 
-/* Position, viewing direction and log focal length along a path. */
+/* Interpolates a camera path at `at`. state: position, viewing direction, log focal length. */
 static void state_at(const fxs_view *keys, long count, double at, double state[7])
 {
     fxs_view view;
@@ -943,7 +945,7 @@ static void start_is_placed(void)
     fxs_placement_init(&p, 0, 0);
     fxs_placement_start(&p, &start);
     CHECK(!memcmp(&start, &plain, sizeof start));
-    fxs_placement_turn(&p, 0, 90);     /* rotates the y axis to z, and z to -y */
+    fxs_placement_turn(&p, 0, 90);     /* rotates the scene: the y axis to z, and z to -y */
     for (int i = 0; i < 4; i++)
         p.rotation[i] *= 3;
     p.scale = 2;
@@ -977,7 +979,7 @@ static void start_view_is_upright(void)
     }
     CHECK(fxs_views_up(&photos->view, COUNT, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 1 - 1e-6 && fabs(along(found, found) - 1) < 1e-12);
-    /* The mean of the cameras' up vectors leans, but their right vectors are level. */
+    /* The mean of the cameras' up vectors leans, but all right vectors are horizontal. */
     CHECK(fxs_views_up(&photos->view, COUNT / 2, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 0.9998);
     CHECK(!fxs_fit_start_view(photos, COUNT, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);

@@ -21,7 +21,7 @@ static float uniform(uint64_t index)
     return fxs_fit_uniform(fxs_fit_random(17, 4, index));
 }
 
-/* The coloured spots are coarse enough for the fit to split and clone Gaussians. */
+/* Makes photographs of coloured spots, so coarse that the fit splits and clones Gaussians. */
 static void make_input(void)
 {
     fxs_fit_options_init(&options);
@@ -166,7 +166,8 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
-/* The exposures of a fit start at log2(exposure) / 2.2 minus the mean of all photographs. */
+/* Checks the initial exposures of a fit. A photograph starts at log2(exposure) / 2.2 minus the mean of this value
+   over all photographs. */
 static void begins_with_known_exposures(void)
 {
     static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};
@@ -196,7 +197,8 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_destroy(fit);
     }
-    for (int i = 0; i < PHOTOS; i++)               /* an affine exposure divides its factors by their mean */
+    /* colour map of a photograph: diagonal factors exposure^(1 / 2.2), divided by their mean over all photographs */
+    for (int i = 0; i < PHOTOS; i++)
         photos[i].exposure = 0.01 * (1 + i);
     options.exposure = FXS_FIT_EXPOSURE_AFFINE;
     fxs_fit *fit = begin();
@@ -263,7 +265,8 @@ static void goes_on_with_masks(void)
         photos[i].mask = NULL;
 }
 
-/* A block of two photographs keeps the exposures, poses and antialiasing of its coarse fit. */
+/* Fits a block (a part of a large scene) that starts from a coarse fit of the whole scene. The block keeps the
+   exposures, camera poses and antialiasing of the coarse fit. */
 static void a_block_keeps(const char *name, uint32_t steps)
 {
     const fxs_fit_options mine = options;
@@ -443,7 +446,8 @@ static void goes_on_as_if_never_stopped(void)
     fxs_fit_destroy(whole);
 }
 
-/* In the last tenth of the steps, scales are quantised as in the packed file. */
+/* Resumes a fit in the last tenth of its steps, in which the scales of Gaussians are quantised as in the packed
+   file. */
 static void goes_on_in_the_last_tenth(void)
 {
     const fxs_fit_options mine = options;
@@ -573,7 +577,8 @@ enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFI
       CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* Changes a word of the file and corrects the checksum. A negative offset counts from the end. */
+/* Writes a copy of a checkpoint with a changed 32-bit word and a correct checksum. A negative index counts from the
+   end of the file. */
 static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
@@ -621,7 +626,7 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(DEGREE, 4, "damaged: a number out"));
     CHECK(refused_with(BATCH, 0, "damaged: a number out") && refused_with(BATCH, 9, "damaged: a number out"));
     CHECK(refused_with(PROFILE, 77, "damaged: a number out"));
-    const uint32_t large = 0x42a20000;           /* the bits of the float 81.0 */
+    const uint32_t large = 0x42a20000;           /* 81.0 as the bits of a float, a value that is out of range */
     CHECK(refused_with(FIRST, 0x7e967699, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_SCALE * count, large, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_OPACITY * count, large | 1u << 31, "damaged: a number out"));
@@ -644,7 +649,8 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 14);          /* the version number of files with exposures, in a file without exposures */
+    /* claims the version number of checkpoints with exposures for a checkpoint without exposures */
+    change("half", 1, 14);
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
@@ -654,7 +660,8 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
-    for (int i = 0; i < 6 * 4; i++) {    /* valid Adam moments: any mean, squares >= 0 */
+    /* writes faulty Adam moments; a mean may be any number, a mean square must be >= 0 */
+    for (int i = 0; i < 6 * 4; i++) {
         const uint32_t value = faulty[i % 4];
         const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
         change("half-exposures", AT + word, value);
@@ -676,7 +683,8 @@ static void faulty_poses_are_refused(void)
     enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
     static const struct {
         int word;
-        uint32_t beyond, most;     /* beyond: smallest refused word; most: largest accepted word */
+        /* beyond: float word just out of range, which is refused; most: last word in range, which is accepted */
+        uint32_t beyond, most;
     } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
                    {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
                    {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0},
@@ -695,7 +703,8 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 16);          /* the version number of files with poses, in a file without poses */
+    /* claims the version number of checkpoints with camera poses for a checkpoint without poses */
+    change("half", 1, 16);
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -715,12 +724,12 @@ static void faulty_skies_are_refused(void)
         change("half-sky", numbers[i].word, numbers[i].value);
         CHECK(refused("changed", FXS_ERR_FILE, numbers[i].why));
     }
-    change("half-sky", FAR + 3, 0x60ad78ec);    /* the bits of the float 1e20 */
+    change("half-sky", FAR + 3, 0x60ad78ec);    /* 1e20 as the bits of a float */
     if (CHECK(resume(&fit, "changed") == 0)) {
         go_on(fit, 24);
         fxs_fit_destroy(fit);
     }
-    change("half", 1, 25);          /* the version number of files with a sky, in a file without sky */
+    change("half", 1, 25);   /* claims the version number of checkpoints with a sky for a checkpoint without sky */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -729,7 +738,7 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x51;              /* a change that gives no other valid version number */
+        bytes[i] ^= 0x51;              /* 0x51 turns no byte of the version number into another valid version */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))

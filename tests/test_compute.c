@@ -31,7 +31,7 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;                /* largest part of a scene in an upload in bytes; 0: no limit */
+static uint64_t part_bytes;   /* largest number of bytes of a scene in an upload to the GPU; 0: no limit */
 static fxs_message why;
 
 static struct fake {
@@ -47,7 +47,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return fxs_egl_load(argument, name);
 }
 
-/* Creates a back end with a fake OpenGL function. *out is null on failure. */
+/* Creates a compute back end with one OpenGL function replaced by a fake. *out is null on failure. */
 static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
@@ -276,7 +276,8 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
     return words;
 }
 
-/* Compares splats and depths of the n-th visible chunk. Returns its visible splats. */
+/* Compares the splats (projected Gaussians) and depths of the n-th visible chunk with the CPU's. Returns the number
+   of visible splats. */
 static uint32_t compare_chunk(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
                               const fxs_splat *splats, const uint32_t *depths)
 {
@@ -388,7 +389,8 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     request.options.budget = budget;
     if (!look_at(request.cameras, width, height, distance))
         return;
-    for (int traced = 0; traced < 2; traced++) {       /* 1: tests trace_tiles, 0: tests blend_tiles */
+    /* traced 1: tests the shader trace_tiles, which writes depths and ids; 0: tests the shader blend_tiles */
+    for (int traced = 0; traced < 2; traced++) {
         picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
         if (!traced) {
             const fxs_image none = {0, 0};
@@ -516,7 +518,7 @@ static void init_fails(void)
     fakes[1] = (struct fake){0, 0};
 }
 
-static GLenum failing;                     /* error of glGetError for the next `failures` calls */
+static GLenum failing;                     /* error that the fake glGetError returns in its next `failures` calls */
 static int failures;
 
 static GLenum GL_APIENTRY fake_GetError(void)
@@ -558,7 +560,8 @@ static void frames_fail(void)
             void *memory = malloc(fxs_compute_memory(&request));
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
             failing = i ? CONTEXT_LOST : GL_OUT_OF_MEMORY;
-            failures = i ? 1000 : 20;              /* errors from before a frame do not fail the frame */
+            /* many errors, since a frame discards the OpenGL errors from before the frame */
+            failures = i ? 1000 : 20;
             if (i < 2)
                 c->gl.GetError = fake_GetError;
             else if (i == 2)
@@ -707,7 +710,7 @@ static void refusals(void)
     fxs_request_init(&request, &object, 1);
     look_at(request.cameras, 100, 80, 12.8);
     request.targets[0] = a.targets;
-    c->rooms.most = 30000;                  /* too little memory for the first buffers of a frame */
+    c->rooms.most = 30000;   /* limits the device memory to less than the first buffers of a frame need */
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
     c->rooms.most = most;
@@ -718,7 +721,7 @@ static void refusals(void)
     fxs_compute_limit(c, 1000);
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
     fxs_compute_limit(c, 0);
-    part_bytes = 1000;                     /* an upload limit below the size of a chunk */
+    part_bytes = 1000;                     /* limits uploads to fewer bytes than a chunk (256 Gaussians) has */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;
     request.options.stop.call = yes;
@@ -733,7 +736,8 @@ static void refusals(void)
     fxs_targets_init(request.targets);
     CHECK(render_by(c, &request, 0) == FXS_ERR_TARGET);
     request.targets[0] = a.targets;
-    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* the field step_shift of the first chunk header */
+    /* puts an invalid value into the field step_shift of the first chunk header */
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;
     CHECK(render_by(c, &request, 0) == FXS_ERR_SCENE);
     close_compute(c);
     picture_free(&a);

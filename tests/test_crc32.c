@@ -1,4 +1,4 @@
-/* Tests the CRC-32 of .fxs files against known values and a bitwise version. */
+/* Tests the CRC-32 of .fxs files against known values and a plain bit-by-bit version. */
 #include "src/base/crc32.h"
 
 #include <string.h>

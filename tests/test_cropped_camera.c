@@ -1,4 +1,5 @@
-/* Crops ("windows") have the pixels of the whole picture, also for headsets' fields of view. */
+/* A camera for a crop ("window") of a picture must render the same pixels as the whole picture. Also tests the fields
+   of view of headsets. */
 #include <math.h>
 
 #include <fixsplat/camera.h>
@@ -76,7 +77,7 @@ static void test_windows_of_random_scenes(void)
     }
 }
 
-/* left, right, up, down: left eye, right eye, symmetric */
+/* tangents of the field of view (left, right, up, down) of the left eye, the right eye, and a symmetric view */
 static const double headset[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}, {-1.38, 1.38, 1.2, -1.2}};
 
 static int make_scene(const char *name, fxs_packed_scene *packed, fxs_scene *scene)
@@ -98,8 +99,8 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
     return camera;
 }
 
-/* Slopes are clamped by the whole picture, not the window, since wide pictures round differently. An eye's picture is a
-   window of a symmetric one. */
+/* The slopes x/z in the projection's Jacobian are clamped to the whole picture, not to the window. An eye's picture
+   is a window of a symmetric picture. */
 static void test_windows_of_wide_pictures(void)
 {
     static const char *const names[] = {"knot", "landscape"};
@@ -119,7 +120,7 @@ static void test_windows_of_wide_pictures(void)
     }
 }
 
-/* Control: without `whole` the window's own clamping changes pixels. */
+/* Control: if the camera does not state the whole picture, slopes are clamped to the window, which changes pixels. */
 static void test_what_windows_are_for(void)
 {
     fxs_packed_scene packed;

@@ -12,7 +12,7 @@ static fxs_exif exif;
 enum { SHORT = 3, LONG = 4, RATIONAL = 5, SEGMENT = 400 };
 
 typedef struct maker {
-    uint8_t bytes[SEGMENT];        /* an EXIF segment: "Exif\0\0" and a TIFF file */
+    uint8_t bytes[SEGMENT];        /* bytes of an EXIF segment: "Exif\0\0" and a TIFF file */
     size_t size;
     int is_big;
 } maker;
@@ -178,7 +178,8 @@ static void check_turned(int orientation)
         }
 }
 
-/* A camera of the rotated size gets rotated pixels if EXIF states a rotation, and is refused otherwise. */
+/* Tests photographs with an EXIF orientation. If the orientation swaps the sides, a camera of the swapped size gets
+   rotated pixels. Otherwise the camera is refused. */
 static void turns(void)
 {
     facts f = ordinary;
@@ -208,7 +209,7 @@ static void turns(void)
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(2 * JPEG_HEIGHT, 2 * JPEG_WIDTH) && photos.fit[0].view.width == JPEG_HEIGHT);
     CHECK(read_with(JPEG_WIDTH, JPEG_WIDTH) == FXS_ERR_FILE);
-    f.type = LONG;                 /* another integer type than in the EXIF standard */
+    f.type = LONG;                 /* EXIF orientation as a 32-bit integer, though the standard wants 16 bits */
     put_with("one/images/a.jpg", &f);
     CHECK(!read_with(JPEG_HEIGHT, JPEG_WIDTH));
 }
@@ -286,7 +287,9 @@ static void heif(void)
 static void heif_colours(void)
 {
     static const struct {
-        uint8_t stated[7];         /* H.273 codes of primaries, transfer function, matrix and range */
+        /* colour box in the file: codes by H.273 of primaries, transfer function and matrix, then a bit for full
+           range */
+        uint8_t stated[7];
         double red, blue;
     } kinds[] = {{{0, 1, 0, 13, 0, 1, 0x80}, 0.2126, 0.0722}, {{0, 1, 0, 13, 0, 9, 0x80}, 0.2627, 0.0593},
                  {{0, 1, 0, 13, 0, 1, 0}, 0.2126, 0.0722},    {{0, 1, 0, 13, 0, 5, 0}, 0.299, 0.114}};
@@ -329,14 +332,15 @@ static void bad_heif(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE || (width <= 64 && height <= 64));
     put_changed_heif("ispe", 8, "\0\0\0\0\0\0\0\0", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE);
-    /* The video stream states picture sizes of 32766 x 32766, 8190 x 1022 and 2046 x 1022. */
+    /* Changes the picture size in the video stream of a HEIF to 32766 x 32766, 8190 x 1022 and 2046 x 1022. */
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\x3f\xff\x80\x01\xff\xfc", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\xff\xf8\x03\xff\x00", 7);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x03\xff\x80\x3f\xf0", 6);
     CHECK(!read_file("a.heic") || !strstr(message.text, "a stream of more pixels"));
-    /* A picture that is its own tile or its own alpha overflows the stack of libheif 1.15. */
+    /* A HEIF picture that is its own tile or its own alpha overflows the stack of libheif 1.15, so the reader must
+       refuse the file. */
     put_changed_heif("dimg", 8, "\0\2", 2);
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "in circles"));
     put_changed_heif("dimg", 0, "auxl\0\1\0\1\0\1", 10);
@@ -362,7 +366,8 @@ static void put_chained_heif(const void *bytes, size_t size, size_t times)
     put_file("a.heic", chained, sizeof turned_heif + times * size + ZEROS);
 }
 
-/* HEIF references that each contain all later references would take quadratic time. */
+/* HEIF files with references to pictures. If each contained all later references, reading would take quadratic time,
+   so such files are refused. */
 static void heif_references(void)
 {
     static const uint8_t child[] = {0, 0, 0, 12, 'i', 'r', 'e', 'f', 0, 0, 0, 0};

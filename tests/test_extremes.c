@@ -12,7 +12,8 @@ static fxs_context plain;          /* a context with plain C kernels and a singl
 static fxs_options options = {.size = sizeof(fxs_options)};
 static uint32_t pixels[2][MOST * MOST];
 
-/* Gaussians of all shapes fill a box of 4 x 4 x 4 / 2^thin units. Sigma is 1/20 to 1 times 2^log2 units. */
+/* Makes a scene of Gaussians of all shapes in a box of 4 x 4 x 4 / 2^thin units. Their sigma is 1/20 to 1 times
+   2^log2 units. */
 static packed_scene cloud(uint32_t count, int log2, int thin)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, count, 0);
@@ -127,7 +128,8 @@ static void test_end_of_a_long_list(void)
     free(wall.data);
 }
 
-/* The pixels stay transparent, so the whole list of Gaussians is blended. */
+/* Blends 80,000 Gaussians in a tile. The pixels stay transparent, so the renderer goes through the whole list of
+   Gaussians. */
 static void test_occluder_behind_a_long_list(void)
 {
     enum { SIZE = 16, COUNT = 80000 };
@@ -421,7 +423,7 @@ static void check_wild_pick(wild_frame *w)
     free(memory);
 }
 
-/* less: 1 uses the minimum memory. With fewer bytes nothing may be written. */
+/* Renders a stereo pair. less: 1 renders in the minimum memory. Fewer bytes are tried first and must write nothing. */
 static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_camera cameras[2], int less)
 {
     fxs_targets targets[2];

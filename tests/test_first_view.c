@@ -17,7 +17,7 @@ enum { COUNT = 30000, WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };
 static const char *const names[] = {"knot", "mirrors", "discs", "haze", "site", "landscape", "meadow"};
 enum { NAMES = sizeof names / sizeof *names };
 
-/* Rotation matrices of a scene: none, z up, upside down, leaning by 20 degrees. */
+/* Rotation matrices to apply to a scene with y down: no rotation, z up, upside down, leaning by 20 degrees. */
 static const double turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                                   {1, 0, 0, 0, 0, 1, 0, -1, 0},
                                   {1, 0, 0, 0, -1, 0, 0, 0, -1},
@@ -60,7 +60,8 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Shares of the picture: covered, and covered by one Gaussian. */
+/* Renders a view. Sets *covered to the share of the picture that is covered. Sets *largest to the largest share that
+   one Gaussian covers. */
 static void look(const turned *t, const fxs_view *view, double *covered, double *largest)
 {
     static unsigned char coverage[PIXELS];
@@ -118,7 +119,8 @@ static void check_view(const turned *t, const char *name, int turning)
                covered, largest);
 }
 
-/* Scenes are not levelled if haze or mountains hide the ground. */
+/* Checks the first view of each procedural scene in several rotations. A leaning scene is not levelled if haze or
+   mountains hide the ground. */
 static void upright_with_something_to_see(void)
 {
     for (int i = 0; i < NAMES; i++) {
@@ -334,7 +336,7 @@ static const struct kind {
     const char *name;
     void (*lay)(void);
     double low[3], high[3];
-    int within, turns;               /* turns: number of rotations of the scene to try */
+    int within, turns;               /* turns: number of rotation matrices to try with the scene */
     double target[3];
 } kinds[] = {
     {"room", lay_room, {-2.4, -2.5, -1.9}, {2.4, -0.3, 1.9}, 1, 2, {0, 0, 0}},

@@ -4,18 +4,19 @@
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
-enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* parameters of a Gaussian and its 2D centre */
-enum { DEPTH = 3 };                /* index of the visible depth, which scales the learning rate of camera shifts */
+/* the variables of a Gaussian: its parameters and its projected centre */
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };
+enum { DEPTH = 3 };   /* typical depth of the picture in scene units; scales the learning rate of camera shifts */
 
-/* Decisions of a forward pass at cut-offs. Both passes of a central difference share the decisions, because the
-   gradient is piecewise. */
+/* Decisions at the cut-offs of a forward pass, such as which Gaussians reach a pixel. Both passes of a central
+   difference share the decisions, because the gradient is defined only between cut-offs. */
 enum { OUT, IN, CAPPED };
 typedef struct cuts {
-    int is_set;                    /* 0: the next forward pass makes the decisions */
+    int is_set;                    /* 0: the next forward pass makes the decisions; 1: it keeps them */
     int order[MOST], visible;
     unsigned char taken[PIXELS][MOST], dark[MOST][3], beside[MOST][2];
     unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];
-    double nearest;                /* relative distance of the closest decision from its cut-off */
+    double nearest;                /* smallest relative distance of a value from its cut-off */
 } cuts;
 
 typedef struct scene {
@@ -23,10 +24,11 @@ typedef struct scene {
     fxs_fit_camera camera;
     double variables[MOST][VARIABLES], background[3];
     enum fxs_fit_exposure exposure;
-    double gain[FXS_FIT_GAIN];     /* log exposure, red and blue factors; or an affine colour map */
+    /* exposure of the photograph: log exposure, red and blue factors; or an affine colour map */
+    double gain[FXS_FIT_GAIN];
     double pose[FXS_FIT_POSE];
     int has_pose;
-    double rotation[9], eye[3];    /* pose of the camera after the correction */
+    double rotation[9], eye[3];    /* rotation and position of the camera after the pose correction */
     uint8_t photograph[PIXELS][3];
     const uint8_t *mask;
     cuts cuts;
@@ -54,7 +56,9 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* Sigma' = J W Sigma W^T J^T + 0.3 with Sigma = R S S R^T. The opacity is multiplied by sqrt(det without 0.3 / det). */
+/* Computes the projected covariance J W Sigma W^T J^T + 0.3 I with Sigma = R S S R^T. With antialiasing,
+   multiplies the opacity by the square root of a quotient: the determinant without 0.3 I by the determinant with
+   0.3 I. */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
@@ -160,8 +164,8 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
     return capped ? CAPPED : IN;
 }
 
-/* Rotates the camera by 2 atan(|a| / 2) about the vector a in the camera's frame, by Rodrigues' formula. Moves the
-   camera along its unrotated axes. */
+/* Applies the pose correction to the camera. Rotates by 2 atan(|a| / 2) about the vector a in the camera's frame, by
+   Rodrigues' formula. Moves the camera along its unrotated axes. */
 static void pose(scene *s)
 {
     const double *a = s->pose, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), angle = 2 * atan(length / 2);
@@ -251,7 +255,7 @@ static double difference(scene *s, double *variable)
 typedef struct kind {
     int count;
     float focal;
-    double aside;                  /* range of the slopes x/z and y/z, in half pictures */
+    double aside;                  /* Gaussians lie at slopes x/z and y/z within this range; 1: half the picture */
     double scale[2], opacity[2], colour[2];
     const uint8_t *mask;
     int is_antialiased;
@@ -314,7 +318,7 @@ typedef struct photographs {
     fxs_fit_pose poses[2];
 } photographs;
 
-/* After the first step of a fit, the mean of Adam is a tenth of each gradient. */
+/* Runs the first step of a fit. Afterwards, Adam's running mean is a tenth of each gradient. */
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
     const int is_affine = s->exposure == FXS_FIT_EXPOSURE_AFFINE;
@@ -364,7 +368,7 @@ static double size_of(const double *d, int k)
 
 typedef struct tally {
     int gaussians, unseen, outside, beside, dark, capped, closed;
-    double worst;                  /* largest error of a gradient, relative to its tolerance */
+    double worst;                  /* largest error of a gradient until now, relative to its tolerance */
 } tally;
 
 static void count_cuts(const scene *s, int i, tally *t)
@@ -379,7 +383,8 @@ static void count_cuts(const scene *s, int i, tally *t)
     t->dark += seen && (s->cuts.dark[i][0] || s->cuts.dark[i][1] || s->cuts.dark[i][2]);
 }
 
-/* Single precision has an error of 1e-5 of a pixel's weight. */
+/* Compares a gradient with its central difference. The tolerance allows for single precision, with an error of 1e-5
+   of a pixel's weight. */
 static void check_near(double value, double wanted, double size, int i, int k, tally *t)
 {
     const double fault = fabs(value - wanted) / (1e-4 * size + 2e-5);
@@ -398,7 +403,8 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    /* m->by_centre is relative to the mean over pixels and channels. */
+    /* m->by_centre is the length of the loss gradient with respect to the projected centre. Its loss is a mean
+       over pixels and channels, so the expected value is scaled. */
     const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
@@ -414,7 +420,7 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* Each step of a camera pose goes against the gradient and is as long as its learning rate. */
+/* Checks a step of a camera pose: each number moves against its gradient, by its learning rate. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
@@ -527,7 +533,8 @@ static void test_many(void)
     CHECK(check_scenes(&k, 4).closed > 15);
 }
 
-/* A single pixel: the transmittance after some splats (projected Gaussians), and the gradient of each splat. */
+/* A single pixel with a few splats (projected Gaussians). Holds the transmittance after them and the gradient of each
+   splat. */
 enum { SPLATS = 3 };
 typedef struct pixel_case {
     const fxs_fit_stages *stages;
@@ -567,7 +574,7 @@ static int is_zero(const float *sums)
     return 1;
 }
 
-/* Bisects a number down to two adjacent floats. Only `high` has the property. */
+/* Bisects a number down to two adjacent floats, `low` without the property that `has` tests and `high` with it. */
 static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
 {
     for (;;) {
@@ -628,7 +635,8 @@ static int is_third_taken(pixel_case *c)
     return c->tile.colour[0][FXS_FIT_AT(c->x, c->y)] > 0;
 }
 
-/* The transmittance after two splats is near 0.001, the limit for a third splat. */
+/* Tests the pixel's transmittance just above and just below 0.001, below which no third splat (projected Gaussian) is
+   blended. */
 static void test_closed_pixel(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -691,7 +699,8 @@ static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, flo
     return project_red(stages, logit, depth, 0);
 }
 
-/* Splats end at Mahalanobis distance 3 or alpha 1/255. */
+/* Splats (projected Gaussians) must end at Mahalanobis distance 3 or at alpha 1/255, whichever is nearer to the
+   centre. */
 static void test_project_cuts(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
@@ -732,8 +741,8 @@ static void test_no_colour(void)
     }
 }
 
-/* The bound of a Gaussian's scale comes from the nearest camera that sees the Gaussian. A margin around the picture
-   counts as seen. */
+/* Tests the bounds of the scales of Gaussians. The bound comes from the nearest camera that sees the Gaussian. A
+   Gaussian in a margin around the picture counts as seen. */
 static void test_bounds_of_scales(void)
 {
     enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };

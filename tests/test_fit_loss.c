@@ -1,5 +1,5 @@
-/* Compares the loss of the fit in every kernel version with its definition, and the gradient with central
-   differences in doubles. */
+/* Compares the loss of the fit in every kernel version with a plain computation in doubles. Compares its gradient
+   with central differences in doubles. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -15,7 +15,7 @@ typedef struct pictures {
     float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } pictures;
 
-/* The picture and the photograph differ at every pixel, since |a - b| has no gradient at 0. */
+/* Makes a random picture and photograph that differ at every pixel, since |a - b| has no gradient at 0. */
 static void make_pictures(pictures *p, int width, int height, double away)
 {
     p->width = width;
@@ -50,7 +50,7 @@ static void make_mask(pictures *p, int rare)
     }
 }
 
-/* Saturates a third of the photograph. The picture is brighter or darker there. */
+/* Makes a third of the photograph's pixels white. The picture is brighter or darker there. */
 static void cut_white(pictures *p)
 {
     p->has_exposure = 1;
@@ -141,7 +141,8 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
             absolute += is_ignored(p, i) ? 0 : fabs(seen_of(p, i) - p->photograph[3 * i] / 255.0);
             dissimilar += is_ignored(p, i) ? 0 : 1 - similarity_at(p, i);
         }
-        /* Single precision has an error of 1e-7 of the mean squares. SSIM's constant c2 is 9e-4. */
+        /* Tolerances of two sums over a row: absolute differences and 1 - SSIM. In single precision the mean squares
+           have an error of 1e-7. SSIM divides them by numbers down to its constant c2 = 9e-4. */
         CHECK(fabs((double)p->absolute[row] - absolute) < 1e-6 * p->width);
         CHECK(fabs((double)p->dissimilar[row] - dissimilar) < 3e-4 * p->width);
     }

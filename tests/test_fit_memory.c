@@ -54,7 +54,7 @@ void free(void *memory)
     __libc_free(memory);
 }
 
-/* POINTS is small because qsort allocates memory for arrays from 1,024 bytes on. */
+/* POINTS is small because glibc's qsort allocates memory for arrays from 1,024 bytes on. */
 enum { SIDE = 20, POINTS = 30, STEPS = 20, MANY = 4000 };
 
 static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
@@ -130,7 +130,7 @@ static void test_no_memory(void)
 #endif
 }
 
-/* A fit needs at most twice the size of its parameters, gradients and moments. */
+/* The memory of a fit must be at most twice the size of its parameters, gradients and Adam moments. */
 static void test_amount(void)
 {
 #ifdef COUNTING

@@ -12,7 +12,7 @@
 #include "src/fit/recipe.h"
 #include "check.h"
 
-/* number of allocations that succeed; negative: all */
+/* number of further memory allocations that succeed; negative: all */
 static long memory_left = -1;
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -191,7 +191,8 @@ static double gradient_of(const fxs_fit_model *m, size_t i)
     return m->views[i] > 0 ? (double)(m->by_centre[i] / m->views[i]) : 0;
 }
 
-/* Returns 'g' for a removed Gaussian, 'c' for a cloned, 's' for a split, ' ' for an unchanged Gaussian. */
+/* Returns the expected treatment of a Gaussian in densification: 'g' removes, 'c' clones, 's' splits, ' ' keeps
+   the Gaussian. */
 static char plain_fate(const fxs_fit_model *m, size_t i, const fxs_fit_densify *d)
 {
     const int wanted = gradient_of(m, i) >= (double)d->gradient;
@@ -234,7 +235,8 @@ static void rotation_of(const fxs_fit_model *m, size_t i, double r[3][3])
             r[a][b] = rows[a][b] / n;
 }
 
-/* The first child of a split Gaussian lies on the positive side of each axis, the second child on the negative side. */
+/* Checks a child of a split Gaussian. The first child lies on the positive side of each axis, the second on the
+   negative side. */
 static int is_child(const fxs_fit_model *m, size_t i, const fxs_fit_model *old, size_t of, int which)
 {
     int ok = has_moments(m, i, -1) && !differing(m, i, old, of, FXS_FIT_ROTATION, FXS_FIT_OPACITY) &&
@@ -379,7 +381,7 @@ static void reset(void)
     fxs_fit_model_free(&old);
 }
 
-/* Morton code with ten bits for each coordinate, highest bits first. */
+/* Morton code (interleaved bits) of a Gaussian's position, with ten bits for each coordinate, highest bits first. */
 static unsigned long plain_code(const fxs_fit_model *m, size_t i, const double middle[3], double spread)
 {
     unsigned long code = 0;
@@ -412,7 +414,8 @@ static void order(void)
         behind += i && plain_code(&m, i, middle, spread) < plain_code(&m, i - 1, middle, spread);
     }
     CHECK(!wrong);
-    CHECK(behind < 5);             /* single precision may round a position into the next cell */
+    /* a few codes may be out of order, since single precision may round a position into the next cell */
+    CHECK(behind < 5);
     fxs_fit_model_free(&m);
     fxs_fit_model_free(&old);
 }
@@ -481,7 +484,8 @@ static double choose_of(int n, int k)
     return k < 0 || k > n ? 0 : exp(lgamma(n + 1) - lgamma(k + 1) - lgamma(n - k + 1));
 }
 
-/* Opacity and scale factor of a Gaussian that is relocated to n places (Kheradmand et al. 2024). */
+/* Computes the new opacity and the scale factor when a Gaussian of opacity o is replaced by n Gaussians at its place
+   (Kheradmand et al. 2024). */
 static void plain_share(double o, int n, double *opacity, double *factor)
 {
     double sum = 0;
@@ -571,7 +575,8 @@ static void relocated_at_the_threshold(void)
     fxs_fit_model_free(&old);
 }
 
-/* Growth adds a twentieth of the Gaussians, drawn at random by opacity. */
+/* Tests growth: it must add a twentieth of the Gaussians, drawn at random with probability proportional to
+   opacity. */
 static void grown(void)
 {
     enum { COUNT = 4000 };
@@ -634,7 +639,7 @@ static void reference_recipe(void)
     CHECK(p.rate[FXS_FIT_SCALE] == 0.005f && p.rate[FXS_FIT_ROTATION] == 0.001f && p.rate[FXS_FIT_OPACITY] == 0.025f);
     CHECK(p.rate[FXS_FIT_COLOUR] == 0.0025f && p.rate[FXS_FIT_SH] == 0.000125f && p.rate[58] == 0.000125f);
     CHECK(fxs_fit_first_opacity(FXS_FIT_REFERENCE) == 0.1f && fxs_fit_first_scale(FXS_FIT_REFERENCE) == 1);
-    o.steps = 7000;                /* the schedule is that of the first 7,000 of 30,000 steps */
+    o.steps = 7000;   /* a fit of 7,000 steps uses the learning rates of the first 7,000 of 30,000 steps */
     CHECK(is_near((double)plan_of(&o, 7000).rate[0], 2.5 * 1.6e-4 * pow(0.01, 7.0 / 30), 1e-6));
     o.steps = 60000;
     CHECK(is_near((double)plan_of(&o, 60000).rate[0], 2.5 * 1.6e-6, 1e-6));
@@ -642,8 +647,8 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* The learning rate of exposures falls to a tenth, and ramps up over 500 steps after the start and each opacity
-   reset. */
+/* The learning rate of exposures falls to a tenth during a fit. It rises from 0 over 500 steps after the start and
+   after each opacity reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
@@ -697,7 +702,7 @@ static void mcmc_recipe(void)
     CHECK(fxs_fit_first_opacity(FXS_FIT_MCMC) == 0.5f && fxs_fit_first_scale(FXS_FIT_FAST) == 0.1f);
 }
 
-/* Scales are bounded at step 1, every 100th step, and the steps around the last tenth. */
+/* The bounds of scales are computed at step 1, at every 100th step, and around the start of the last tenth of a fit. */
 static void bounds_of_scales(void)
 {
     fxs_fit_options o;
@@ -821,7 +826,8 @@ static void regularisers_beyond(void)
     fxs_fit_model_free(&old);
 }
 
-/* The random moves of Gaussians have the covariance Sigma^2 (sigmoid(...) amount)^2. */
+/* Tests the random moves of Gaussians, with the covariance Sigma^2 (s amount)^2. The factor s is a sigmoid of the
+   opacity, near 0 for opaque Gaussians. */
 static void noise(void)
 {
     enum { COUNT = 8000 };
@@ -859,7 +865,8 @@ static void noise(void)
     fxs_fit_model_free(&other);
 }
 
-/* Kerbl et al.: a square selects the tiles, and alpha >= 1/255 selects the pixels. */
+/* Tests the square cut-off of Kerbl et al.: a square around a splat selects its tiles, and alpha >= 1/255 selects the
+   pixels. */
 static void square(void)
 {
     fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
@@ -947,7 +954,7 @@ static void set_scene(void)
     options.max_gaussians = fxs_fit_recipe_gaussians(options.recipe);
 }
 
-/* Runs a fit twice and compares the bytes. Returns the number of Gaussians. */
+/* Runs a fit twice and compares the bytes of the two results. Returns the number of Gaussians. */
 static size_t fitted(size_t photo_count, size_t point_count, uint32_t steps)
 {
     fxs_fit *fit;

@@ -16,7 +16,7 @@ static void check_relative(const char *name, float x, float found, double wanted
         printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
 }
 
-/* For the exponential the tolerance grows with the argument. */
+/* Tests the exponential. Its tolerance grows with the argument. */
 static void test_exponentials(void)
 {
     fit_state = 1;
@@ -40,7 +40,7 @@ static void test_logarithm(void)
         const float x = number(i % 254 - 126, 0);
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
     }
-    /* Near x = 1 the logarithm has no cancellation. */
+    /* The logarithm must have a small relative error also near x = 1, where its value is near 0. */
     for (int i = 0; i < 5000; i++) {
         const float x = 1 + number(-2 - i % 22, i & 1024);
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
@@ -207,7 +207,8 @@ static void test_gain_steps(void)
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
         float sums[FXS_FIT_GAIN];
-        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* off-diagonal gradients do not affect a gain */
+        /* nine gradients of a colour matrix; a gain for each channel uses only the diagonal */
+        for (int c = 0; c < FXS_FIT_GAIN; c++)
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
         const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];
         const double gradients[3] = {red + green + blue, red - green, blue - green};
@@ -282,7 +283,7 @@ static void test_affine_steps(void)
           gain.at[0] == 1 && gain.at[1] == 0);
 }
 
-/* The mean exposure over all photographs must stay neutral within rounding. */
+/* After a step, the mean exposure over all photographs must stay neutral (no change of colours) within rounding. */
 static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };

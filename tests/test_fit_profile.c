@@ -1,5 +1,5 @@
-/* The last steps of a fit optimise values quantised as in the packed file. The photographs are rendered from a scene
-   with strong SH. */
+/* Tests the last steps of a fit, which optimise values quantised as in the packed file. The photographs are rendered
+   from a scene with strong SH. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -260,7 +260,7 @@ static void test_what_is_fitted_is_packed(void)
     }
 }
 
-/* The unquantised parameters move by less than a code step. */
+/* In three steps most unquantised parameters must move, but fewer than half of their quantised copies may change. */
 static void test_gradients_reach_the_masters(void)
 {
     fit f;
@@ -286,7 +286,8 @@ static void test_gradients_reach_the_masters(void)
     end(&f);
 }
 
-/* A small scene gets a small palette, so rounding costs much quality. */
+/* Compares a fit of quantised values with rounding after a fit. A small scene gets a small SH palette, so rounding
+   costs much quality. */
 static void test_fitted_is_better_than_rounded(void)
 {
     fit f;

@@ -1,11 +1,12 @@
 /* A fit must give the same bytes for every compiler, processor and number of threads. A few hundred steps of each
-   recipe on synthetic pictures are compared with constant hashes. -DFXS_FIT_FEW: fewer steps, for an emulator.
-   test_fit_steps --cuda: on a GPU. */
+   recipe on synthetic pictures are compared with constant hashes. Built with -DFXS_FIT_FEW, the test makes fewer steps,
+   for an emulator. test_fit_steps --cuda fits on a GPU. */
 #include <fixsplat/fit.h>
 #include <fixsplat/system.h>
 #include "fit_scene.h"
 
-/* Ray-traced spheres with squares. Only + - * / and sqrt of doubles are used, which round equally everywhere. */
+/* The photographs are ray-traced pictures of spheres with a pattern of squares. Only + - * / and sqrt of doubles are
+   used, which round equally everywhere. */
 enum { WIDTH = 24, HEIGHT = 16, ORDINARY = 2, LARGER = 14, PHOTOS = 6, POINTS = 120, SPHERES = 4 };
 static const uint8_t background[3] = {40, 80, 120};
 
@@ -111,7 +112,7 @@ static void make_set(int scale)
     }
 }
 
-/* Ignores a different disc in each photograph. The ignored pixels become noise from the seed. */
+/* Adds a mask to each photograph that ignores a disc. The ignored pixels become noise from the seed. */
 static void ignore_pixels(uint64_t seed)
 {
     static uint8_t masks[PHOTOS][LARGER * LARGER * WIDTH * HEIGHT];
@@ -151,7 +152,7 @@ static void change_exposures(void)
     }
 }
 
-/* Pixel values are proportional to light^(1 / 2.2). */
+/* Sets the exposure of each photograph, known or unknown. The pixel values are proportional to light^(1 / 2.2). */
 static void say_exposures(int are_known)
 {
     static const double light[PHOTOS] = {0.0033, 0.0257, 0.007, 0.0165, 0.0046, 0.0117};
@@ -188,7 +189,7 @@ static distances pose_distances(const fxs_fit_photo *a, const fxs_fit_photo *b)
     distances sums = {0, 0};
     for (int i = 0; i < PHOTOS; i++) {
         double squares = 0, shift = 0;
-        for (int k = 0; k < 9; k++)    /* |R - R'|^2 = 8 sin^2(angle / 2) for rotation matrices R, R' */
+        for (int k = 0; k < 9; k++)    /* angle between two rotation matrices: |R - R'|^2 = 8 sin^2(angle / 2) */
             squares += pow(a[i].view.rotation[k] - b[i].view.rotation[k], 2);
         for (int k = 0; k < 3; k++)
             shift += pow(a[i].view.position[k] - b[i].view.position[k], 2);
@@ -201,7 +202,7 @@ static distances pose_distances(const fxs_fit_photo *a, const fxs_fit_photo *b)
 typedef struct result {
     uint64_t hash;
     size_t most;
-    double first, last;            /* mean loss over the first and the last round of photographs */
+    double first, last;   /* mean loss while the fit goes through all photographs once, at the start and at the end */
     int is_finite;
     fxs_fit_photo refined[PHOTOS];
 } result;
@@ -230,7 +231,7 @@ static void hash_gaussians(fxs_fit *fit, result *r)
     }
 }
 
-/* Reports are wanted in the first and last round and every 50 steps. */
+/* True if the fit should report: in the first and last round through all photographs, and every 50 steps. */
 static int wants_report(const fxs_fit_options *options, uint32_t step)
 {
     return step <= PHOTOS || step > options->steps - PHOTOS || step % 50 == 0;
@@ -437,7 +438,7 @@ static void test_sky(void)
     check_everywhere(&fits[SKY]);
 }
 
-/* The recipe fast starts at half size with these large photographs. */
+/* Tests the recipe "fast" with photographs so large that the fit starts at half their size. */
 static void test_fast_from_half_the_size(void)
 {
     check_instruction_sets(&fits[HALF_THE_SIZE]);
@@ -509,8 +510,8 @@ static void test_exposures_are_found(void)
                left[FOUND]);
 }
 
-/* Returns the sigma of sqrt(0.2) pixels in the finest photograph of a place. Returns 0 if no photograph sees the
-   place. */
+/* Returns the smallest sigma at a place that any photograph resolves: sqrt(0.2) pixels. Returns 0 if no photograph
+   sees the place. */
 static double finest_sigma(const float place[3])
 {
     double finest = INFINITY;
@@ -540,7 +541,7 @@ static void test_antialiased(void)
         size_t bound = 0, finer = 0;
         set_options(&fits[ANTIALIASED], &options);
         options.antialiased = !i;
-        options.steps = 9;         /* scales are rounded in the last tenth of longer fits */
+        options.steps = 9;         /* few steps, since longer fits quantise scales in their last tenth */
         if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message) == 0))
             return;
         while (fxs_fit_steps(f) < options.steps)

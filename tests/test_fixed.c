@@ -1,10 +1,11 @@
-/* Checks the error bounds that fixed.h states, over strided mantissas and edge cases. */
+/* Checks the error bounds that fixed.h states for fixed-point functions. The inputs are every STRIDE-th mantissa and
+   edge cases. */
 #include <math.h>
 
 #include <fixsplat/internal/fixed.h>
 #include "check.h"
 
-enum { STRIDE = 251 };   /* prime, so that all low bits vary */
+enum { STRIDE = 251 };   /* step between tested numbers; a prime, so that all low bits vary */
 
 static int clz_by_loop(uint64_t x, int bits)
 {
@@ -35,7 +36,7 @@ static void test_mulhi(void)
     CHECK(fxs_mulhi(0, UINT32_MAX) == 0 && fxs_mulhi(65536, 65535) == 0 && fxs_mulhi(65536, 65536) == 1);
 }
 
-/* Rounds to nearest: floor, plus the highest bit shifted out. */
+/* Shifts right with rounding to nearest: floor, plus the highest bit shifted out. */
 static int64_t rounded(int64_t x, int shift)
 {
     return (x >> shift) + (x >> (shift - 1) & 1);
@@ -60,7 +61,7 @@ static void test_clamp(void)
     CHECK(fxs_clamp(INT32_MIN, INT32_MIN, 0) == INT32_MIN && fxs_clamp(INT32_MAX, 0, INT32_MAX) == INT32_MAX);
 }
 
-/* Visits 2^bit, 2^bit + STRIDE, ... below 2^32, and numbers around each power of two. */
+/* Calls `visit` with 2^bit, 2^bit + STRIDE, ... below 2^32, and with numbers around each power of two. */
 static void sweep(int bit, void (*visit)(uint32_t m))
 {
     for (uint64_t m = (uint64_t)1 << bit; m >> 32 == 0; m += STRIDE)
@@ -107,7 +108,8 @@ static void test_rsqrt(void)
         printf("  relative error 2^%.2f, %d outside\n", log2(worst), outside);
 }
 
-/* The square root is rounded down, so a result that is less than 1 too small is no error. */
+/* Measures the error of fxs_sqrt. The square root is rounded down, so a result that is less than 1 too small is
+   no error. */
 static void visit_sqrt(uint32_t x)
 {
     double exact = sqrt(x), got = fxs_sqrt(x);

@@ -32,7 +32,7 @@ static double psnr(const uint8_t *a, const uint8_t *b)
     return CHECK(!fxs_metrics_compare(a, b, WIDTH, HEIGHT, &m)) ? m.psnr : 0;
 }
 
-/* Views around the box, near and far; the last one orthographic. */
+/* Makes the camera with the given number, around the scene's box, near or far. The last camera is orthographic. */
 static int find_view(int number, const fxs_pack_report *report, fxs_view *view)
 {
     static const double up[3] = {0, -1, 0};
@@ -72,7 +72,8 @@ static int draw_packed(const fxs_packed_scene *scene, const fxs_view *view)
     return error;
 }
 
-/* Checks the floats against the doubles, and that both measure the same loss for each profile. */
+/* Compares a view rendered from floats with the picture in doubles. Both must measure the same quality loss for each
+   packing profile. */
 static void check_view(fxs_float_scene *scene, const fxs_packed_scene profiles[3], const fxs_view *view,
                        int antialiased)
 {
@@ -180,7 +181,7 @@ static void what_is_left_out(void)
     fxs_scene_file_close(file);
 }
 
-/* PSNR between a scene and a copy moved by a millionth. */
+/* Returns the PSNR between a rendered scene and a copy with all Gaussians moved by a millionth of a unit. */
 static double psnr_of_nudge(const char *name)
 {
     const fxs_procedural_scene *made = fxs_procedural_find(name);

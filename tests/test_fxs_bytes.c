@@ -18,7 +18,7 @@ static char folder[] = "/tmp/fixsplat-bytes-XXXXXX";
 static char ply_path[64], fxs_path[64];
 static fxs_message message;
 
-/* Returns a number that floats represent exactly. */
+/* Returns a random multiple of 1/256, which floats represent exactly. */
 static float grid(uint32_t *seed, int low, int high)
 {
     *seed = *seed * 1664525u + 1013904223u;
@@ -152,7 +152,7 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, 0, expected);
 }
 
-/* The scene is large enough for full SH palettes. Smaller palettes need no search. */
+/* Packs a scene that is large enough for full SH palettes. Smaller palettes need no search. */
 static void test_full_palettes(void)
 {
     static const uint64_t compact[3] = {0x3cd5c70902e00437u, 0x0fea4dc982ced672u,
@@ -169,7 +169,8 @@ static void test_tree(void)
                                          0xdb4bcc7a3a7f819au};
     static const uint64_t small[3] = {0x291e5f90dfd04546u, 0xcdc9b5f48d74e1ebu,
                                       0x38598508e0976ea7u};
-    if (FLT_EVAL_METHOD != 0) {                /* excess precision of floats would change the bytes */
+    /* compilers that compute floats with excess precision would change the bytes, so packing is refused */
+    if (FLT_EVAL_METHOD != 0) {
         CHECK(write_ply(3000, 3) && !pack(FXS_PROFILE_DEFAULT, 1) && strstr(message.text, "single precision"));
         return;
     }

@@ -95,13 +95,16 @@ static void test_round_trip(void)
     draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
     CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* several colours */
-    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* over itself, from a mapping */
-    CHECK(!fxs_map_check(&file, fxs_path, &m));                           /* replaced by another file */
+    /* writes a file over itself, from its own mapping */
+    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));
+    /* the path now names a new file, while the mapping keeps the old file */
+    CHECK(!fxs_map_check(&file, fxs_path, &m));
     fxs_map_close(&file);
     CHECK(!file.data);
 }
 
-/* The check must report a changed file. Lost pages of the mapping must read as 0. */
+/* Changes or shortens a file while it is mapped. The check must report the change. Lost pages of the mapping must
+   read as 0. */
 static void test_changed(void)
 {
     enum { PAGE = 4096, PAGES = 16 };
@@ -118,7 +121,8 @@ static void test_changed(void)
             return;
         const volatile unsigned char *data = file.data;
         CHECK(!fxs_map_check(&file, path, &m) && data[PAGES * PAGE - 1] == 7);
-        nanosleep(&(struct timespec){0, 20000000}, 0);   /* longer than a tick of file times, which is 4 or 10 ms */
+        /* waits longer than a tick of file times, which is 4 or 10 ms */
+        nanosleep(&(struct timespec){0, 20000000}, 0);
         out = fopen(path, "r+b");
         CHECK(out && fputc(8, out) == 8 && !fclose(out) && (!cut || !truncate(path, PAGE)));
         CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
@@ -169,8 +173,8 @@ static void test_other_faults(void)
         CHECK(above || other < (char *)file.data);
         pid_t child = fork();
         if (child == 0) {
-            alarm(10);                 /* ends an endless loop of signals */
-            _exit(other[PAGE]);        /* reads past the last page of the file */
+            alarm(10);                 /* kills the child process if it loops endlessly over signals */
+            _exit(other[PAGE]);        /* reads beyond the last page of the file */
         }
         CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);
         munmap((void *)other, 2 * PAGE);
@@ -195,7 +199,7 @@ static void test_many(void)
     fxs_map_close(&files[0]);
 }
 
-/* CRC-32 of zlib and PNG (ISO 3309), bit by bit. */
+/* Computes the CRC-32 of zlib and PNG (ISO 3309), bit by bit. */
 static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
 {
     const unsigned char *byte = data;
@@ -231,7 +235,7 @@ static void test_checksums(void)
     fxs_map_close(&file);
 }
 
-/* Flips one bit in each byte of the headers and in a sample of the other bytes. */
+/* Flips one bit in each byte of a file's headers and in a sample of its other bytes. */
 static void test_damage(void)
 {
     fxs_message m;

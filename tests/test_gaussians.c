@@ -9,16 +9,17 @@
 #include "scene_writer.h"
 #include "folder.h"
 
-enum { COUNT = 9000 };                  /* more Gaussians than two batches of the packer */
+enum { COUNT = 9000 };   /* number of Gaussians; the packer needs more than two calls of the source to read them */
 
 static fxs_gaussian made[COUNT];
 
 static struct {
-    uint64_t calls, next, passes;       /* next: the expected first index of the next call */
-    uint64_t at, from_pass;             /* at, from_pass: index of the first faulty Gaussian, and its pass */
-    long step;                          /* largest number of Gaussians in a call; 0: the requested number */
-    long result;                        /* result of the faulty call; 0: the call succeeds */
-    void (*spoil)(fxs_gaussian *g);     /* changes a Gaussian; null: no change */
+    uint64_t calls, next, passes;       /* next: first index that the next call of the source should ask for */
+    /* at: index of the first faulty Gaussian; from_pass: first pass in which it is faulty */
+    uint64_t at, from_pass;
+    long step;                          /* largest number of Gaussians that a call returns; 0: the requested number */
+    long result;                        /* error code that the faulty call returns; 0: the call succeeds */
+    void (*spoil)(fxs_gaussian *g);     /* makes a Gaussian faulty; null: no change */
 } source;
 
 static fxs_message message;

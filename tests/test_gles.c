@@ -67,7 +67,7 @@ static const struct port *port;
 static void *context;
 static fxs_message why_not;
 
-/* A table of fake OpenGL functions that ends with a null name. */
+/* Table of fake OpenGL functions by name. A null name ends the table. */
 static struct fake {
     const char *name;
     fxs_gl_function function;
@@ -88,8 +88,8 @@ static void fake(int i, const char *name, fxs_gl_function function)
 }
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
-static GLint limit, read_type;             /* limit 0: the limit of the device */
-static int no_blocks;                      /* 1: no storage buffers in fragment shaders */
+static GLint limit, read_type;             /* limit: fake largest texture size; 0: the limit of the device */
+static int no_blocks;                      /* 1: simulates a device without storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
 {
@@ -159,9 +159,9 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
         job(argument, jobs);
 }
 
-static fxs_compute *compute;               /* not null: the compute back end draws into the targets */
+static fxs_compute *compute;   /* the compute back end that draws in place of the GLES back end, or null */
 
-/* All objects share one scene. */
+/* Draws into an OpenGL target by the compute back end. All objects must share one scene. */
 static int draw_by_compute(const fxs_request *request, const fxs_gl_target *target, fxs_stats *stats)
 {
     fxs_compute_scene copy = {.key = 0};
@@ -181,7 +181,7 @@ static int render_target(const fxs_context *c, fxs_gles *gles, const fxs_request
                    : fxs_gles_render(gles, c, request, target, memory, bytes, stats);
 }
 
-/* Renders into pixels, or into the target if it is given. */
+/* Renders into `pixels`, or into the OpenGL target if `target` is not null. */
 static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gl_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
 {
@@ -213,7 +213,7 @@ static uint8_t *new_picture(const subject *s)
     return pixels;
 }
 
-/* Exact modes: tile lists, and framebuffer fetch if supported. */
+/* Modes of drawing that give the CPU's bytes: by tile lists, and by framebuffer fetch if supported. */
 static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
@@ -221,7 +221,8 @@ static int exact_ways(const fxs_gles *gles)
     return compute || fxs_gles_info(gles).no_fetch ? 1 : 2;
 }
 
-/* *stats: statistics of the mode with tile lists. */
+/* Draws in each exact mode and compares the bytes with the CPU's. Sets *stats to the statistics of the mode with
+   tile lists. */
 static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
 {
     uint8_t *expected = new_picture(s);
@@ -287,7 +288,8 @@ static void formats(void)
     close_gles(gles);
 }
 
-/* The tile lists exceed the memory. Coordinate u of thin Gaussians overflows in tiles that they do not touch. */
+/* Draws thin Gaussians, with more tile lists than the memory holds. In tiles that a thin Gaussian does not
+   touch, its coordinate u overflows. */
 static void runs(void)
 {
     subject s;
@@ -321,7 +323,8 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
-/* Point 65,536 of 80,000 is large and bright, so a missing list entry shows. */
+/* Makes a scene of 80,000 faint points. Point 65,536 is large and bright, so a missing entry in a tile's list
+   shows. */
 static packed_scene faint_points(void)
 {
     packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
@@ -441,7 +444,7 @@ static void real_scenes(void)
         SKIP("no scenes at FXS_SCENES");
 }
 
-/* Compares the shaders' versions of the functions in pixel.h with C. */
+/* Compares the shaders' versions of the fixed-point functions in pixel.h with the C versions. */
 static void products(void)
 {
     int differing = 0;
@@ -469,7 +472,7 @@ static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
 
 static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
-/* Simulates a driver that lists an extension but rejects its keyword. */
+/* Simulates a driver that lists the extension for framebuffer fetch, but rejects its keyword in shaders. */
 static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
@@ -547,7 +550,7 @@ static void fetch_eyes(void)
     close_gles(gles);
 }
 
-/* Makes depths and a background: a slanted plane with holes over a colour gradient. */
+/* Depths and colours of an opaque mesh behind the splats: a slanted plane with holes over a colour gradient. */
 typedef struct mesh {
     uint32_t *depths;
     uint8_t *colours;
@@ -634,9 +637,9 @@ static void meshes(void)
 
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
-enum { UNITS = 10 };                       /* number of texture units that the back end binds */
+enum { UNITS = 10 };                       /* number of texture units that the GLES back end binds */
 
-/* A copy of OpenGL state. Unsupported state stays 0. */
+/* A copy of the OpenGL state, to compare the state before and after a frame. Unsupported state stays 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
     GLint64 places[6][3];
@@ -790,7 +793,8 @@ static void read_target(const fxs_gl_target *t, uint8_t *pixels)
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
 }
 
-/* Counts pixels that differ from the picture inside, or from the clear colour outside. */
+/* Counts pixels of a target that differ from the expected picture, or from the clear colour outside of the
+   picture. */
 static int differing_pixels(const subject *s, const fxs_gl_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
@@ -814,7 +818,8 @@ static int in_target(const subject *s, const fxs_gl_target *t, const uint8_t *ex
     return !differing_pixels(s, t, expected);
 }
 
-/* The target gets the picture, its surroundings and the caller's state stay. */
+/* Draws into a target. The target must get the picture. Pixels beside the picture and the caller's OpenGL state
+   must stay. */
 static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gl_target *t,
                          const uint8_t *expected)
 {
@@ -832,7 +837,8 @@ static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_
     CHECK(in_target(s, t, expected));
 }
 
-/* small: 1 forces crops of the picture. */
+/* Tests drawing into a target. small: fake largest texture size in pixels, which splits the picture; 0: no
+   limit. */
 static void target_by(int small)
 {
     subject s;
@@ -867,7 +873,8 @@ static void target_in_windows(void)
     target_by(64);
 }
 
-/* Returns the largest error against c + d (1 - alpha), with d the pixel beneath. */
+/* Returns the largest error of a pixel that was drawn over a colour. The expected value is over + beneath * (1 -
+   alpha). */
 static double off_by(const uint8_t *pixel, const uint8_t *over)
 {
     static const uint8_t beneath[4] = {51, 102, 153, 204};
@@ -921,7 +928,8 @@ static void target_over(void)
     target_over_by(16);
 }
 
-/* Short tile lists exhaust the space for their chunks before the space for their records. */
+/* Draws with short tile lists. A list is stored in parts of up to 32 splats. The memory for parts is full before
+   the memory for the splats. */
 static void target_of_short_lists(void)
 {
     subject s;
@@ -957,7 +965,8 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* Depths as 32-bit words give the CPU renderer's bytes. Depth buffers give nearly these bytes. */
+/* Draws behind an opaque mesh. Mesh depths given as 32-bit words give the CPU renderer's bytes. Depth buffers
+   give nearly these bytes. */
 static void target_meshes(void)
 {
     static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
@@ -1059,7 +1068,7 @@ static outputs make_outputs(void)
     return o;
 }
 
-/* Renders the subject twice, with two ids, into the targets or the caller's framebuffer. */
+/* Renders a scene as two objects with different ids, into `targets` or into the caller's framebuffer. */
 static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gl_target *t)
 {
     fxs_context c;
@@ -1079,7 +1088,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     return error;
 }
 
-/* Counts words that differ from the picture inside, or from 3 outside. */
+/* Counts 32-bit words of a framebuffer that differ from the expected picture, or from 3 outside of the picture. */
 static int differing_words(const subject *s, const fxs_gl_target *t, GLenum buffer, const uint32_t *expected, int n)
 {
     static GLuint words[HIGH][WIDE][4];
@@ -1098,7 +1107,7 @@ static int differing_words(const subject *s, const fxs_gl_target *t, GLenum buff
     return differing;
 }
 
-/* Colours, depths and ids equal the processor's; the state stays. */
+/* Draws colours, depths and ids, which must equal the CPU's. The caller's OpenGL state must stay. */
 static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gl_target *t,
                           const mesh *m)
 {
@@ -1136,7 +1145,8 @@ static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const out
     free(ids);
 }
 
-/* small: 1 splits the tile lists. */
+/* Tests depths and ids in framebuffers. small: fake largest texture size in pixels, which splits the tile lists;
+   0: no limit. */
 static void depths_and_ids_by(int small)
 {
     static const char *const names[] = {"knot", "fog", "needles"};
@@ -1149,7 +1159,8 @@ static void depths_and_ids_by(int small)
         if (!make_subject(&s, names[i % 3], 5000, 111, 83))
             return;
         if (i == 3)
-            s.camera.position_q32[2] -= INT64_C(7) << 32;      /* 28-bit depths saturate at 16 */
+            /* moves the camera back, so that some depths exceed 16, the largest 28-bit depth */
+            s.camera.position_q32[2] -= INT64_C(7) << 32;
         const mesh m = make_mesh(&s);
         fxs_gl_target t = {.framebuffer = o.framebuffer, .x = 13, .y = 7, .top_down = i % 2, .depths_and_ids = 1,
                              .depth_bits = i == 2 ? 24 : i == 3 ? 28 : i == 4 ? 1 : 0, .over = i == 3};
@@ -1230,7 +1241,8 @@ static void close_compute(void)
     no_blocks = 0;
 }
 
-/* Runs a test with a storage buffer, then with a texture of several rows. */
+/* Runs a test of the compute back end twice: with a storage buffer, then with a texture of several rows in its
+   place. */
 static void run_by_compute(void (*test)(void))
 {
     for (int by_texture = 0; by_texture < 2; by_texture++) {
@@ -1413,7 +1425,8 @@ static void init_keeps_state(void)
     settle();
 }
 
-static int calls, missing;                 /* calls of the function loader; index of the call that fails */
+/* calls: number of calls of the function loader; missing: index of the call that fails */
+static int calls, missing;
 static char missing_name[64];
 
 static fxs_gl_function load_but_one(void *argument, const char *name)
@@ -1493,7 +1506,7 @@ static void unfit_contexts(void)
     refuses("16x16");
 }
 
-static int good_calls;                     /* number of OpenGL calls before the device is lost */
+static int good_calls;                     /* number of OpenGL calls that succeed before the device is lost */
 static PFNGLMAPBUFFERRANGEPROC real_MapBufferRange;
 static PFNGLUNMAPBUFFERPROC real_UnmapBuffer;
 
@@ -1685,7 +1698,8 @@ int main(void)
         RUN(depths_and_ids);
         RUN(depths_and_ids_without_shader);
         RUN(depths_and_ids_refused);
-        if (!strcmp(port->name, "EGL")) {      /* OSMesa implements desktop OpenGL, not OpenGL ES */
+        /* with OSMesa the tests are left out, since OSMesa has desktop OpenGL, not OpenGL ES */
+        if (!strcmp(port->name, "EGL")) {
             RUN(compute_target);
             RUN(compute_target_over);
             RUN(compute_target_meshes);

@@ -52,13 +52,13 @@ static void put_component(int type, int normalized, double value)
     bin_size += (size_t)size[type - BYTE];
 }
 
-/* Adds `gap` bytes of padding after each element of an accessor. */
+/* Adds an accessor with values to the .glb. `gap` is the number of padding bytes after each element. */
 static void add(const char *name, int components, int type, int normalized, int gap, const double *values)
 {
     static const char *const shapes[] = {"", "SCALAR", "", "VEC3", "VEC4"};
     const char *comma = accessor_count ? "," : "";
     size_t start = bin_size, element = 0;
-    bin_size += 8;   /* byteOffset is 4 in the bufferView and in the accessor */
+    bin_size += 8;   /* room before the values, since byteOffset is 4 in the bufferView and 4 in the accessor */
     for (int i = 0; i < COUNT; i++) {
         size_t at = bin_size;
         for (int c = 0; c < components; c++)
@@ -211,7 +211,7 @@ static void rotation_matrix(double x, double y, double z, double w, double m[3][
     memcpy(m, made, sizeof made);
 }
 
-/* covariance = m diag(s)^2 m^T */
+/* Computes the covariance m diag(s)^2 m^T of a Gaussian with axes m and sigmas s. */
 static void covariance(double m[3][3], const double s[3], double c[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -227,7 +227,8 @@ static void multiply(double a[3][3], double b[3][3], double c[3][3])
             c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* Colour by the section "Calculating color" of KHR_gaussian_splatting, for SH degrees 1 to 3. */
+/* Evaluates the view-dependent colour from the SH of degrees 1 to 3, by the section "Calculating color" of
+   KHR_gaussian_splatting. */
 static double colour(const double k[15], const double d[3])
 {
     double x = d[0], y = d[1], z = d[2];
@@ -256,7 +257,7 @@ static void check_colours(const fxs_gaussian *g, int i, double turn[3][3], doubl
     }
 }
 
-/* Expects Gaussians moved by x -> m x + shift in glTF's frame. turn: the rotation in m. */
+/* Checks Gaussians that were moved by x -> m x + shift in glTF's coordinate system. turn: the rotation in m. */
 static void check_gaussians(const fxs_gaussian *g, double m[3][3], const double shift[3], double turn[3][3],
                             double tolerance)
 {
@@ -345,7 +346,7 @@ static void extreme_values(void)
     CHECK(out[0].scale[1] == 0 && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
-/* Drafts of KHR_gaussian_splatting store SCALE as logarithms. */
+/* Reads SCALE as logarithms, which drafts of the glTF extension KHR_gaussian_splatting store. */
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {
@@ -372,7 +373,8 @@ static void log_scales(void)
         check_gaussians(out, identity, nowhere, identity, 1e-5);
         CHECK(info.log_scales);
     }
-    for (int below = 1; below <= 2; below++) {   /* with two of five scales negative, scales are logarithms */
+    /* with only one negative scale, scales are linear; with two of five, they are logarithms */
+    for (int below = 1; below <= 2; below++) {
         add_all(0);
         clear();
         for (int i = 0; i < below; i++)
@@ -388,7 +390,8 @@ static void log_scales(void)
     }
 }
 
-/* SCALE 0 to 2 could be linear. Another primitive proves logarithms for the whole file. */
+/* Two primitives in a file. SCALE from 0 to 2 in one could be linear. The negative SCALE of the other proves
+   logarithms for the whole file. */
 static void log_scales_of_a_file(void)
 {
     static char whole[MAX_TEXT];
@@ -464,7 +467,8 @@ static double srgb(double c)
 
 static fxs_gaussian plain[COUNT];
 
-/* Small SH coefficients scale with the slope of the sRGB curve. */
+/* Checks colours that are converted from linear light to sRGB. SH coefficients scale with the slope of the sRGB
+   curve at the Gaussian's colour. */
 static void check_srgb(int degree)
 {
     static const double sh_0 = 0.28209479177387814;
@@ -774,7 +778,8 @@ static void opacities_out_of_range(void)
           out[3].opacity == -20 && out[4].opacity == 20);
 }
 
-/* Replaces two positions by a sparse accessor. Without a base, all other positions are 0. */
+/* Makes a .glb that replaces two positions by a sparse accessor. Without a base (has_base 0), all other
+   positions are 0. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)
 {
     char text[256];
@@ -877,7 +882,8 @@ static void quantized_positions(void)
 
 static void faulty_text(void)
 {
-    static const char *const cases[][3] = {   /* a text of the file, its replacement, the expected message */
+    /* each case: a text of the file, the text that replaces it, the expected error message */
+    static const char *const cases[][3] = {
         {"\"2.0\"", "\"1.0\"", "not glTF 2"}, {"\"version\"", "\"verzion\"", "not glTF 2"},
         {"\"scenes\":[", "\"scenes\":[,", "bad JSON"},
         {"\"scenes\"", "\"scanes\"", "no primitive with KHR_gaussian_splatting"},
@@ -986,7 +992,8 @@ static void faulty_containers(void)
     }
 }
 
-/* The .ply has z up. 3D Tiles map glTF's y up to z up by (x, y, z) -> (x, -z, y). */
+/* Compares a real scene as .gltf with its .ply, which has z up. 3D Tiles map glTF's y up to z up by (x, y, z) ->
+   (x, -z, y). */
 static void real_scene(void)
 {
     const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";

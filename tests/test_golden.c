@@ -28,34 +28,37 @@ typedef struct golden {
     {.size = sizeof(fxs_options), .cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
 
 static const golden cases[] = {
-    /* Stages project and shade: SH degree 3 on an object. Stage blend: opaque surfaces, early out. */
+    /* Tests projection and shading: SH degree 3 on an object. Tests blending: opaque surfaces, where pixels end
+       early. */
     {"knot", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 240, 135, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 17, 19, 27)},
-    /* Stage shade: SH degree 1 of 3. */
+    /* Tests shading: SH of degree 1 only, from a scene with degree 3. */
     {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, RGBA8, OPTIONS(MAHALANOBIS, 1, 0, 0, 0)},
-    /* Stages bin and blend: the square cut-off of Kerbl et al. instead of the elliptical cut-off. */
+    /* Tests tile lists and blending with the square cut-off of Kerbl et al. instead of the elliptical cut-off. */
     {"knot-square", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 120, 68, 0,
      RGBA8, OPTIONS(SQUARE, 3, 17, 19, 27)},
-    /* Stage project: opacity compensated for the dilation, Gaussians smaller than a pixel. */
+    /* Tests projection: opacity compensated for the dilation, Gaussians smaller than a pixel. */
     {"knot-antialiased", "knot", 30000, {3, -9, -40}, {0, 0, 0}, 20, 96, 64, 1,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 40, 40, 40)},
-    /* Stage project: depths from near to far, culling at the edges. Stage sort: 150,000 keys. */
+    /* Tests projection: depths from near to far, culling at the edges. Tests sorting: 150,000 keys. */
     {"landscape", "landscape", 150000, {4.6, -1.9, -12.7}, {0, -2.2, 0}, 52, 256, 144, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 153, 189, 230)},
-    /* Stages project and bin: thin Gaussians of 1:1000 at all angles, thinner than a pixel. */
+    /* Tests projection and tile lists: thin Gaussians of 1:1000 at all angles, thinner than a pixel. */
     {"needles", "needles", 20000, {0, -2, -11}, {0, 0, 0}, 50, 200, 150, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 25, 25, 30)},
-    /* Stage blend: deep translucent overlap, small weights. Stage resolve: coverage, premultiplied alpha. */
+    /* Tests blending: many translucent layers, small weights. Tests conversion to bytes: coverage, premultiplied
+       alpha. */
     {"fog-coverage", "fog", 5000, {0, -1, -12}, {0, 0, 0}, 45, 160, 90, 0,
      FXS_FORMAT_RGBA8_COVERAGE, OPTIONS(MAHALANOBIS, 3, 0, 0, 0)},
-    /* Stage sort: splats of equal depth keep the scene's order. Stage blend: tiles that become opaque. */
+    /* Tests sorting: splats of equal depth keep the scene's order. Tests blending: tiles that become opaque. */
     {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, RGBA8, OPTIONS(MAHALANOBIS, 0, 0, 0, 0)},
-    /* Stage project: Gaussians from below a pixel to larger than the picture, partial tiles. */
+    /* Tests projection: Gaussians from below a pixel to larger than the picture, tiles cut by the picture's
+       edge. */
     {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 255, 255, 255)},
-    /* Stage project: camera inside the scene with a very wide view. Tests the near plane, clamped slopes and huge
+    /* Tests projection: camera inside the scene with a very wide view, near plane, clamped slopes x/z, huge
        Gaussians. */
     {"inside", "knot", 30000, {0.4, 0.3, 0.2}, {1.5, 0.9, 2}, 140, 160, 120, 0,
      RGBA8, OPTIONS(MAHALANOBIS, 3, 90, 60, 30)},
-    /* All stages: a picture of one pixel. */
+    /* Tests a picture of one pixel. */
     {"pixel", "fog", 500, {0, 0, -8}, {0, 0, 0}, 20, 1, 1, 0, RGBA8, OPTIONS(MAHALANOBIS, 2, 10, 200, 100)},
 };
 

@@ -17,17 +17,17 @@ static const fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3,
 
 #define UNTOUCHED 0xbeef
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-enum { COMMAND, DATA, WAIT };              /* kinds of events on the bus */
+enum { COMMAND, DATA, WAIT };              /* kinds of events that the driver causes on the bus to the display */
 enum { MIRROR_Y = 0x80, MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };
 
 typedef struct model {
     uint16_t memory[LONG_SIDE][SHORT_SIDE];
-    const char *fault;                     /* the first fault that the model found, or null */
-    uint32_t now, reset_at, awake_at;      /* times in milliseconds */
+    const char *fault;                     /* text of the first fault that the model of the display found, or null */
+    uint32_t now, reset_at, awake_at;      /* times in milliseconds: now, of the last reset, of the last wake-up */
     int is_reset, is_awake, is_on;
     uint8_t command, data[4], access, format;
-    uint32_t count;                        /* number of data bytes since the last command */
-    int32_t window[2][2], at[2];           /* first and last column and page of the window; next pixel */
+    uint32_t count;                        /* number of data bytes since the last command byte */
+    int32_t window[2][2], at[2];   /* window: first and last column and row for pixels; at: place of the next pixel */
     uint64_t pixels;
 } model;
 
@@ -183,14 +183,13 @@ static void take(model *m, uint8_t kind, uint8_t byte)
         take_data(m, byte);
 }
 
-/* Columns run right to left on the glass and the colour filters begin with blue, so both orientations of the panel
-   need BGR. */
+/* Returns the pixel that a viewer sees at x, y. Columns of the display's memory run right to left on the glass. */
 static uint16_t seen(const model *m, int32_t x, int32_t y, int upright)
 {
     return upright ? m->memory[y][SHORT_SIDE - 1 - x] : m->memory[x][y];
 }
 
-/* pixels: RGB565, low byte first. */
+/* True if the display shows the picture. pixels: RGB565, low byte first. */
 static int shows(const model *m, const unsigned char *pixels, int32_t width, int32_t height)
 {
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
@@ -205,7 +204,8 @@ static int shows(const model *m, const unsigned char *pixels, int32_t width, int
     return !differing;
 }
 
-/* A bus with optional DMA. The DMA reads pixels as late as possible. */
+/* A bus to the display, with optional DMA. The DMA reads pixels as late as possible, to find buffers that are
+   changed too early. */
 typedef struct bus {
     model *model;
     int dma;

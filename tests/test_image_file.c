@@ -152,7 +152,7 @@ static void qualities(void)
     }
 }
 
-/* Colours follow BT.709. Levels may round up or down. */
+/* Checks a frame of a .y4m film: colours by BT.709, rounded to a nearest level. */
 static void frames_of_films(void)
 {
     fxs_encoded frame = {0};
@@ -169,8 +169,8 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* the second frame reuses the memory of the
-                                                                           first */
+    /* the encoder reuses the memory of the first frame */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);
     fxs_encoded_free(&frame);
 
     static const struct {
@@ -354,7 +354,7 @@ static const struct {
     const uint8_t *bytes;
     size_t size;
     int grey;
-    uint32_t hash;                 /* hash of the pixels, equal on all machines */
+    uint32_t hash;                 /* expected hash of the decoded pixels, equal on all machines */
 } jpegs[] = {
     {baseline_jpeg, sizeof baseline_jpeg, 0, 0xa65fd5fe},
     {progressive_jpeg, sizeof progressive_jpeg, 0, 0xa65fd5fe},
@@ -423,7 +423,7 @@ static void put_cmyk(J_COLOR_SPACE space, int is_adobe, const uint8_t values[4])
     free(bytes);
 }
 
-/* Adobe stores inverted CMYK and YCCK. Plain CMYK is not inverted. */
+/* Reads CMYK and YCCK JPEGs. Adobe stores both inverted. Plain CMYK is not inverted. */
 static void cmyk(void)
 {
     static const uint8_t stored[4] = {200, 100, 50, 180}, inks[4] = {55, 155, 205, 75};
@@ -448,7 +448,7 @@ static void cmyk(void)
 static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
 {
     uint8_t changed[sizeof baseline_jpeg];
-    size_t at = 2;                 /* offset of the first JPEG segment */
+    size_t at = 2;                 /* byte offset of a JPEG segment; starts at the first segment */
     memcpy(changed, baseline_jpeg, sizeof changed);
     while (changed[at + 1] != marker)
         at += 2 + (size_t)(changed[at + 2] << 8 | changed[at + 3]);
@@ -459,11 +459,12 @@ static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_
 static void bad_jpeg(void)
 {
     uint8_t most[16];
-    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* changes the size of the JPEG to 8192 x 8192 pixels */
+    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* sets the size in the JPEG header to 8192 x 8192 pixels */
     check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
-    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* changes the chroma subsampling factors to 3 x 2 and 2 x 1 */
+    /* sets the chroma subsampling factors in the JPEG header to 3 x 2 and 2 x 1 */
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);
     check_unreadable("a.jpg", "Fractional sampling not implemented");
     put_changed_jpeg(0xc0, 9, "\4", 1);
     check_unreadable("a.jpg", "Bogus marker length");
@@ -495,7 +496,7 @@ static void damaged_jpeg(void)
     remove(in_folder("a.jpg"));
 }
 
-/* The grey JPEG has 8 x 8 pixels and repeats its mean in many scans of 11 bytes. */
+/* Reads a grey JPEG of 8 x 8 pixels that repeats its mean in many scans of 11 bytes. */
 static void scans(void)
 {
     static const uint8_t frame[] = {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
@@ -541,7 +542,8 @@ static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_
     return put_word(to + 4 + size, crc32(0, to, (uInt)size + 4));
 }
 
-/* rows: rows of the .png with their filter bytes. palette: chunks before the data, or null. */
+/* Writes a .png. rows: rows of pixels, each after its filter byte. palette: .png chunks before the pixels, or
+   null. */
 static void put_png(const char *name, const uint8_t header[13], const uint8_t *palette, size_t palette_size,
                     const uint8_t *rows, size_t size)
 {
@@ -589,7 +591,8 @@ static void png_kinds(void)
         {16, 6, {0, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7, 9, 8, 9}, {1, 2, 3, 4, 5, 6, 7, 8}, 17},
         {8, 3, {0, 0, 1}, {10, 20, 30, 100, 40, 50, 60, 0}, 3},
         {2, 3, {0, 0x80}, {70, 80, 90, 255, 10, 20, 30, 100}, 2},
-        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* a colour index beyond the end of the palette */
+        /* pixels with a colour index beyond the end of the palette */
+        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const uint8_t header[13] = {0, 0, 0, 2, 0, 0, 0, 1, kinds[i].depth, kinds[i].kind, 0, 0, 0};
@@ -606,7 +609,8 @@ static void png_kinds(void)
     remove(in_folder("a.png"));
 }
 
-/* An interlaced picture has seven parts with their own rows. */
+/* Returns the number of bytes of a .png's rows before compression. An interlaced picture has seven parts with
+   their own rows. */
 static size_t row_bytes(int side, int depth, int interlaced)
 {
     static const int parts[8][4] = {{0, 0, 1, 1}, {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4},
@@ -664,7 +668,8 @@ static void little_for_much(void)
     remove(in_folder("a.png"));
 }
 
-/* wrong: added to the checksum of a .png chunk. */
+/* Writes a .png with an additional chunk of `size` bytes. wrong: number that is added to the checksum of the
+   chunk. */
 static void put_chunked(const char *type, size_t size, int wrong)
 {
     static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
@@ -716,13 +721,14 @@ static void metrics_equal(void)
     make_image(0);
     memcpy(other, image, sizeof image);
     for (int i = 3; i < 4 * PIXELS; i += 4)
-        other[i] = random_byte();   /* the metrics ignore alpha */
+        other[i] = random_byte();   /* changes only alpha, which the metrics must ignore */
     CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
     CHECK(metrics.mse == 0 && isinf(metrics.psnr) && metrics.psnr > 0 && metrics.largest == 0);
     CHECK(near(metrics.ssim, 1));
 }
 
-/* Images of one colour have zero variances, so SSIM = (2 a b + c1) / (a^2 + b^2 + c1). */
+/* Compares two pictures of one colour each, a and b. Their variances are 0, so SSIM = (2 a b + c1) / (a^2 + b^2
+   + c1). */
 static void metrics_flat(void)
 {
     static const int sizes[][2] = {{WIDTH, HEIGHT}, {11, 11}, {WIDTH, 4}, {1, HEIGHT}, {1, 1}, {10, 12}};
@@ -749,7 +755,7 @@ static void metrics_pixel(void)
     CHECK(metrics.ssim < 1 && metrics.ssim > 2.0 / 3);
 }
 
-/* SSIM by Wang et al. 2004, with two-dimensional weights and centred moments. */
+/* Computes the SSIM of Wang et al. 2004 for a channel, with two-dimensional weights and centred moments. */
 static double plain_ssim(int channel)
 {
     double sum = 0, c1 = 6.5025, c2 = 58.5225, total = 0, weight[11][11];

@@ -9,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"                      /* nanoseconds; results are 0 on systems without a clock */
+#define TICK "ns"   /* unit of measured times: nanoseconds; times are 0 on systems without a clock */
 #endif
 
 #include <fixsplat/internal/kernels.h>
@@ -36,7 +36,7 @@ static const struct {
 
 #define VERSIONS (sizeof versions / sizeof *versions)
 
-static fxs_kernels fast;               /* the kernels under test */
+static fxs_kernels fast;               /* table of the fast kernels under test */
 static uint64_t first_seed = 1, last_seed = CASES;
 
 static uint64_t state;
@@ -83,7 +83,7 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-/* Two copies of an output, C [0] and fast [1], each between guard bytes. */
+/* Two copies of a kernel's output, from plain C [0] and from the fast kernel [1], each between guard bytes. */
 typedef struct output {
     unsigned char *memory[2];
     size_t bytes;
@@ -92,7 +92,7 @@ typedef struct output {
 static output outputs[8];
 static size_t output_count;
 
-/* Fills both copies of an output with equal noise. skew: misalignment in bytes. */
+/* Makes both copies of a kernel's output and fills them with equal noise. skew: misalignment in bytes. */
 static output *output_new(size_t bytes, size_t skew)
 {
     output *o = &outputs[output_count++];
@@ -135,7 +135,7 @@ static void outputs_free(void)
     }
 }
 
-static packed_scene made;            /* a packed scene of one chunk */
+static packed_scene made;            /* a packed scene of one chunk (256 Gaussians) */
 static fxs_scene scene;
 static fxs_stage_view view;
 
@@ -144,7 +144,8 @@ static fxs_chunk *chunk_of(void)
     return made.chunks;
 }
 
-/* kind 0: all codes are 0, 1: maxima, 2: both, others: random. */
+/* Fills codes of a packed scene. kind 0: all codes are 0; 1: all are the largest; 2: both are mixed; others:
+   random. */
 static void fill_codes(unsigned char *row, size_t bytes, uint32_t kind)
 {
     for (size_t i = 0; i < bytes; i += 4) {
@@ -167,7 +168,7 @@ static void fill_rows(unsigned char *rows, int degree)
         rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
 }
 
-/* All byte values are valid codes in this profile. */
+/* Fills the codes of a packed scene in a profile in which all byte values are valid codes. */
 static void fill_other(unsigned char *rows, uint32_t bytes)
 {
     for (uint32_t row = 0; row < bytes / FXS_CHUNK; row++)
@@ -284,7 +285,7 @@ static void set_scale(fxs_chunk *c, int32_t scale_q16)
     c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
 }
 
-/* The chunk is 1/16 to 4096 times as wide as the picture of an orthographic camera. */
+/* Zooms an orthographic camera so that the chunk (256 Gaussians) is 1/16 to 4096 times as wide as the picture. */
 static void zoom_to_chunk(fxs_camera *camera)
 {
     const fxs_chunk *c = chunk_of();
@@ -293,7 +294,7 @@ static void zoom_to_chunk(fxs_camera *camera)
     camera->fx_q12 = camera->fy_q12 = (int32_t)fmax(1, fmin(INT32_MAX, focal_q12));
 }
 
-/* All Gaussian centres lie on the axis of an orthographic camera with any zoom. */
+/* Puts all Gaussian centres at one point on the axis of an orthographic camera with any zoom. */
 static void zoom_to_point(fxs_camera *camera)
 {
     const int64_t distance = (int64_t)1 << (one_in(4) ? 13 : one_in(2) ? 60 : 13 + below(48));
@@ -307,7 +308,8 @@ static void zoom_to_point(fxs_camera *camera)
     camera->near_q32 = 1 << 12;
 }
 
-/* Moves the camera sideways by 64 times the depth of the projection plane. */
+/* Moves the camera sideways by 64 times the depth of an orthographic camera's projection plane, or not at all.
+   Enlarges the Gaussians, so that they may still be seen. */
 static void move_off_axis(void)
 {
     fxs_chunk_view cv;
@@ -349,7 +351,8 @@ static void make_view(void)
 /* ---- The stages project and shade ------------------------------------------------------------------------------ */
 
 static uint64_t visible_total;
-static uint64_t zooms;                 /* bit i: a Gaussian was visible at zoom plane_zeros = i - 22 */
+/* bit i: a Gaussian was visible to an orthographic camera with plane_zeros = i - 22, a measure of its zoom */
+static uint64_t zooms;
 
 static void count_visible(uint32_t count, int veils)
 {
@@ -395,7 +398,8 @@ static uint32_t project_both(output *const to[4], size_t skew)
     return count[0];
 }
 
-/* Kernels pass chunks with a Gaussian that covers the whole picture to plain C. Halved sigmas avoid such Gaussians. */
+/* Compares projection. A chunk (256 Gaussians) with a Gaussian that covers the whole picture runs in plain C.
+   Such Gaussians are avoided by halved sigmas. */
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
@@ -537,7 +541,8 @@ static int32_t extreme(int32_t low, int32_t high)
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
 }
 
-/* Splat coordinates are within +-128 over the tile at (x, y), splat sizes 0.55 to 100 pixels. */
+/* Makes a random splat (projected Gaussian) of 0.55 to 100 pixels near the tile at (x, y). Over the tile, its
+   coordinates are within +-128 sigma. */
 static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
 {
     const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
@@ -813,7 +818,8 @@ typedef struct workload {
 
 static workload *bench_load;
 
-/* Chunks have 0.4 units, are 5 units away, and the focal length is 1000 pixels. Sigmas are 1 to 10 pixels. */
+/* Makes a scene to measure times. A chunk (256 Gaussians) is 0.4 units wide and 5 units away. The focal length
+   is 1000 pixels. Sigmas are 1 to 10 pixels. */
 static packed_scene bench_scene(enum fxs_profile profile)
 {
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};

@@ -5,7 +5,8 @@ enum { HEADER = 4096, SECTION = 1024, SECTIONS = 3, ROWS = 9, ROOM = 10, BLOCK_R
 
 static fxs_gaussian gaussians[ROOM], expected[ROOM];
 
-/* Sections group their Gaussians in buckets. Section 0 has buckets of 2, 2 and 1 Gaussians, section 2 of 1, 0 and 3. */
+/* A .ksplat has sections, which group their Gaussians in buckets. Section 0 has buckets of 2, 2 and 1 Gaussians,
+   section 2 of 1, 0 and 3. */
 static const struct { uint32_t count, room, bucket_size, full, partial, lengths[3]; } sections[SECTIONS] = {
     {5, 6, 2, 2, 1, {1, 0, 0}}, {0, 0, 0, 0, 0, {0, 0, 0}}, {4, 4, 7, 0, 3, {1, 0, 3}}
 };
@@ -43,7 +44,8 @@ static float put_coefficient(int level, int row, int i)
     return -2 + 5 * (float)code / 255;
 }
 
-/* The SH coefficients of a .ksplat are in blocks by degree and channel. */
+/* Returns the place of a .ksplat's SH coefficient in memory. In the file, coefficients are in blocks by degree
+   and channel. */
 static int place_of(int i)
 {
     int degree = i < 9 ? 1 : i < 24 ? 2 : 3, first = degree * degree - 1, width = 2 * degree + 1;
@@ -86,7 +88,7 @@ static void put_section_header(int level, int degree, int s)
     put_u32_at(at + 8, sections[s].bucket_size);
     put_u32_at(at + 12, sections[s].full + sections[s].partial);
     put_float_at(at + 16, 6);
-    put_u32_at(at + 20, 16);   /* bytes of a bucket: a centre and 4 bytes of padding */
+    put_u32_at(at + 20, 16);   /* size of a bucket's record: 12 bytes for a centre and 4 bytes of padding */
     put_u32_at(at + 24, BLOCK_RANGE);
     put_u32_at(at + 32, sections[s].full);
     put_u32_at(at + 36, sections[s].partial);
@@ -151,7 +153,8 @@ static void sizes(void)
         }
 }
 
-/* In a .ksplat, compression range 0 means 32767. SH bounds of 0 mean +-1.5. */
+/* Reads a .ksplat with zero fields, which mean defaults. Compression range 0 means 32767. SH bounds of 0 mean
+   +-1.5. */
 static void defaults(void)
 {
     make_file(2, 1);
@@ -194,7 +197,8 @@ static void halves(void)
     const size_t rows = HEADER + SECTIONS * SECTION + 4 + 3 * 16;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         make_file(1, 0);
-        for (size_t at = 6; at <= 12; at += 6) {   /* offsets of a scale and of a rotation component */
+        /* byte offsets in a record of a scale and of a rotation component */
+        for (size_t at = 6; at <= 12; at += 6) {
             bytes[rows + at] = (uint8_t)cases[i].bits;
             bytes[rows + at + 1] = (uint8_t)(cases[i].bits >> 8);
         }
@@ -210,7 +214,7 @@ static void halves(void)
     CHECK(read_file(gaussians, ROOM) == 0 && isnan(gaussians[0].rotation[0]));
 }
 
-/* The file may omit the unused capacity of a section. */
+/* Reads a .ksplat with unused capacity in a section, which the file omits. */
 static void room_at_the_end(void)
 {
     make_file(1, 0);

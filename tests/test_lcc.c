@@ -1,4 +1,4 @@
-/* Reads .lcc files that an encoder in this test makes: SH, levels, an environment, faults. `--write FOLDER SCENE
+/* Reads .lcc files that the test's own encoder makes: SH, levels, an environment, faults. `--write FOLDER SCENE
    [SKY]` writes a scene as FOLDER/scene.lcc. */
 #include <fixsplat/scene.h>
 
@@ -27,7 +27,8 @@ typedef struct bounds {
 static blob index_bytes, data, sh, sky_bytes;
 static fxs_gaussian made[COUNT], made_sky[SKY], out[MOST + 1];
 static int level_counts[LEVELS];
-static bounds scale_bounds[2], sh_bounds[2];   /* [0]: bounds of the cells, [1]: bounds of the environment */
+/* value ranges of the codes in the .lcc. [0]: for the cells, [1]: for the environment */
+static bounds scale_bounds[2], sh_bounds[2];
 
 static void put(blob *to, uint64_t value, int size)
 {
@@ -58,7 +59,7 @@ static void find_bounds(const fxs_gaussian *g, size_t count, bounds *scale, boun
         }
 }
 
-/* The rotation code omits the largest component of a quaternion. */
+/* Encodes a quaternion for .lcc. The code omits its largest component. */
 static uint32_t rotation_code(const float rotation[4])
 {
     uint32_t code = 0, greatest = 0;
@@ -91,7 +92,7 @@ static void put_row(blob *to, const fxs_gaussian *g, const bounds *scale)
     for (int i = 0; i < 3; i++)
         put(to, code_of(exp((double)g->scale[i]), scale->low[i], scale->high[i], 65535), 2);
     put(to, rotation_code(g->rotation), 4);
-    put(to, 0x112233445566, 6);   /* the normal, which readers of .lcc ignore */
+    put(to, 0x112233445566, 6);   /* writes a normal vector, which readers of .lcc ignore */
 }
 
 static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
@@ -103,10 +104,11 @@ static void put_sh(blob *to, const fxs_gaussian *g, const bounds *b)
             word |= (uint32_t)code_of((double)g->sh[3 * k + i], b->low[i], b->high[i], most[i]) << shift[i];
         put(to, word, 4);
     }
-    put(to, 0xffffffff, 4);       /* pads the index header to 64 bytes */
+    put(to, 0xffffffff, 4);       /* fills the SH record of a Gaussian up to 64 bytes */
 }
 
-/* Scene axes are x right, y down, z front. The axes of .lcc are x right, y front, z up. */
+/* Converts a Gaussian to the axes of .lcc (x right, y front, z up) from the axes of scenes (x right, y down, z
+   front). */
 static void to_lcc(const fxs_gaussian *from, fxs_gaussian *to)
 {
     static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}};
@@ -122,7 +124,7 @@ static void say_attribute(const char *name, const bounds *b)
         b->low[2], b->high[0], b->high[1], b->high[2]);
 }
 
-/* type: JSON text that is inserted before "attributes". */
+/* Makes the JSON text of an .lcc. type: JSON text that is inserted before "attributes". */
 static void make_meta(const char *type, int has_sh)
 {
     length = 0;
@@ -138,7 +140,8 @@ static void make_meta(const char *type, int has_sh)
     say("]}");
 }
 
-/* Level 0 of a cell has all Gaussians. Level 1 has every fourth, except in the last cell. */
+/* True if Gaussian i is in a level of a cell. Level 0 has all Gaussians of the cell. Level 1 has every fourth,
+   except in the last cell. */
 static int is_in(const fxs_gaussian *g, size_t i, int cell, int level)
 {
     const int own = (g[i].position[0] > 0) + 2 * (g[i].position[2] > 0);
@@ -247,7 +250,8 @@ static double angle_between(const float a[4], const float b[4])
     return sqrt(fmax(0, 1 - dot * dot / (norm_a * norm_b)));
 }
 
-/* Tolerances are half a code's step. A rotation of the scene mixes up to 7 SH coefficients. */
+/* Compares a read Gaussian with its original. Tolerances are half a code's step. For SH they are larger, since a
+   rotation mixes up to 7 coefficients. */
 static int is_as_made(const fxs_gaussian *g, const fxs_gaussian *from, int which, int has_sh)
 {
     const double opacity = 1 / (1 + exp(-(double)g->opacity)), made_opacity = 1 / (1 + exp(-(double)from->opacity));
@@ -329,24 +333,27 @@ static void levels(void)
     }
 }
 
-/* The axes right, front, up become right, down, front. SH of degree 1: -y, z, -x become -y', z', -x'. */
+/* Checks the change of axes from .lcc (right, front, up) to scenes (right, down, front). SH of degree 1: -y, z,
+   -x become -y', z', -x'. */
 static void axes(void)
 {
     const fxs_gaussian g = {.position = {1, -3, 2}, .scale = {-1, -2, -3}, .rotation = {1, 0, 0, 0}};
     write_scene(&g, 1, NULL, 0, 1);
-    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);   /* little-endian floats 1, 2, 3 */
+    /* the position is stored as little-endian floats 1, 2, 3 */
+    CHECK(memcmp(data.bytes, "\0\0\200\77\0\0\0\100\0\0\100\100", 12) == 0);
     CHECK(read_scene(NULL) == 1);
     CHECK(angle_between(out[0].rotation, g.rotation) < 0.0025);
     for (int i = 0; i < 3; i++)
         CHECK(fabsf(out[0].position[i] - g.position[i]) < 1e-6f && fabsf(out[0].scale[i] - g.scale[i]) < 1e-4f);
     memset(sh.bytes, 0, sh.size);
-    memcpy(sh.bytes, "\377\7", 2);   /* the first red SH coefficient is the maximum, all others are the minimum */
+    /* sets the code of the first red SH coefficient to its maximum, all others to 0 */
+    memcpy(sh.bytes, "\377\7", 2);
     sh_bounds[0] = (bounds){{0, 0, 0}, {0.5, 0, 0}};
     put_file("shcoef.bin", sh.bytes, sh.size);
     make_meta("", 1);
     put_file("scene.lcc", text, length);
     CHECK(read_scene(NULL) == 1);
-    for (int i = 0; i < 9; i++)   /* -y in the file is -z in the scene */
+    for (int i = 0; i < 9; i++)   /* the coefficient of -y in the file becomes the coefficient of -z in the scene */
         CHECK(fabsf(out[0].sh[i] - (i == 3 ? -0.5f : 0)) < 1e-6f);
 }
 
@@ -440,7 +447,7 @@ static void faulty_index(void)
     }
 }
 
-/* Cells that share Gaussians would let a small file expand to a huge scene. */
+/* Cells that share the same Gaussians are refused, since a small file could expand to a huge scene. */
 static void same_cell_again(void)
 {
     write_made(0, 1);

@@ -1,4 +1,5 @@
-/* Tests pictures rendered through lenses. Positions are compared with an independent inverse of the lens formula. */
+/* Tests pictures that are rendered through lenses with distortion. Positions are compared with an independent
+   inverse of the lens formula. */
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include "src/fit/photos/photo_pixels.h"
@@ -42,7 +43,7 @@ static double scene(double x, double y, int c)
     return 128 + 50 * sin(2 * x + c) + 50 * cos(1.5 * y - x + 2 * c);
 }
 
-static uint8_t *pictures[2];       /* [0]: the undistorted picture, [1]: the picture through the lens */
+static uint8_t *pictures[2];       /* two pictures of a scene: [0] undistorted, [1] through the lens */
 
 static void draw_cover(const fxs_view *v)
 {

@@ -78,7 +78,8 @@ static void names(void)
     make_folder("other");
     make_folder("other/sub");
     put_grey("other/a.jpg.png", WIDTH, HEIGHT, disc[1]);
-    put_grey("other/a.png", WIDTH, HEIGHT, black);         /* the mask a.jpg.png takes precedence */
+    /* black mask that must be ignored, because the mask a.jpg.png takes precedence */
+    put_grey("other/a.png", WIDTH, HEIGHT, black);
     put_grey("other/b.png", WIDTH, HEIGHT, disc[0]);
     put_grey("other/sub/c.png", WIDTH, HEIGHT, white);
     options = (fxs_photos_options){.size = sizeof(fxs_photos_options), .masks = kept_name("other"), .hold_out = 2};
@@ -128,7 +129,7 @@ static void greys(void)
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, disc[0]);
 }
 
-/* A pixel of a reduced mask counts if all contributing source pixels count. */
+/* Reduces photographs and their masks. A pixel of a reduced mask counts if all source pixels in it count. */
 static void smaller(void)
 {
     for (int resolution = 1; resolution <= WIDTH; resolution++) {
@@ -149,7 +150,8 @@ static void smaller(void)
     }
 }
 
-/* Each photograph is its own mask. Pixels that count must be white, and ignored pixels must contain some black. */
+/* Undistorts photographs and masks. Each photograph is its own mask. Pixels that count must be white, and
+   ignored pixels must contain some black. */
 static void lenses(void)
 {
     static const char *const cameras[] = {"PINHOLE 24 20 25 25 12 10", "SIMPLE_RADIAL 24 20 25 12 10 -0.2",
@@ -168,7 +170,7 @@ static void lenses(void)
                 const int is_white = photo->pixels[3 * i] == 255;
                 CHECK(is_white || !photo->mask[i]);
                 counts += photo->mask[i];
-                doubtful += is_white && !photo->mask[i];   /* pixels that undistortion rounds to white */
+                doubtful += is_white && !photo->mask[i];   /* counts ignored pixels that are white only by rounding */
             }
             if (!CHECK(counts > 0 && doubtful <= 5))
                 printf("  %s, %d: %d count, %d doubtful\n", cameras[k], resolution, counts, doubtful);
@@ -196,7 +198,7 @@ static void bad_masks(void)
     options.skip_bad = 0;
     put_file("m/masks/a.jpg.png", "P6\n24 20\n255\nxx", 15);
     check_refused("m", &options, FXS_ERR_FILE, "masks/a.jpg.png");
-    memset(dark, 1, sizeof dark);                          /* a mask with labels 0 and 1 instead of 0 and 255 */
+    memset(dark, 1, sizeof dark);                          /* a mask with the levels 0 and 1 instead of 0 and 255 */
     dark[7] = 0;
     put_grey("m/masks/a.jpg.png", WIDTH, HEIGHT, dark);
     check_refused("m", &options, FXS_ERR_FILE, "nothing is brighter than 1 of 255");
@@ -252,7 +254,7 @@ static void transforms(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* A mask and the alpha of a photograph must both count a pixel. */
+/* Photographs with a mask and with alpha. A pixel counts only if both the mask and the alpha count it. */
 static void alpha(void)
 {
     fxs_photos_options options = {.size = sizeof(fxs_photos_options), .background = {9, 9, 9}};

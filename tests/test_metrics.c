@@ -9,7 +9,7 @@
 enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
 
 static uint8_t drawn[4 * PIXELS], photograph[4 * PIXELS];
-static const uint8_t *mask;        /* the mask of the photograph; null: all pixels count */
+static const uint8_t *mask;        /* mask of the photograph, 0 for ignored pixels; null: all pixels count */
 
 static double left(void)
 {
@@ -46,7 +46,7 @@ static void maps_are_found(void)
     CHECK(isinf(left()));
     map_colours(turned);
     CHECK(isinf(left()));
-    map_colours(rounded);          /* rounding adds an error of variance 1/12 */
+    map_colours(rounded);          /* rounding to 8 bits adds an error of variance 1/12 levels^2 */
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * 12)) < 0.1);
 }
 
@@ -73,7 +73,7 @@ static void pictures_without_colours(void)
 
 static void colours_that_follow_from_each_other(void)
 {
-    double sums[5] = {0};          /* means of x, y, x^2, x y, y^2 */
+    double sums[5] = {0};          /* means over the pixels of x, y, x^2, x y, y^2 */
     for (uint64_t i = 0; i < PIXELS; i++) {
         uint8_t *at = drawn + 4 * i, *to = photograph + 4 * i;
         at[0] = random_level(i, 0, 120);
@@ -95,7 +95,7 @@ static void maps_are_cut(void)
         drawn[i] = (uint8_t)(pixel == 0 ? 0 : pixel == 1 ? 100 : 200);
         photograph[i] = (uint8_t)(pixel ? 255 : 0);
     }
-    /* The best map is the line 46.3636 + 115.9091 x / 100, clamped at 255. */
+    /* The best affine map is 46.3636 + 115.9091 x / 100 for the level x of a pixel, clamped at 255. */
     const double at[3] = {46.363636, 162.272727, 255};
     const double mean = (at[0] * at[0] + (255 - at[1]) * (255 - at[1]) + 2 * (255 - at[2]) * (255 - at[2])) / 4;
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / mean)) < 1e-4);
@@ -127,7 +127,8 @@ static void ignored_pixels_have_no_part(void)
     CHECK(fabs(affine - left()) > 1);
 }
 
-/* An ignored pixel in every 11 x 11 pixels leaves no whole SSIM window, so SSIM is undefined. */
+/* SSIM leaves out windows with an ignored pixel. An ignored pixel in every 11 x 11 pixels leaves no window, so
+   SSIM is undefined. */
 static void windows_without_ignored_pixels(void)
 {
     static uint8_t counts[PIXELS];

@@ -1,4 +1,5 @@
-/* Tests the near plane: a close view of an object must be equal at any size of the object. */
+/* Tests the near plane. A close view of an object must give an equal picture when the object is scaled together
+   with its distance. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@
 
 enum { COUNT = 20000, WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
 
-#define FLOOR 54.0                   /* minimum PSNR in dB of the packed scene against doubles */
+#define FLOOR 54.0   /* minimum PSNR in dB of the packed scene against the reference renderer in doubles */
 
 static fxs_gaussian gaussians[COUNT];
 static fxs_packed_scene packed;

@@ -1,12 +1,12 @@
-/* Compares frames of several objects with the reference renderer of the merged scene. Some must equal frames of a
-   single scene. */
+/* Compares frames of several placed objects with the reference renderer of the merged scene. Some frames must
+   have the bytes of a frame of a single scene. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #include "random_world.h"
 
-#define FLOOR 54.0                 /* minimum PSNR in dB */
+#define FLOOR 54.0                 /* minimum PSNR in dB of a frame against the reference renderer */
 enum { WIDTH = 400, HEIGHT = 260 };
 
 static const double up[3] = {0, -1, 0}, y_axis[3] = {0, 1, 0};
@@ -237,7 +237,8 @@ static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
-/* Rotates the scene by right angles, scales the scene by a power of two and moves it. The camera moves along. */
+/* Rotates an object by right angles, scales it by a power of two, and moves it. The camera moves along, so the
+   picture must stay. */
 static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn[9], int shift)
 {
     const fxs_camera before = *camera;
@@ -264,7 +265,8 @@ static void carry_exactly(fxs_object *object, fxs_camera *camera, const int turn
     }
 }
 
-/* Depths grow with the object's scale, so the frame has fewer depth bits. */
+/* Moves an object and the camera alike, which must not change the picture. Depths grow with the object's scale,
+   so the frame has fewer depth bits. */
 static void test_carried_with_the_camera(void)
 {
     int drawn = 0;
@@ -342,7 +344,7 @@ static void test_centres_on_faces_of_crops(void)
             memcpy(packed_scene_rows(&s, 0) + FXS_ROW_POSITION + 512 * k, &(uint16_t){fxs_little_16(place)}, 2);
             centre_q32 = s.chunks->origin_q32[k] + 65537 * (int64_t)place;
         }
-        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opacity code of an opaque Gaussian */
+        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;   /* sets the opacity code of the Gaussian to opaque */
         memset(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, 0, 4);     /* identity rotation */
         CHECK(!packed_scene_finish(&s));
         *(is_high ? &crop.high_q32[axis] : &crop.low_q32[axis]) = centre_q32 + (is_high ? -is_beside : is_beside);
@@ -620,7 +622,7 @@ static void test_tint_is_rounded(void)
     }
 }
 
-/* Scaled depths are right to two units of the last place. */
+/* Compares the depths of a scaled object with doubles. They must be right to two units of the last place. */
 static void test_depths_are_scaled(void)
 {
     static const uint16_t position[3];
@@ -666,7 +668,8 @@ static int render_good(uint32_t count)
                       good.bytes, 0);
 }
 
-/* Sets a bad value, expects the error and untouched pixels, and restores the value. */
+/* Puts a bad value into a request. Rendering must return the error and leave the pixels untouched. Then restores
+   the value. */
 #define REFUSES(error, place, value) do { \
         memcpy(saved, &(place), sizeof (place)); \
         (place) = (value); \
@@ -707,7 +710,8 @@ static void test_bad_objects(void)
         REFUSES(FXS_ERR_OBJECT, o->rotation_q30[i], INT32_MIN);
         REFUSES(FXS_ERR_OBJECT, o->rotation_q30[i], INT32_MAX);
     }
-    REFUSES(FXS_ERR_OBJECT, o->rotation_q30[4], -(1 << 30));      /* a reflection, not a rotation */
+    /* turns the object's rotation into a reflection, which is refused */
+    REFUSES(FXS_ERR_OBJECT, o->rotation_q30[4], -(1 << 30));
     for (int i = 0; i < 3; i++) {
         REFUSES(FXS_ERR_OBJECT, o->translation_q32[i], (INT64_C(1) << 60) + 1);
         REFUSES(FXS_ERR_OBJECT, o->translation_q32[i], INT64_MIN);
@@ -721,7 +725,8 @@ static void test_bad_objects(void)
     for (uint32_t i = 0; i < FXS_MAX_CROPS; i++)
         for (int axis = 0; axis < 3; axis++) {
             o->crop_count = i + 1;
-            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);      /* low corner above high corner of a box */
+            /* puts the low corner of a crop box above its high corner */
+            REFUSES(FXS_ERR_OBJECT, good.crops[i].low_q32[axis], 1);
         }
     o->crop_count = 1;
     REFUSES(FXS_ERR_ARGUMENT, o->crops, 0);

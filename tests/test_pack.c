@@ -1,5 +1,5 @@
-/* Packs scene files, and checks the losses, bytes and order of each profile. A chunk is 256 Gaussians of a packed
-   scene. */
+/* Packs scene files. Checks the losses, bytes and order of Gaussians of each profile. A chunk is 256 Gaussians
+   of a packed scene. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -71,9 +71,9 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
 static enum fxs_profile profile;
 static const fxs_allocator *allocator;
 static size_t bytes_said;
-static uint32_t held;                  /* chunks kept in memory for their SH codes; 0: chosen by fxs_pack */
+static uint32_t held;   /* number of chunks whose SH codes are kept in memory while packing; 0: fxs_pack chooses */
 
-/* threads 0: no pool. */
+/* Opens a scene file and packs it with a pool of `threads` threads. threads 0: without a pool. */
 static int pack_with(const char *name, uint32_t threads, const fxs_progress *progress)
 {
     fxs_scene_file *file;
@@ -195,7 +195,7 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
     }
 }
 
-/* Packed values agree with the source within half a quantisation step. */
+/* Packs a scene and checks that packed values agree with the source within half a quantisation step. */
 static void check_packed(size_t count, int sh_degree)
 {
     fxs_scene scene = pack(count, sh_degree);
@@ -296,7 +296,7 @@ static int inner_is(const double low[3], const double high[3], double tolerance)
     return same;
 }
 
-/* The box holds two objects of 3 % and 1 % of the Gaussians, and excludes floaters. */
+/* Tests the scene's inner box. It must hold two objects of 3 % and 1 % of the Gaussians and exclude floaters. */
 static void test_inner_bounds_hold_an_object(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -321,7 +321,8 @@ static void test_inner_bounds_hold_an_object(void)
     }
 }
 
-/* Sparse surroundings reach to 100 times the object's size. They must not enlarge the scene's inner box. */
+/* Tests the scene's inner box. Sparse surroundings that reach to 100 times the object's size must not enlarge
+   it. */
 static void test_inner_bounds_in_surroundings(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -411,7 +412,8 @@ static void test_sh_steps_up_to_the_limit(void)
         }
 }
 
-/* Residuals of an SH palette are coded as odd numbers from -7 to 7. */
+/* Checks that all codes of SH are used. The difference from an SH palette's entry is coded as an odd number from
+   -7 to 7. */
 static void test_every_residual_code_serves(void)
 {
     uint32_t uses[8] = {0}, all = 0;
@@ -492,7 +494,8 @@ static void test_dropped(void)
     fxs_packed_scene_free(&packed);
 }
 
-/* The dropped share weighs each Gaussian by opacity times the area of its two largest axes. */
+/* Checks the reported share of dropped Gaussians. A Gaussian is weighed by opacity times the area of its two
+   largest axes. */
 static void test_share_of_what_is_dropped(void)
 {
     make_gaussians(100);
@@ -528,7 +531,7 @@ static double packed_scale(const fxs_scene *scene, uint32_t axis)
     return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
 }
 
-/* Scales are clamped: a thin axis to the range of the codes, a large axis to the format's maximum. */
+/* Checks how packing clamps scales: a thin axis to the range of the codes, a large axis to the format's maximum. */
 static void test_axes_are_held(void)
 {
     static const float cases[][2][3] = {
@@ -566,7 +569,8 @@ static void test_needles_in_a_chunk(void)
     CHECK(rms[1] < 2.3 * rms[0]);
 }
 
-/* A Gaussian beyond the position range is moved closer and shrunk, so that its size seen from the origin stays. */
+/* A Gaussian beyond the range of packed positions is moved closer and shrunk. Seen from the origin, its size
+   stays. */
 static void test_far_ones_are_brought_in(void)
 {
     static const float axis[3] = {1, -0.5f, 0.25f};
@@ -665,7 +669,7 @@ static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degr
         note_loss(5, d->sh[k] - (double)g->sh[k]);
 }
 
-/* Compares the reported losses with losses of values decoded by docs/format.md. */
+/* Compares the losses that packing reports with losses of values decoded by docs/format.md. */
 static void check_loss(size_t count, int sh_degree)
 {
     fxs_scene s = pack(count, sh_degree);
@@ -707,7 +711,7 @@ static int is_near(double x, double expected)
     return fabs(x - expected) <= 2e-6 * fmax(1, fabs(expected));
 }
 
-/* Any changed byte of the file is detected. */
+/* Reads a packed scene back as a scene file. A change of any byte of the file must be detected. */
 static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
 {
     static fxs_gaussian read[1000];
@@ -807,7 +811,8 @@ static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
     return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
 }
 
-/* Of several opacity codes, a chunk gets the finest that covers its largest opacity. */
+/* Opacity codes have several ranges. A chunk (256 Gaussians) gets the finest range that covers its largest
+   opacity. */
 static void test_faint_chunks_get_fine_steps(void)
 {
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
@@ -826,7 +831,8 @@ static void test_faint_chunks_get_fine_steps(void)
     }
 }
 
-/* Squared opacity errors are weighed by 1/opacity, so in a half-opaque chunk the faint half decides. */
+/* Packing minimises squared opacity errors, weighed by 1/opacity. In a chunk with half its Gaussians opaque, the
+   faint half decides the opacity range. */
 static void test_faint_half_decides_on_the_law(void)
 {
     make_gaussians(256);
@@ -847,7 +853,7 @@ static void test_offsets_of_codes(void)
         }
 }
 
-/* An SH palette has the most entries that keep the scene within its bytes for each Gaussian. */
+/* An SH palette must have the most entries with which the scene keeps its limit of bytes for each Gaussian. */
 static void check_entries(uint32_t count, enum fxs_profile which, int degree)
 {
     const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
@@ -933,7 +939,8 @@ static int matters(int mixture, double scale, double opacity)
     return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
 }
 
-/* Returns the squared sum of the SH errors of a chunk from Gaussian `first` on. */
+/* Returns the squared length of the summed SH errors over a chunk (256 Gaussians) that starts at Gaussian
+   `first`. */
 static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
 {
     double sums[9] = {0}, square = 0;
@@ -948,7 +955,8 @@ static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mi
     return square;
 }
 
-/* The SH errors of neighbouring Gaussians cancel, so the sum over a chunk is small. */
+/* Packing chooses SH codes so that the errors of neighbouring Gaussians cancel. The sum over a chunk (256
+   Gaussians) must be small. */
 static void check_cancelling(int mixture, double most)
 {
     enum { COUNT = 8 * FXS_CHUNK };
@@ -980,7 +988,8 @@ static void test_errors_of_sh_cancel(void)
         check_cancelling(mixture, most[mixture]);
 }
 
-static int live, allocations, failing;      /* number of live memory blocks; index of the allocation that fails */
+/* live: number of allocated memory blocks; failing: index of the allocation that fails */
+static int live, allocations, failing;
 
 static fxs_sh_loss code_chunks(unsigned cpu, const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                int8_t mean[48], unsigned char *records)
@@ -1075,7 +1084,7 @@ static void test_stages_of_codes(void)
         CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
 }
 
-/* into: index of the merged Gaussian for each source Gaussian. */
+/* Merges Gaussians into at most `most` Gaussians. into: index of the merged Gaussian for each source Gaussian. */
 static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
                         fxs_merge_error *sums)
 {
@@ -1174,7 +1183,7 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(MAX_COUNT);         /* smaller scenes have minimal SH palettes */
+    make_gaussians(MAX_COUNT);         /* many Gaussians, since smaller scenes have SH palettes of minimum size */
     CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;
@@ -1245,7 +1254,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
     return entries;
 }
 
-/* Dropped Gaussians come last in the order. */
+/* Checks the order in which packing stores Gaussians. Dropped Gaussians must come last. */
 static void check_order(uint32_t count, uint32_t threads, int kind)
 {
     static unsigned char seen[MAX_COUNT];
@@ -1301,7 +1310,8 @@ static void test_likes_are_together(void)
     }
 }
 
-/* 200 of 10,184 Gaussians lie up to 2^20 units away and share 1 of the 40 chunks. */
+/* Packs 200 strays among 10,184 Gaussians, up to 2^20 units away. They must share 1 of the 40 chunks (256
+   Gaussians each). */
 static void test_strays_are_apart(void)
 {
     enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
@@ -1577,7 +1587,8 @@ static int read_changing(void *argument, uint64_t offset, void *out, size_t leng
     if (changing.reads++ < changing.changes_at)
         return 0;
     for (size_t i = 0; i + 4 <= length; i += 4)
-        if (offset + i > 2000) {       /* changes the file after some reads; new bytes include NaN and infinity */
+        /* simulates a file that changes after some reads; new bytes include NaN and infinity */
+        if (offset + i > 2000) {
             const uint32_t word = fxs_little_32(wrong[(offset + i) / 4 % 53 % 6]);
             memcpy((unsigned char *)out + i, &word, 4);
         }

@@ -33,15 +33,16 @@ static size_t memory_bytes;
 
 typedef struct bytes_source {
     const unsigned char *bytes;
-    uint64_t rate;                     /* bytes per second; 0: unlimited */
-    long reads, fail_from, fail_count; /* reads from number fail_from on fail, fail_count times */
-    int failure;                       /* the error code of failing reads */
-    int is_silent;                     /* 1: failing reads give no message */
-    int is_back;                       /* 1: failing reads succeed from now on; set atomically */
-    uint64_t lie_from, lie_to;         /* range of the corrupted bytes */
+    uint64_t rate;                     /* simulated speed of the source in bytes per second; 0: unlimited */
+    /* fail_from: number of the first read that fails; fail_count: number of failing reads */
+    long reads, fail_from, fail_count;
+    int failure;                       /* error code that a failing read returns */
+    int is_silent;                     /* 1: failing reads give no error message */
+    int is_back;                       /* 1: the source works again, so that no more reads fail; set atomically */
+    uint64_t lie_from, lie_to;         /* range of the file whose bytes the source corrupts */
     int hangs;                         /* 1: a read returns only when it is cancelled; set atomically */
     int is_hanging, cancelled, closed;
-    uint64_t most;                     /* largest number of bytes in a read */
+    uint64_t most;                     /* largest number of bytes that a read asked for */
 } bytes_source;
 
 static void hang(bytes_source *s)
@@ -117,7 +118,8 @@ static fxs_stats frame_of(const fxs_scene *scene, fxs_pager *pager, fxs_camera c
     return stats;
 }
 
-/* Renders until no chunk is missing or no chunk arrives any more. Returns the number of frames. */
+/* Renders frames until all chunks of the scene are loaded, or no more chunks arrive. Returns the number of
+   frames. */
 static int settle(fxs_pager *pager, fxs_camera camera, uint32_t budget, fxs_pager_state *state)
 {
     int frames = 0, error;
@@ -201,7 +203,7 @@ static void test_file(void)
         settle(pager, camera_on_way(7), BUDGET, &state);
         if (cut)
             CHECK(fxs_pager_turn(pager, &state, &why) == FXS_ERR_FILE && strstr(why.text, "cut short"));
-        else                                                   /* the reader still has the old file open */
+        else   /* the path names a new file, but the pager still has the old file open */
             CHECK(!fxs_pager_turn(pager, &state, &why) && !state.lost);
         fxs_pager_close(pager);
     }
@@ -257,7 +259,8 @@ static void test_large_claim(void)
     free(bytes);
 }
 
-/* Chunks with wrong checksums are given up after three attempts. Coarser chunks replace them. */
+/* The source corrupts chunks (256 Gaussians each), so that their checksums are wrong. The pager must give up
+   after three attempts. Coarser chunks replace them. */
 static void test_lies(void)
 {
     const uint64_t first = (uint64_t)(whole.rows - (unsigned char *)packed.data);
@@ -372,7 +375,7 @@ static long waits_of_thread(void)
 #endif
 }
 
-/* The source has 50 MB/s. Frames of a moving camera must not wait for the source. */
+/* Moves a camera while the source delivers 50 MB/s. Frames must not wait for the source. */
 static void test_path(void)
 {
     bytes_source s = {.rate = 50000000};

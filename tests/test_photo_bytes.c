@@ -1,11 +1,11 @@
-/* Photographs must load to the same bytes on every machine. The test needs only libjpeg-turbo, so that other
-   processors can build it. */
+/* Photographs must load to the same bytes on every machine. The test needs only libjpeg-turbo, so that it can be
+   built for other processors. */
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
 #include "src/camera/lens_warp.h"
 #include <fixsplat/system.h>
 
-/* Hash of the pixels of all photographs. */
+/* Expected hash of the pixels of all photographs. */
 #define EXPECTED 0xac8c35eeu
 
 #define EXPECTED_WARP 0x91768e01u
@@ -86,7 +86,7 @@ static void same_bytes(void)
     fxs_photos_free(&photos);
 }
 
-/* Renders through a lens, the reverse of undistortion. */
+/* Warps a picture as a lens with distortion shows it, the reverse of undistortion. */
 static void same_warps(void)
 {
     static const fxs_lens lenses[] = {

@@ -25,7 +25,7 @@ static void add_double(double value)
     add_integer(bits, 8);
 }
 
-/* Writes point i at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
+/* Writes a COLMAP points3D.bin. Point i is at (i, 2 i, 5 + i) with colour (10 i, 0, 255). */
 static void make_points_bin(uint64_t count)
 {
     add_integer(count, 8);
@@ -162,7 +162,7 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
-    /* COLMAP 3.12 adds rigs.bin and frames.bin. images.bin still has all poses. */
+    /* COLMAP 3.12 adds the files rigs.bin and frames.bin. The file images.bin still has all poses. */
     put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
     put_file("c/sparse/0/frames.bin", "", 0);
     check_colmap("c");
@@ -170,7 +170,8 @@ static void colmap(void)
     remove_file("c/sparse/0/frames.bin");
 }
 
-/* The random points must equal those of the previous set without points. */
+/* Checks the random points of a set of photographs without points. fxs_photos_random_points must make the same
+   points. */
 static void check_random_points(const fxs_photos_options *options)
 {
     fxs_message why;
@@ -192,7 +193,7 @@ static void bad_points(void)
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
     make_points_bin(3);
-    memset(text + 8 + 8 + 6, 255, 2);   /* changes x of the first point to NaN */
+    memset(text + 8 + 8 + 6, 255, 2);   /* sets the coordinate x of the first point to NaN */
     put_text("c/sparse/0/points3D.bin");
     check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: point 0 is not finite");
     for (int i = 0; i < 2; i++) {
@@ -212,7 +213,8 @@ static void bad_points(void)
     CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
     remove_file("c/sparse/0/points3D.bin");
     CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
-    /* The cameras stand at -8 to 0 on a line. Random points fill a cube of 24 units around the middle of the line. */
+    /* The cameras stand on a line at x = -8 to 0. Random points must fill a cube of 24 units around the middle
+       of the line. */
     double low[3] = {99, 99, 99}, high[3] = {-99, -99, -99};
     for (size_t i = 0; i < photos.point_count; i++)
         for (int k = 0; k < 3; k++) {
@@ -288,7 +290,8 @@ static void bad_photos(void)
 static void proportions(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* a photograph that is one pixel larger than its camera */
+    /* writes a photograph that has one row of pixels more than its camera states */
+    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);
     CHECK(!read_photos("c", &options) && photos.fit_count == 9);
     put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/4.ppm: 24 x 30 pixels, its camera has 24 x 20");
@@ -318,7 +321,7 @@ static void missing_folders(void)
     put_colmap(1);
 }
 
-/* If the only camera is held out for testing, the fit is refused. */
+/* A single camera that is held out for testing leaves no photograph to fit, which is refused. */
 static void one_camera(void)
 {
     static const uint8_t black[24 * 20 * 3];
@@ -340,7 +343,8 @@ static void one_camera(void)
     check_refused("one", &options, FXS_ERR_FILE, "every photograph of 1 would be held out");
 }
 
-/* Overlap of part i of `from` and part j of `to` equal parts of a line, in units of 1 / (from * to). */
+/* Divides a line into `from` and into `to` equal parts. Returns the overlap of part i of `from` and part j of
+   `to`, in units of 1 / (from * to). */
 static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
 {
     const int64_t low = i * to > j * from ? i * to : j * from;
@@ -394,7 +398,7 @@ static double scene(double x, double y, int c)
     return 128 + 50 * sin(4 * x + c) + 50 * cos(3 * y - 2 * x + 2 * c);
 }
 
-/* Inverts the lens formula by Newton's method. */
+/* Inverts a lens formula by Newton's method: finds the undistorted point of the point x, y. */
 static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 {
     const double step = 1e-6;
@@ -416,9 +420,9 @@ static void straighten(const fxs_lens *lens, double x, double y, double out[2])
 
 static const struct {
     const char *model;
-    fxs_lens lens;                 /* lens parameters in the order of the COLMAP model */
+    fxs_lens lens;                 /* lens parameters that the COLMAP camera model in `model` should give */
     double fx, fy, cx, cy;
-    int widens;                    /* 1: undistortion widens the view, 0: narrows the view */
+    int widens;                    /* 1: the undistorted picture shows more than the photograph, 0: it shows less */
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
@@ -455,7 +459,8 @@ static fxs_lens lens_of(size_t number)
     return lens;
 }
 
-/* Lens formulas of OpenCV ("Camera Calibration and 3D Reconstruction") and of COLMAP (src/colmap/sensor/models.h). */
+/* Distorts a point by the lens formulas of OpenCV ("Camera Calibration and 3D Reconstruction") and of COLMAP
+   (src/colmap/sensor/models.h). */
 static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
 {
     const double r = sqrt(x * x + y * y), t = atan(r), *k = l->k, *p = l->p, *s = l->s;
@@ -563,7 +568,8 @@ static void put_lens(const char *camera)
     put_text("one/cameras.txt");
 }
 
-/* Fisheye pictures of 180 degrees and more are cropped at 60 degrees from the axis. */
+/* Undistorts pictures with a field of view of 180 degrees and more. They are cropped at 60 degrees from the
+   axis. */
 static void lens_widest(void)
 {
     static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
@@ -718,7 +724,8 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for / give the same order. "a0/1" comes after "a/0", though "a0\1" comes before "a\0". */
+/* Photographs whose names have \ for / must keep the same order. Bytewise, "a0/1" comes after "a/0", but "a0\1"
+   comes before "a\0". */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -750,7 +757,8 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
-    put_ppm("w/z.ppm", 24, 20, NULL);  /* a path of another machine, of which only the file name counts */
+    /* writes the photograph z.ppm; the camera file names it with a folder of another machine */
+    put_ppm("w/z.ppm", 24, 20, NULL);
     say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
     put_text("w/transforms.json");
     said[0] = 0;
@@ -771,7 +779,7 @@ static void names_of_windows(void)
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
-    check_lens(4);                 /* leaves the photograph and its camera */
+    check_lens(4);                 /* writes the photograph and camera that the following lines use */
     const fxs_view view = photos.fit[0].view;
     const uint32_t hash = hash_of_pixels();
     say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
@@ -906,8 +914,9 @@ static void nerfstudio_parts(void)
 {
     static const struct {
         const char *lists;
-        size_t fit, held_out;      /* numbers of photographs to fit and held out, with hold_out = 8 */
-        char first, held;          /* first letters of the first photograph of each set */
+        /* expected numbers of photographs to fit and held out for testing, with hold_out = 8 */
+        size_t fit, held_out;
+        char first, held;   /* expected first letters of the first photograph to fit and of the first held out */
     } files[] = {
         {"", 4, 1, '1', '0'},
         {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
@@ -940,7 +949,9 @@ static void nerfstudio_parts(void)
     put_text("n/transforms.json");
     options.hold_out = 0;
     char said[256] = "";
-    options.left_out = left_out;   /* unused ones have cameras, so no message names them */
+    /* reports photographs without a camera; photographs outside of the lists have cameras, so they are not
+       reported */
+    options.left_out = left_out;
     options.left_out_argument = said;
     CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
@@ -993,7 +1004,8 @@ static void nerfstudio_part_faults(void)
     }
 }
 
-/* A folder of an Inria model has names without endings and points in input.ply. */
+/* Reads the folder of a model by Inria's program. Its photograph names have no endings, and its points are in
+   input.ply. */
 static void inria(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options)};
@@ -1027,7 +1039,8 @@ static void inria(void)
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image.h>
 
-/* Transparent pixels become colour * alpha + background * (1 - alpha), before averaging, rounded once. */
+/* Reads photographs with alpha. A pixel becomes colour * alpha + background * (1 - alpha), before averaging, and
+   is rounded once. */
 static void alpha(void)
 {
     const fxs_photos_options options = {.size = sizeof(fxs_photos_options), .resolution = 6,

@@ -13,7 +13,7 @@
 #endif
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(SANITIZED)
-enum { COARSE = 61 };   /* a prime stride, because builds with a sanitizer are slow */
+enum { COARSE = 61 };   /* step between tested numbers: a prime; above 1, since builds with a sanitizer are slow */
 #else
 enum { COARSE = 1 };
 #endif
@@ -25,7 +25,8 @@ static int next(int x, int stride, int last)
     return x < last && last - x < stride ? last : x + stride;
 }
 
-/* Compares round(a b / 2^15) for all b, with a b accumulated in 64 bits. */
+/* Compares fxs_mul_q15, round(a b / 2^15), with 64-bit integers for a given a and all b. Returns the differing
+   bits. */
 static unsigned row_difference(int a)
 {
     unsigned difference = 0;
@@ -68,12 +69,14 @@ static void test_coordinate(void)
     CHECK(wrong == 0);
 }
 
-/* Counts wrong results of level = coordinate^2 + base. A level may be half a unit off and saturates at the top. */
+/* Counts wrong results of a function that computes coordinate^2 + base. A result may be half a unit off and is
+   limited at the top. */
 static int64_t wrong_levels(int (*level)(int coordinate_q13, int base_q11), int base_q11)
 {
     int64_t wrong = 0;
     for (int c = -32767; c <= 32767; c++) {
-        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);   /* rounds to nearest, half up */
+        /* coordinate^2 rounded to nearest, half up */
+        int64_t twice = 2 * (((int64_t)c * c + 16384) / Q15_ONE + base_q11);
         int64_t got = level(c, base_q11);
         wrong += got != (twice > 2 * FXS_LEVEL_MAX_Q11 ? FXS_LEVEL_MAX_Q11 : twice / 2);
     }
@@ -132,7 +135,7 @@ static void test_weight(void)
             most |= t - weight;
             over |= FXS_CLEAR_Q15 - (t - weight);
         }
-    CHECK(least >= 0 && most >= 0 && over >= 0);   /* checks that no result has its sign bit set */
+    CHECK(least >= 0 && most >= 0 && over >= 0);   /* no result may be negative */
 }
 
 static void test_accumulate(void)

@@ -9,7 +9,7 @@ enum { ROWS = 3 };
 static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
 enum { ASCII, LITTLE, BIG };
 
-/* Returns a whole number that fits every type, or for real types an exact fraction. */
+/* Returns the expected value of a property in a row: a whole number that fits every type, or an exact fraction. */
 static double value_of(const char *name, int row, int is_whole)
 {
     unsigned hash = 17u * (unsigned)row + 5;
@@ -187,7 +187,8 @@ static void every_type(void)
         }
 }
 
-/* The type `ushort` means half floats. An infinite logit is read as 20. */
+/* Reads half floats, which some .ply files state as the type ushort. An infinite logit of the opacity is read as
+   20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -199,7 +200,7 @@ static void halves(void)
     enum { CASES = sizeof cases / sizeof *cases };
     fxs_gaussian gaussians[CASES + 1];
     for (int type = 0; type < 4; type++)
-        for (int wide = 0; wide < 2; wide++)   /* 1: positions have the type float */
+        for (int wide = 0; wide < 2; wide++)   /* wide 1: positions are floats, all else half floats */
             for (int encoding = LITTLE; encoding <= BIG; encoding++) {
                 size = 0;
                 put("ply\nformat %s 1.0\nelement vertex %d\n", encodings[encoding], CASES);
@@ -225,7 +226,7 @@ static void halves(void)
             }
 }
 
-/* A single ushort among floats is a half float too. 0x3555 is 0.333. */
+/* Reads a .ply with one ushort property among floats, which is a half float too. Its bits 0x3555 are 0.333. */
 static void one_half(void)
 {
     fxs_gaussian g;
@@ -283,7 +284,7 @@ static void infinite_opacities(void)
 
 /* ---- Properties under other names ---- */
 
-/* Writes a .ply of one Gaussian with all properties 1, followed by further properties "type name". */
+/* Writes a .ply of one Gaussian whose properties are all 1. The strings in `more` ("type name") add properties. */
 static void put_with(const char *const *more, const double *values, int count, int encoding)
 {
     size = 0;
@@ -330,8 +331,8 @@ static void colours(void)
     check_fails("element vertex has no property f_dc_0");
 }
 
-/* The filter f widens to sigma' = sqrt(sigma^2 + f^2). The opacity is multiplied by product(sigma) /
-   product(sigma'). */
+/* Reads a .ply with the 3D filter f of Mip-Splatting. The filter widens sigma to sigma' = sqrt(sigma^2 + f^2).
+   The opacity is multiplied by product(sigma) / product(sigma'). */
 static void filters(void)
 {
     static const char *const names[] = {"float f_dc_0", "float f_dc_1", "float f_dc_2", "float filter_3D"};
@@ -351,7 +352,8 @@ static void filters(void)
         }
 }
 
-/* A message names unused properties that affect the pictures of other programs. */
+/* Reads a .ply with unknown properties. A message must name properties that affect the pictures of other
+   programs. */
 static void unused_properties(void)
 {
     static const struct { const char *properties[4]; const char *named; } cases[] = {
@@ -382,7 +384,7 @@ static void flat_gaussians(void)
     fxs_gaussian gaussians[ROWS + 1], expected;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         fill_properties(45);
-        properties[10] = "float other";   /* renames scale_2, so that Gaussians are flat */
+        properties[10] = "float other";   /* replaces the property scale_2, so that Gaussians are flat */
         make_file(encoding, CORE + 45, 0);
         put_file(size);
         if (!CHECK(read_file(gaussians, ROWS + 1) == 0 && info.count == ROWS && info.sh_degree == 3))

@@ -132,7 +132,7 @@ static void test_meadow_has_strays_and_discs(void)
     }
 }
 
-/* Nearly all Gaussians of the scene "fence" are 5 to 40 times as long as wide. */
+/* Checks the procedural scene "fence": nearly all its Gaussians are 5 to 40 times as long as wide. */
 static void test_fence_has_needles(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("fence");
@@ -204,7 +204,7 @@ static float float_at(const unsigned char *bytes)
     return value;
 }
 
-/* f_rest of a .ply is stored channel by channel. */
+/* Compares a row of a .ply with a Gaussian. The SH coefficients f_rest of a .ply are stored channel by channel. */
 static void check_row(const unsigned char *row, const fxs_gaussian *g)
 {
     int wrong = 0;

@@ -29,19 +29,20 @@
 #include "fastest.h"
 
 #define PIXEL_FLOOR 57.0
-enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* LARGE: minimum count for a size limit */
+/* LARGE: smallest number of Gaussians with a limit of the file size */
+enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };
 typedef struct grade {
     double psnr, ssim;
 } grade;
-/* MATT: like most captures. GLOSSY: metal and varnish, with large SH. FEW: a small scene, so that the SH palette has
-   few entries. */
+/* Kinds of scenes. MATT: like most captures. GLOSSY: metal and varnish, with large SH. FEW: a small scene, so
+   that the SH palette has few entries. */
 enum { MATT, GLOSSY, FEW, KINDS };
 static const struct {
     const char *name;
     struct {
-        grade mean, worst;              /* minimum PSNR in dB */
+        grade mean, worst;              /* minimum PSNR in dB and minimum SSIM: mean of the views, worst view */
     } least[KINDS];
-    double bytes;                       /* maximum number of bytes for each Gaussian at SH degree 3 */
+    double bytes;                       /* largest number of bytes in the file for each Gaussian at SH degree 3 */
 } floors[FORMS] = {
     {"default", {{{56, 0.998}, {52, 0.996}}, {{54, 0.998}, {50, 0.996}}, {{56, 0.998}, {52, 0.996}}}, 64.1},
     {"compact", {{{53, 0.99}, {48, 0}}, {{50, 0.99}, {46, 0}}, {{53, 0.99}, {48, 0}}}, 40},
@@ -50,12 +51,12 @@ static const struct {
 };
 
 enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
-static int width = 480, height = 320;       /* size of the pictures in pixels */
+static int width = 480, height = 320;       /* width and height of the rendered pictures in pixels */
 
 typedef struct subject {
     fxs_scene_file_info info;
     fxs_packed_scene packed[FORMS];
-    double bytes[FORMS], seconds[FORMS];   /* size of the scene in bytes; CPU time of the import in seconds */
+    double bytes[FORMS], seconds[FORMS];   /* bytes: size of the packed scene; seconds: CPU time of packing */
     fxs_pack_report report;
     fxs_gaussian *gaussians;
     size_t count;
@@ -76,7 +77,8 @@ typedef struct splat_list {
     uint32_t count;
 } splat_list;
 
-/* Converts a splat (projected Gaussian). Returns 0 if the splat touches no pixel. */
+/* Converts a splat (projected Gaussian) from doubles to the renderer's fixed point. Returns 0 if the splat
+   touches no pixel. */
 static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r)
 {
     double offset = -2 * log(r->opacity), cx = r->x - 0.5, cy = r->y - 0.5;
@@ -219,15 +221,15 @@ static const char *const view_names[VIEWS] = {"close", "middle", "far", "side"};
 
 typedef struct aspect {
     double up[3];
-    double front;                          /* direction of the scene's front in degrees about the up axis */
-    double close;                          /* distance of the close view, in the units of distance[] */
-    double tilt;                           /* rotation of scene and cameras in degrees about tilt_axis */
+    double front;                          /* direction from the scene to its front, in degrees about the up axis */
+    double close;   /* distance of the first view; 1: the scene's bounding sphere fills the picture */
+    double tilt;   /* angle of the rotation of the scene and its cameras, in degrees about tilt_axis */
     int kind;
 } aspect;
 
 static const double tilt_axis[3] = {0.48, -0.36, 0.8};
 
-/* View distances are relative to the distance at which the scene's bounding sphere fills the picture. */
+/* Makes four views around a scene. Distance 1 is where the scene's bounding sphere fills the picture. */
 static int views_around(subject *s, const aspect *a)
 {
     const double distance[VIEWS] = {a->close, 0.6, 1.2, 0.5}, turn[VIEWS] = {0, -23, 11, 63}, degree = acos(-1) / 180;
@@ -281,7 +283,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_view *view)
                                .workers.count = fxs_processors()};
     fxs_context_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    context.config.kernels = kernels_for(fxs_cpu_detect());   /* fast kernels, which give the same bytes */
+    context.config.kernels = kernels_for(fxs_cpu_detect());   /* fast kernels, which give the same bytes as plain C */
 #endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
@@ -393,7 +395,7 @@ static void check_scene(const char *name, const char *path, const char *cameras,
 
 static const struct {
     const char *name, *file;
-    int cameras;                        /* 1: cameras.json is in the scene's folder */
+    int cameras;                        /* 1: the views come from cameras.json in the scene's folder */
     aspect aspect;
 } shared[] = {
     {"snowmiku", "snowmiku.ply", 1, {{0, -1, 0}, 0, 0, 0, MATT}},
@@ -423,14 +425,15 @@ static void quality_of_shared_scene(void)
 }
 
 static const struct {
-    uint64_t count;                     /* number of Gaussians; 0: the scene's default */
+    uint64_t count;                     /* number of Gaussians of a procedural scene; 0: the scene's default */
     double tilt;
     const char *size;
 } variants[] = {{0, 0, ""}, {8192, 0, " 8192"}, {8192, 37.3, " 8192"}, {50000, 71.9, " 50000"},
                 {200000, 203.1, " 200000"}};
 enum { VARIANTS = sizeof variants / sizeof *variants };
 
-/* Scenes with ground and sky are viewed from places within. Other scenes are viewed from around. */
+/* The procedural scenes to render. Scenes with ground and sky are viewed from places within (has_stands). Others
+   are viewed from around. */
 static const struct {
     const char *name;
     size_t variants;

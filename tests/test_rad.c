@@ -37,7 +37,7 @@ static const struct { const char *name; int numbers; } properties[PROPERTIES] = 
     {"child_count", 1}, {"child_start", 1}, {"sh_label", 1}
 };
 
-/* Encodings with a value range use the range -1 to 3. */
+/* Returns the value that a code in a .rad decodes to. Encodings with a value range use the range -1 to 3. */
 static double value_of(const char *encoding, int property, int row, int i)
 {
     const int code = code_of(property, row, i);
@@ -73,7 +73,7 @@ static void put_bytes_of(const char *encoding, int property, int first, int rows
             }
 }
 
-/* Writes rotations with x, y, z shorter than 1. */
+/* Writes the column of rotations of a .rad. The quaternions' vectors x, y, z are shorter than 1. */
 static void put_rotations(const char *encoding, int first, int rows)
 {
     if (strcmp(encoding, "oct88r8") == 0)
@@ -126,7 +126,7 @@ static int reads(uint64_t count)
     return CHECK(info.count == count && strcmp(info.format, "rad") == 0 && !info.antialiased);
 }
 
-/* Decodes a rotation by Spark's formulas: an octahedral axis and an angle of 0 to pi. */
+/* Decodes a .rad's rotation by Spark's formulas: an octahedral axis and an angle of 0 to pi. */
 static void expected_rotation(int row, double q[4])
 {
     int code[3];
@@ -253,12 +253,12 @@ static void palettes(void)
                     CHECK(is_near(out[row].sh[i], value, 2e-6));
                 }
     }
-    bytes[size - 8]++;                 /* damages the last column, a deflated label */
+    bytes[size - 8]++;                 /* damages the compressed last column, the SH labels */
     put_file(size);
     CHECK(read_file(out, 64) == FXS_ERR_FILE);
 }
 
-/* The children of node i are the `count` nodes from `start` on. */
+/* Makes a .rad with a level-of-detail tree. children[i]: first child and number of children of node i. */
 static void make_tree(const int (*children)[2], int count, int chunk, float alpha)
 {
     rad_begin(1);
@@ -295,7 +295,7 @@ static int has_node(int row)
     return 0;
 }
 
-/* Each entry is the first child and the number of children of a node. */
+/* A level-of-detail tree: first child and number of children of each node. */
 static const int tree[7][2] = {{1, 3}, {4, 2}, {0, 0}, {0, 0}, {0, 0}, {6, 1}, {0, 0}};
 
 static void levels(void)
@@ -319,7 +319,8 @@ static void levels(void)
     open_options.level = 0;
 }
 
-/* Opacity code 1.5 decodes to D = 3 and A = e^(8/e). The node is opaque and grows by A^(1/3). */
+/* A .rad codes opacities above 1. Code 1.5 decodes to D = 3 and A = e^(8/e). The reader makes the node opaque
+   and enlarges it by A^(1/3). */
 static void more_than_opaque(void)
 {
     static const int alone[1][2] = {{0, 0}};
@@ -342,7 +343,8 @@ static void bad_trees(void)
     }
 }
 
-/* A node with two parents is drawn once. A chain of nodes has at most 255 levels. */
+/* Reads unusual level-of-detail trees. A node with two parents is drawn once. A chain of nodes has at most 255
+   levels. */
 static void chains(void)
 {
     static int chain[600][2];
@@ -419,7 +421,7 @@ static void written_trees(void)
         count = info.count;
     }
     CHECK(count == 1);
-    open_options.level = levels - 1;       /* merged opaque leaves are more than opaque */
+    open_options.level = levels - 1;   /* level with opaque leaves merged into nodes of a coded opacity above 1 */
     write_line(MANY, 6);
     put_file(size);
     CHECK(read_file(out, 64) == 0 && out[0].opacity == 20);

@@ -1,5 +1,5 @@
-/* Renders random packed scenes. A constant hash of all frames must hold for every compiler, optimisation level and
-   processor. `test_random N` prints the hash of case N. Needs only src/. */
+/* Renders random packed scenes. A constant hash of all frames must hold for every compiler, optimisation level
+   and processor. `test_random N` prints the hash of case N. The test needs only the sources in src/. */
 #include <inttypes.h>
 
 #include "one_scene.h"
@@ -12,7 +12,7 @@
 #define EXPECTED_NEAR 0xc079978b5e3b85d8u
 #define EXPECTED_WORLDS 0x9041eca0ed934fa8u
 
-/* near: 1 for a random near plane, 0 for the default. */
+/* Renders a random frame and returns a hash of its pixels. near: 1 for a random near plane, 0 for the default. */
 static uint64_t hash_case(enum fxs_profile profile, int which, int near)
 {
     state = (uint64_t)which * 0x1234567u;

@@ -26,7 +26,7 @@ static const fxs_view front = {
     FXS_PERSPECTIVE, 0
 };
 
-/* Makes a round, half opaque, grey Gaussian with sigma 1. */
+/* Makes a round, half opaque, grey Gaussian with a sigma of 1 scene unit. */
 static fxs_gaussian gaussian_at(float x, float y, float z)
 {
     fxs_gaussian g;
@@ -56,7 +56,8 @@ static void render(const struct reference_splat *splats, size_t count, const str
 
 static void test_projected_centre_and_peak(void)
 {
-    /* x = 50 * 0.4 / 4 + 30.25 = 35.25, y = 60 * -0.6 / 4 + 22.5 = 13.5. x is 0.25 off the pixel centre. */
+    /* Projected centre of a Gaussian: x = 50 * 0.4 / 4 + 30.25 = 35.25, y = 60 * -0.6 / 4 + 22.5 = 13.5. x is
+       0.25 off the pixel centre. */
     fxs_gaussian g = gaussian_at(0.4f, -0.6f, 4);
     double rgb[64 * 40 * 3];
     for (int i = 0; i < 3; i++)
@@ -66,7 +67,8 @@ static void test_projected_centre_and_peak(void)
     CHECK(near(s.x, 35.25, 1e-6) && near(s.y, 13.5, 1e-6) && near(s.depth, 4, 0));
     CHECK(near(s.opacity, 0.5, 1e-15) && near(s.colour[1], 0.5, 1e-15));
 
-    /* A round Gaussian: a = s^2 fx^2 / z^2 (1 + (x/z)^2) + 0.3, b = s^2 fx fy / z^2 (x/z) (y/z), c like a. */
+    /* Covariance [[a, b], [b, c]] of a projected sphere of sigma s: a = s^2 fx^2 / z^2 (1 + (x/z)^2) + 0.3, b =
+       s^2 fx fy / z^2 (x/z) (y/z), c like a. */
     double variance = exp(-4);
     CHECK(near(s.a, variance * 156.25 * 1.01 + 0.3, 1e-6));
     CHECK(near(s.b, variance * 187.5 * 0.1 * -0.15, 1e-6));
@@ -80,7 +82,8 @@ static void test_projected_centre_and_peak(void)
 
 static void test_slope_is_clamped(void)
 {
-    /* x/z = 5 is clamped to (64 - 30.25) / 50 + 0.3 * 64 / 100, y/z = -6 to -22.5 / 60 - 0.3 * 40 / 120. */
+    /* The projection clamps slopes. x/z = 5 is clamped to (64 - 30.25) / 50 + 0.3 * 64 / 100. y/z = -6 is
+       clamped to -22.5 / 60 - 0.3 * 40 / 120. */
     fxs_gaussian g = gaussian_at(10, -12, 2);
     double u = 33.75 / 50 + 0.192, v = -0.375 - 0.1, variance = exp(6);
     for (int i = 0; i < 3; i++)
@@ -95,7 +98,8 @@ static void test_slope_is_clamped(void)
 
 static void test_compensation(void)
 {
-    /* variance v before and v + 0.3 after on both axes: the opacity scales by v / (v + 0.3) */
+    /* Dilation changes the variance from v to v + 0.3 on both axes. To compensate, the opacity is multiplied by
+       v / (v + 0.3). */
     fxs_view view = front;
     fxs_gaussian g = gaussian_at(0, 0, 5);
     struct reference_options options = black;
@@ -111,7 +115,7 @@ static void test_compensation(void)
 
 static void test_mahalanobis_cutoff(void)
 {
-    /* Variance 4: the pixel at distance 6 has Mahalanobis distance 3 and alpha 0.9 exp(-4.5) > 1/255. */
+    /* With variance 4, the pixel at distance 6 is at Mahalanobis distance 3. Its alpha is 0.9 exp(-4.5) > 1/255. */
     struct reference_splat s = round_splat(20.5, 4, 0.9, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0.9, 1e-15));
@@ -125,11 +129,12 @@ static void test_mahalanobis_cutoff(void)
 
 static void test_alpha_limits(void)
 {
-    /* 0.01 exp(-d2 / 2) is 1/255 at d2 = 2 ln 2.55 = 1.87. With variance 4 the distance is 2.7 pixels. */
+    /* Alpha limit of a splat with opacity 0.01: alpha 0.01 exp(-d2 / 2) is 1/255 at d2 = 2 ln 2.55 = 1.87. With
+       variance 4 the distance is 2.7 pixels. */
     struct reference_splat s = round_splat(20.5, 4, 0.01, 1);
     render(&s, 1, &black);
     CHECK(near(red_at(22, 20), 0.01 * exp(-0.5), 1e-15) && near(red_at(23, 20), 0, 0));
-    s.opacity = 0.00391;   /* alpha is 0.997 / 255, below the limit 1/255 */
+    s.opacity = 0.00391;   /* the largest alpha is 0.997 / 255, below the limit 1/255 */
     render(&s, 1, &black);
     CHECK(near(red_at(20, 20), 0, 0));
     s.opacity = 0;
@@ -142,14 +147,15 @@ static void test_alpha_limits(void)
 
 static void test_square_cutoff(void)
 {
-    /* Pixel 8, radius 8: tiles floor(0 / 16) to floor(31 / 16). Pixel 0 counts (d2 = 64 / 6.25) and pixel 16 does
-       not. */
+    /* A splat at pixel 8 with radius 8 has tiles floor(0 / 16) to floor(31 / 16) - 1. Pixel 0 counts, with
+       squared Mahalanobis distance 64 / 6.25. Pixel 16 does not count. */
     struct reference_splat s = round_splat(8.5, 6.25, 1, 1);
     render(&s, 1, &black_square);
     CHECK(near(red_at(0, 8), exp(-5.12), 1e-15) && near(red_at(8, 0), exp(-5.12), 1e-15));
     CHECK(near(red_at(16, 8), 0, 0) && near(red_at(8, 16), 0, 0));
 
-    /* A square moved by 3/4 pixel has floor(31.75 / 16) = 1. Moved by a pixel, the square touches the next tile. */
+    /* Moved by 3/4 pixel, the square around the splat ends at floor(31.75 / 16) = 1. Moved by a pixel, it
+       touches the next tile. */
     s.x = 9.25;
     render(&s, 1, &black_square);
     CHECK(near(red_at(15, 8), exp(-3.125), 1e-15) && near(red_at(16, 8), 0, 0));
@@ -163,7 +169,8 @@ static void test_square_cutoff(void)
 
 static void test_square_radius(void)
 {
-    /* variance v on both axes gives ceil(3 sqrt(v + sqrt(0.1))); fx 50 at depth 5 makes v = 100 s^2 + 0.3 = 15.9 */
+    /* Radius of a splat with variance v on both axes: ceil(3 sqrt(v + sqrt(0.1))). Focal length 50 at depth 5
+       makes v = 100 s^2 + 0.3 = 15.9. */
     fxs_view view = front;
     fxs_gaussian g = gaussian_at(0, 0, 5);
     struct reference_splat s;
@@ -179,13 +186,13 @@ static void test_layers_and_background(void)
 {
     struct reference_options options = { REFERENCE_MAHALANOBIS, 3, 0, { 0.25, 0.5, 1 } };
     struct reference_splat s[2] = { round_splat(20.5, 4, 0.5, 0.1), round_splat(20.5, 4, 0.75, 0.8) };
-    s[0].depth = 2;   /* the second splat is in front */
+    s[0].depth = 2;   /* the second splat (projected Gaussian) lies in front of the first */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.75 * 0.8 + 0.25 * 0.5 * 0.1 + 0.125 * 0.25, 1e-15));
     CHECK(near(image[3 * (20 * SIZE + 20) + 2], 0.125, 1e-15));
     CHECK(near(red_at(0, 0), 0.25, 0));
 
-    s[0].depth = 1;   /* at equal depth, the first splat is in front */
+    s[0].depth = 1;   /* of two splats at equal depth, the first is in front */
     render(s, 2, &options);
     CHECK(near(red_at(20, 20), 0.5 * 0.1 + 0.5 * 0.75 * 0.8 + 0.125 * 0.25, 1e-15));
 
@@ -195,8 +202,8 @@ static void test_layers_and_background(void)
 
 static void test_early_stop(void)
 {
-    /* Alpha 0.99 leaves transmittance 0.01, alpha 0.95 leaves 0.0005. The third splat would leave 0.000025 and is
-       not drawn. */
+    /* Four splats of one pixel. Alpha 0.99 leaves transmittance 0.01, alpha 0.95 leaves 0.0005. The third splat
+       would leave 0.000025 and is not drawn. */
     struct reference_options options = { REFERENCE_MAHALANOBIS, 3, 0, { 1, 0, 0 } };
     struct reference_splat s[4];
     for (int i = 0; i < 4; i++)
@@ -205,7 +212,7 @@ static void test_early_stop(void)
     CHECK(near(red_at(20, 20), 0.99 * 2 + 0.0095 * 3 + 0.0005, 1e-12));
 }
 
-/* Associated Legendre polynomial P_l^m with the Condon-Shortley phase, by the usual recurrences. */
+/* Computes the associated Legendre polynomial P_l^m with the Condon-Shortley phase, by the usual recurrences. */
 static double legendre(int l, int m, double z)
 {
     double low = 0, value = 1;
@@ -219,18 +226,19 @@ static double legendre(int l, int m, double z)
     return value;
 }
 
-/* Real spherical harmonic: sqrt(2) K P_l^|m| times sin(|m| phi) for m < 0, cos(m phi) for m > 0; K P_l for m = 0. */
+/* Computes a real spherical harmonic of the direction d. It is sqrt(2) K P_l^|m| times sin(|m| phi) for m < 0 or
+   cos(m phi) for m > 0, and K P_l for m = 0. */
 static double harmonic(int l, int m, const double *d)
 {
     int order = abs(m);
     double ratio = 1, phi = atan2(d[1], d[0]);
     for (int i = l - order + 1; i <= l + order; i++)
-        ratio /= i;   /* (l - |m|)! / (l + |m|)! */
+        ratio /= i;   /* the product becomes (l - |m|)! / (l + |m|)! */
     double value = sqrt((2 * l + 1) / (4 * PI) * ratio) * legendre(l, order, d[2]);
     return m == 0 ? value : sqrt(2) * value * (m < 0 ? sin(order * phi) : cos(order * phi));
 }
 
-/* Turns the camera's z axis to the unit vector d, which is not along the scene's y axis. */
+/* Rotates the camera to look along the unit vector d, which is not along the scene's y axis. */
 static void look_along(fxs_view *view, const double *d)
 {
     double length = sqrt(d[0] * d[0] + d[2] * d[2]);
@@ -281,7 +289,7 @@ static void test_spherical_harmonics(void)
     CHECK(reference_project(&dark, &front, &black, &s) == 1 && near(s.colour[0], 0, 0));
 }
 
-/* Pixel coordinates of a point in the scene. */
+/* Computes the pixel coordinates of a point in the scene. */
 static void project_point(const fxs_view *view, const double *point, double pixel[2])
 {
     double c[3] = { 0, 0, 0 };
@@ -291,7 +299,7 @@ static void project_point(const fxs_view *view, const double *point, double pixe
     pixel[1] = view->fy * c[1] / c[2] + view->cy;
 }
 
-/* Rotates v: v + 2 w (q x v) + 2 q x (q x v), for the unit quaternion w, q. */
+/* Rotates the vector v by the unit quaternion (w, q): v + 2 w (q x v) + 2 q x (q x v). */
 static void rotate(const double *quaternion, double v[3])
 {
     const double *q = quaternion + 1;
@@ -306,7 +314,8 @@ static void rotate(const double *quaternion, double v[3])
 
 static void test_covariance_against_differences(void)
 {
-    /* The image of each principal axis, by central differences of the projection; their outer products add up. */
+    /* Computes the covariance of a projected Gaussian. Each principal axis is projected by central differences.
+       The outer products of the projected axes add up. */
     fxs_view view = front;
     fxs_gaussian g = gaussian_at(2, -1, 4);
     const double direction[3] = { 0.48, -0.36, 0.8 }, quaternion[4] = { 0.5, -0.1, 0.7, 0.5 };
@@ -348,7 +357,7 @@ static void test_culling(void)
 
     fxs_gaussian g = gaussian_at(0, 0, 5);
     CHECK(is_visible(g));
-    g.opacity = -6;   /* opacity 1 / (1 + e^6) < 1/255 */
+    g.opacity = -6;   /* opacity 1 / (1 + e^6), which is below 1/255 */
     CHECK(!is_visible(g));
 }
 
@@ -359,7 +368,8 @@ static void test_bad_values_are_dropped(void)
     for (int i = 0; i < 3; i++) {
         fxs_gaussian g = good;
         float *const fields[] = { g.position, g.rotation + 2, &g.opacity, g.dc + 2, g.sh + 44, g.scale + 1 };
-        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {   /* sigma may be 0 */
+        /* the scale is bad only if NaN or +infinity, since sigma e^-infinity = 0 is valid */
+        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {
             *fields[field] = bad[i];
             CHECK(!is_visible(g));
             g = good;
@@ -369,7 +379,7 @@ static void test_bad_values_are_dropped(void)
     g.rotation[0] = 0;
     CHECK(!is_visible(g));
     g = good;
-    g.scale[0] = 3e38f;   /* the exponential of the scale overflows */
+    g.scale[0] = 3e38f;   /* sigma, the exponential of this scale, overflows */
     CHECK(!is_visible(g));
     g = good;
     g.position[0] = -3e38f;

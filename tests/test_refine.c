@@ -31,7 +31,7 @@ static float number(uint32_t *state)
     return (float)((*state = *state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
 }
 
-/* The ball has squares in two colours, and as many hidden Gaussians inside. */
+/* Makes a ball of Gaussians with a pattern of squares in two colours, and as many hidden Gaussians inside. */
 static void make(void)
 {
     uint32_t state = 3;

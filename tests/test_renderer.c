@@ -8,7 +8,7 @@
 
 enum { COUNT = 40, WIDTH = 64, HEIGHT = 48 };
 
-static uint8_t records[COUNT][32];              /* .splat records: position, sigma, RGBA, quaternion bytes */
+static uint8_t records[COUNT][32];              /* .splat records of 32 bytes: position, sigma, RGBA, quaternion */
 static uint8_t pixels[HEIGHT][WIDTH][4], again[HEIGHT][WIDTH][4];
 static fxs_message why;
 
@@ -53,7 +53,7 @@ static void the_same_from_bytes(void)
     uint8_t *room = malloc(splat->bytes + 128), *data = (uint8_t *)(((uintptr_t)room + 63) / 64 * 64);
     memcpy(data, splat->data, splat->bytes);
     CHECK(fxs_file_seal(data, splat->bytes) == 0);
-    for (int shift = 0; shift < 2; shift++) {                /* passes aligned data, then unaligned data */
+    for (int shift = 0; shift < 2; shift++) {   /* opens the scene from aligned memory, then from unaligned memory */
         memmove(data + 4 * shift, data, splat->bytes);
         CHECK(fxs_open_memory("a.fxs", data + 4 * shift, splat->bytes, &careful, &fxs, &why) == 0);
         CHECK(fxs && !strcmp(fxs->info->format, "fxs") && (fxs->data == data) == !shift);

@@ -6,7 +6,7 @@
 #include "one_scene.h"
 #include "packed_scene.h"
 
-static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
+static uint64_t seed = 88172645463325252u;   /* state of the random generator xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -118,7 +118,7 @@ static void test_open_damaged_header(void)
     GIVES(0, h->count, 512);
     GIVES(FXS_ERR_SCENE, h->count, 513);
     GIVES(FXS_ERR_SCENE, h->count, FXS_MAX_COUNT);
-    GIVES(FXS_ERR_SCENE, h->count, UINT32_MAX);      /* the number of chunks overflows to 0 */
+    GIVES(FXS_ERR_SCENE, h->count, UINT32_MAX);      /* the number of chunks (256 Gaussians each) overflows to 0 */
     CHECK(open_scene() == 0);
     free(s.bytes);
 }
@@ -149,7 +149,7 @@ static void check_chunk_ranges(fxs_chunk *c)
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, -(32 << 16) - 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, INT32_MIN);
-    GIVES(0, c->scale_step_q24, 513);                       /* largest valid step: 2^21 2^8 / 1023^2 = 513.001 */
+    GIVES(0, c->scale_step_q24, 513);   /* the largest valid step of scale codes is 2^21 2^8 / 1023^2 = 513.001 */
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, 514);
     c->scale_q16 = 32 << 16;
     GIVES(0, c->scale_step_q24, 1026);
@@ -171,7 +171,7 @@ static void check_chunk_ranges(fxs_chunk *c)
         GIVES(0, c->colour_q16[i], 64 << 16);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], (64 << 16) + 1);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], INT32_MIN);
-        GIVES(0, c->colour_step_q20[i], 131328);            /* largest valid step in Q20: 64 / 511 */
+        GIVES(0, c->colour_step_q20[i], 131328);   /* the largest valid step of colour codes is 64 / 511, in Q20 */
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], 131329);
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], UINT32_MAX);
         GIVES(0, c->sh_step_q19[i], 32767);
@@ -268,7 +268,8 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Rotation codes are the first code, the last code or 0. */
+/* Fills a chunk (256 Gaussians) with extreme codes. A rotation word is a run of ones and a run of zeros. Scale
+   codes are 0 or the largest. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);

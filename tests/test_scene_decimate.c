@@ -1,4 +1,4 @@
-/* Tests scenes with merged Gaussians: counts, the moments that a merge keeps, and errors. */
+/* Tests the reduction of a scene by merging Gaussians: their number, the moments that a merge keeps, and errors. */
 #include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include "scene_bytes.h"
@@ -16,7 +16,7 @@ static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t 
     return (long)capacity;
 }
 
-/* The discs are too faint for any merged opacity to saturate. */
+/* Makes a scene of flat Gaussians so faint that no merged opacity saturates. */
 static void make(void)
 {
     uint32_t state = 7;
@@ -80,7 +80,8 @@ static void all_stay(void)
     }
 }
 
-/* Sums over a scene of weight times: 1, position, dc, SH, and the second moments of position, w (R S S R' + x x'). */
+/* Weighted sums over the Gaussians of a scene, which merging keeps. They sum the weight, position, dc (base
+   colour), SH, and second moments w (R S S R' + x x') about the origin. */
 enum { SUMS = 1 + 3 + 3 + 45 + 6 };
 
 static void add_moments(double sums[SUMS], const fxs_gaussian *g)
@@ -141,7 +142,7 @@ static void alike_first(void)
     fxs_scene_file_close(file);
 }
 
-/* A merged opacity is at most 0.99, or the largest source opacity if that is more. */
+/* Merges opaque Gaussians. A merged opacity is at most 0.99, or the largest source opacity if that is more. */
 static void opaque(void)
 {
     for (int clear = 0; clear < 2; clear++) {

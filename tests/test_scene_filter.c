@@ -21,7 +21,7 @@ static int write_made(int sh_degree)
     return 1;
 }
 
-/* Gaussian i lies at (i, i % 10, -i) with the logit (i % 20) - 10. */
+/* Makes test Gaussians. Gaussian i lies at (i, i % 10, -i). The logit of its opacity is (i % 20) - 10. */
 static void make(void)
 {
     memset(made, 0, sizeof made);
@@ -49,7 +49,7 @@ static int open_filtered(void)
     return result;
 }
 
-/* Reads the filtered file twice, `step` Gaussians a call. Returns the number of Gaussians. */
+/* Reads the filtered scene file twice, `step` Gaussians in each call. Returns the number of Gaussians. */
 static long read_left(fxs_gaussian *out, long step)
 {
     long total = 0, n = step;
@@ -137,7 +137,8 @@ static int compare_levels(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-/* True if Gaussian i has neighbours at `sigmas` times sigma along its longest axis. */
+/* True if Gaussian i is no floater: it has enough neighbours near the point `sigmas` times sigma along its
+   longest axis. */
 static int has_neighbours(int i, double width, int sigmas)
 {
     const float *s = made[i].scale;
@@ -203,7 +204,8 @@ static void floaters(void)
     }
 }
 
-/* In a heap of 8 Gaussians each has 7 neighbours, in a heap of 9 each has 8. NaN is no floater. */
+/* Tests the floater filter. In a heap of 8 Gaussians each has 7 neighbours, in a heap of 9 each has 8. A
+   Gaussian with NaN is no floater. */
 static void floaters_of_what_is_left(void)
 {
     for (int count = 8; count <= 9; count++) {
@@ -302,7 +304,7 @@ static void make_undrawable(void)
     made[6].position[0] = -INFINITY;
     made[7].opacity = INFINITY;
     CHECK(write_made(3));
-    made[7].opacity = 20;                /* a logit of 20 counts as opaque */
+    made[7].opacity = 20;                /* replaces the infinite logit by 20, which counts as opaque */
 }
 
 static void undrawable(void)
@@ -312,7 +314,7 @@ static void undrawable(void)
     filter.drawable = 1;
     check_left(is_drawable);
     CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 2 && report.dropped.transparent == 1);
-    filter.sh_degree = 0;   /* removes an infinite SH coefficient */
+    filter.sh_degree = 0;   /* with SH degree 0, a Gaussian with an infinite SH coefficient is valid */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }

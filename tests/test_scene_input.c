@@ -6,7 +6,8 @@
 
 enum { MOST = 64 };
 
-static struct { long calls, live, fails_at; size_t largest; } memory;   /* fails_at: index of a call; -1: none */
+/* fails_at: index of the allocation that fails; -1: none */
+static struct { long calls, live, fails_at; size_t largest; } memory;
 
 static void *allocate(void *argument, size_t length)
 {
@@ -34,7 +35,8 @@ static void count_from_0(long fails_at)
     memory.fails_at = fails_at;
 }
 
-static struct { long reads, open, fails_from; } input_calls;   /* fails_from: first failing read; -1: none */
+/* fails_from: index of the first read that fails; -1: none */
+static struct { long reads, open, fails_from; } input_calls;
 
 static int read_made(void *argument, uint64_t offset, void *out, size_t length)
 {
@@ -164,7 +166,7 @@ static void links_stay_in_the_folder(void)
         write_made(folder);
         snprintf(linked, sizeof linked, "%s/%.31s", folder, files[file_count - 1].name);
         CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
-        while (strlen(linked) > strlen(folder)) {   /* first the file is a link, then its folder */
+        while (strlen(linked) > strlen(folder)) {   /* replaces the file by a link, then each folder above it */
             move_and_link(linked, outside);
             if (!CHECK(read_made_scene(BY_PATH, NULL, out) == FXS_ERR_FILE &&
                        strstr(message.text, ": leaves the folder of ")))
@@ -292,7 +294,7 @@ static void count_comes_first(void)
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0))
         return;
     CHECK(info.count == MANY && info.sh_degree == 0 && memory.largest < 100000);
-    memory.fails_at = memory.calls + 1;   /* fails the allocation after the gzip buffer */
+    memory.fails_at = memory.calls + 1;   /* fails the allocation that follows the gzip buffer's */
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_MEMORY && strstr(message.text, "out of memory"));
     memory.fails_at = -1;
     CHECK(fxs_scene_file_read(file, &one, 1, &message) == 1 && memory.largest >= MANY_BYTES);
@@ -309,7 +311,8 @@ static void count_comes_first(void)
 
 #endif
 
-static struct { int calls, stops_at; double done; } progress;   /* stops_at: call that stops; -1: none */
+/* stops_at: index of the progress callback that stops the import; -1: none */
+static struct { int calls, stops_at; double done; } progress;
 
 static int note_progress(void *argument, double done)
 {

@@ -22,7 +22,7 @@ static double random_between(double low, double high)
     return low + (high - low) * (state >> 8) / 16777216.0;
 }
 
-/* Gaussians are far apart, so that they can be identified after quantisation. */
+/* Makes test Gaussians that are far apart, so that they can be identified after quantisation. */
 static void make(int sh_degree)
 {
     state = 1;
@@ -41,7 +41,7 @@ static void make(int sh_degree)
         for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
             g->sh[k] = (float)random_between(-0.5, 0.5);
     }
-    wanted[5].opacity = -9;                  /* a Gaussian with opacity code 0 keeps its colour */
+    wanted[5].opacity = -9;   /* almost transparent, so that its opacity code is 0; it must keep its colour */
 }
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
@@ -98,9 +98,10 @@ static const fxs_gaussian *nearest(const fxs_gaussian *to)
 
 typedef struct tolerance {
     const char *ending, *format;
-    double position, scale, rotation, opacity, dc, sh;   /* rotation tolerance: 1 - cosine of half the angle */
+    /* tolerances; rotation: 1 - cosine of half the angle between two rotations */
+    double position, scale, rotation, opacity, dc, sh;
     int antialiased;
-    double finer;      /* the scale tolerance falls by this power of sigma, below sigma 1 / e */
+    double finer;      /* below sigma 1 / e the scale tolerance is multiplied by this power of sigma */
 } tolerance;
 
 static const tolerance formats[] = {
@@ -109,8 +110,8 @@ static const tolerance formats[] = {
     {".spz", "spz", 1e-6, 0.033, 1e-4, 0.002, 0.014, 0.004, 1, 0},
     {".rad", "rad", 0, 0.002, 1e-6, 0.00025, 0.0009, 0.0041, 0, 0},
     {".compressed.ply", "compressed ply", 0.0032, 0.0025, 1e-5, 0.002, 0.006, 0.0159, 1, 0},
-    /* Positions are stored as ln(1 + |x|). All other values use codebooks of 900 values. The test's SH are noise,
-       too much for a palette. */
+    /* A .sog stores positions as ln(1 + |x|). All other values use codebooks learned from 900 values. The SH of
+       this test are noise, which no palette can hold. */
     {".sog", "sog", 1e-4, 0.008, 1e-4, 0.002, 0.02, 1.02, 1, 1.25 / 3}
 };
 
@@ -147,7 +148,8 @@ static void written_and_read(void)
         }
 }
 
-/* 256 palette entries serve 300 Gaussians, so most SH are exact to their codebook. */
+/* Tests the SH of a .sog. 256 palette entries serve 300 Gaussians, so most SH have only the error of the
+   codebook. */
 static void sh_of_sog(void)
 {
     double squares = 0;
@@ -161,7 +163,7 @@ static void sh_of_sog(void)
             const double off = (double)wanted[i].sh[k] - nearest(&wanted[i])->sh[k];
             squares += off * off;
         }
-    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* the error without any SH is 0.29 */
+    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* RMS error of the SH; leaving all SH out gives 0.29 */
 }
 
 static void what_splat_cannot_hold(void)
@@ -186,7 +188,7 @@ static float float_at(size_t offset)
     return value;
 }
 
-/* Each row of the .glb has 236 bytes. Axes are y up. Rotations are x, y, z, w. */
+/* Checks the bytes of a written .glb. A Gaussian has 236 bytes. The y axis points up. Rotations are x, y, z, w. */
 static void bytes_of_glb(void)
 {
     make(3);
@@ -204,13 +206,14 @@ static void bytes_of_glb(void)
     CHECK(is_near(square, 1, 1e-6));
     CHECK(is_near((double)float_at(row + 12), exp((double)g->scale[0]), 1e-6));
     CHECK(is_near((double)float_at(row + 40), opacity_of(g), 1e-6) && float_at(row + 44) == g->dc[0]);
-    /* SH of degree 1 are y, z, x. Two of three coefficients change sign. */
+    /* The SH of degree 1 belong to y, z, x. The change of axes reverses the sign of two. */
     CHECK(float_at(row + 56) == -g->sh[0] && float_at(row + 68) == g->sh[3] && float_at(row + 80) == -g->sh[6]);
     bytes[row] = 0;
     CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
 }
 
-/* Each chunk header has 72 bytes. A chunk holds neighbours, so its box is smaller than the scene. */
+/* Checks the bytes of a compressed .ply. A chunk header has 72 bytes. A chunk (256 Gaussians) holds neighbours,
+   so its box is smaller than the scene. */
 static void bytes_of_compressed_ply(void)
 {
     make(0);
@@ -386,7 +389,8 @@ static void books(void)
         values[i] = (float)((i % 200) * (i % 200));
     CHECK(fxs_book_learn(book, values, 5000, 0) == 0);
     for (int i = 0; i < 200; i++)
-        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* a codebook has a place for each of 200 values */
+        /* 200 distinct values fit the codebook, so each is exact */
+        CHECK(book[fxs_book_find(book, values[i])] == values[i]);
     double squares = 0;
     for (int i = 0; i < 5000; i++)
         values[i] = (float)(random_between(-1, 1) * random_between(0, 1) * random_between(0, 1));
@@ -401,8 +405,9 @@ static void books(void)
         CHECK(fabsf(found - values[i]) <= best + 1e-7f);
         squares += ((double)found - values[i]) * ((double)found - values[i]);
     }
-    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* the error is below that of 256 even steps */
-    for (int i = 0; i < 5000; i++)     /* ten of the scales are large */
+    /* RMS error below 0.9 of the error of 256 evenly spaced values */
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));
+    for (int i = 0; i < 5000; i++)     /* random scales; ten of these are large */
         values[i] = (float)(i % 500 ? random_between(-8, -4) : 0.3 * i / 500);
     CHECK(fxs_book_learn(book, values, 5000, 1.25) == 0);
     for (int i = 0; i < 5000; i++)

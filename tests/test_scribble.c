@@ -14,11 +14,11 @@
 #endif
 
 enum {
-    OPEN = 4,                      /* number of accessible pages; an access may need two */
+    OPEN = 4,   /* number of pages of the scene that are accessible at once; an access may need two */
     SCENES = 3,                    /* number of scenes, one for each packing profile */
-    SEEN = 4,                      /* number of visible Gaussians of each chunk in the faint scene */
-    CHANGES = 12,                  /* number of page accesses that change the scene in a run */
-    ZONE = 1 << 20                 /* protected bytes before and after memory and pixels */
+    SEEN = 4,                      /* number of Gaussians in each chunk (256 Gaussians) that the faint scene shows */
+    CHANGES = 12,                  /* number of times that the scene changes during a run */
+    ZONE = 1 << 20                 /* protected bytes before and after the renderer's memory and the pixels */
 };
 
 typedef struct bytes {
@@ -32,14 +32,14 @@ static struct {
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    unsigned char *bright, *faint;         /* bright: the original scene; faint: most opacities are 0 */
+    unsigned char *bright, *faint;   /* bright: bytes of the original scene; faint: the same with most opacities 0 */
 } drawn;
 
 static struct {
     unsigned char *recent[OPEN];
     int oldest;
-    uint64_t touches, first, every;        /* the scene changes at access `first` and then at every `every`-th */
-    int wild;                              /* 1: the scene changes to random bytes; 0: to the bright scene */
+    uint64_t touches, first, every;   /* numbers of page accesses: so far; at the first change; between changes */
+    int wild;   /* 1: random bytes are written into the scene; 0: the bright scene is written */
 } watch;
 
 static void protect(void *start, size_t size, int how)
@@ -65,7 +65,7 @@ static void on_touch(int number, siginfo_t *info, void *context)
     unsigned char *address = info->si_addr;
     (void)context;
     if (address < drawn.data || address >= drawn.data + drawn.size) {
-        signal(number, SIG_DFL);           /* the address is outside the scene */
+        signal(number, SIG_DFL);           /* a fault outside of the scene is an error, so it may end the process */
         return;
     }
     const uint64_t touch = watch.touches++;
@@ -187,7 +187,7 @@ static void render_all(const fxs_context *context, enum call call)
         }
 }
 
-/* A write outside the memory ends the child process. */
+/* Renders in a child process while the scene changes. A write outside of the renderer's memory ends the child. */
 static void check_call(const fxs_context *context, const char *name, enum call call)
 {
     int status;
@@ -275,7 +275,8 @@ static void check_versions(enum call call)
         fxs_context_init(&context, NULL);
         check_call(&context, "c", call);
 #ifdef FXS_WITH_KERNELS
-        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* counting pairs always runs in plain C */
+        /* plain C only, since counting pairs of splats and pixels never uses other kernels */
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();
         for (unsigned flag = 1; flag <= cpu; flag *= 2)
             if (cpu & flag) {
                 context.config.kernels = kernels_for(flag);

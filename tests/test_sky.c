@@ -20,7 +20,7 @@ static fxs_fit_sky sky;
 
 static const double middle[3] = {3, -2, 7};
 
-/* Camera i looks along the horizon with a field of view of 90 degrees, from `aside` units right of the middle. */
+/* Aims camera i along the horizon with a field of view of 90 degrees, from `aside` units right of the middle. */
 static void aim(int i, double angle, double aside)
 {
     const double c = cos(angle), s = sin(angle), rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
@@ -43,7 +43,8 @@ static void paint(void)
     }
 }
 
-/* Points are 1 to 9 units away, 6 to 60 degrees below the horizon. The last 1/50 of the points are 500 units away. */
+/* Makes points on the ground: 1 to 9 units away, 6 to 60 degrees below the horizon. The last 1/50 of the points
+   are 500 units away. */
 static void lay_ground(void)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -138,7 +139,7 @@ static void is_the_same_everywhere(void)
         printf("  %016llx\n", (unsigned long long)hash);
 }
 
-/* Counts points within 1.7 degrees of straight ahead. */
+/* Counts the sky points that are found within 1.7 degrees of straight ahead. */
 static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
 {
     int n = 0;
@@ -150,7 +151,7 @@ static int ahead(size_t count, const fxs_fit_point *from, size_t point_count)
     return n;
 }
 
-/* A direction is sky if most photographs see no point in front: here 1 of 3, then 2. */
+/* A direction is sky if most of the photographs have no point in front of it: here 1 of 3, then 2. */
 static void most_photographs_decide(void)
 {
     fxs_fit_point before[2] = {{{3, -2, 17}, {0}}, {{8, -2, 17}, {0}}};
@@ -158,7 +159,7 @@ static void most_photographs_decide(void)
     CHECK(ahead(3, before, 2) == 0);
     before[1].position[1] = -7;
     CHECK(ahead(3, before, 2) > 2);
-    CHECK(ahead(2, before, 2) == 0);    /* one of two photographs is no majority */
+    CHECK(ahead(2, before, 2) == 0);    /* one of two photographs is no majority, so the direction is no sky */
 }
 
 static void masked(void)
@@ -179,7 +180,7 @@ static void masked(void)
     CHECK(!sky.count);
 }
 
-/* A point hides the sky from the third photograph. */
+/* Checks the colours of sky points. A point hides the sky from the third photograph, which must not count. */
 static void mean_colour(void)
 {
     static uint8_t shades[3][sizeof pixels];
@@ -203,7 +204,8 @@ static float *at(const fxs_fit_model *m, int plane, size_t i)
     return &m->parameters[(size_t)plane * m->stride + i];
 }
 
-/* Gaussian 0 lies within the radius of the scene, 1 at the radius. Gaussian 2 is eight times as far and as large. */
+/* Makes Gaussians near and far. Gaussian 0 lies within the radius of the scene, 1 at the radius. Gaussian 2 is
+   eight times as far and as large as 1. */
 static fxs_fit_model at_distances(void)
 {
     static const float distances[] = {1, 2, 16, 1}, sizes[] = {0.25f, 0.25f, 2, 2};
@@ -246,7 +248,8 @@ static void mean_scale(const fxs_fit_stages *stages)
     }
 }
 
-/* At eight times the distance and size, the random moves of a Gaussian are eight times as long. */
+/* Checks the random moves of a fit. A Gaussian at eight times the distance and size must move eight times as
+   far. */
 static void noise(const fxs_fit_stages *stages)
 {
     float ways[2][4];

@@ -89,7 +89,8 @@ static int coefficients(int degree)
     return degree * (degree + 2);
 }
 
-/* Gaussian 0 is opaque with scale code 0. Gaussian 1 has opacity 0. */
+/* Returns a byte of an image of the test's .sog. Gaussian 0 is opaque with scale code 0. Gaussian 1 has opacity
+   0. */
 static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
 {
     unsigned h = m->seed * 977u + (unsigned)image * 131u + (unsigned)pixel * 7919u;
@@ -106,7 +107,7 @@ static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
     return (uint8_t)(channel == 3 ? 255 : h);
 }
 
-/* WebPEncodeLosslessRGBA would change colours where alpha is 0. */
+/* Encodes a WebP losslessly. WebPEncodeLosslessRGBA is not used, since it would change colours where alpha is 0. */
 static void encode(const uint8_t *rgba, int width, int height, WebPMemoryWriter *out)
 {
     WebPConfig config;
@@ -349,7 +350,7 @@ static void every_version_and_degree(void)
 
 static const made_scene plain = {2, 1, 5};
 
-/* PlayCanvas writes the sizes and the checksum of a zip entry after its data. */
+/* Reads a .sog as PlayCanvas writes it: the sizes and the checksum of a zip entry follow its data. */
 static void zip_with_data_descriptors(void)
 {
     static uint8_t bytes[1 << 18], out[1 << 18];
@@ -385,7 +386,8 @@ static void zip_with_data_descriptors(void)
     check_scene("a.sog", &plain);
 }
 
-/* Old writers store null as the first value of a codebook. The reader extrapolates from the other values. */
+/* Old programs write null as the first value of a .sog's codebook. The reader extrapolates it from the other
+   values. */
 static void null_in_codebook(void)
 {
     fxs_gaussian gaussians[COUNT + 1];
@@ -424,7 +426,8 @@ static void tags(void)
     make(&plain);
     edit("{", "{\"model\":\"2dgs\",");
     put_folder("scene");
-    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever the third scale is */
+    /* a 2D scene: Gaussians are flat, whatever their third scale is */
+    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);
     for (int i = 0; i < COUNT; i++) {
         fxs_gaussian expected;
         expect(&plain, i, &expected);
@@ -609,12 +612,13 @@ static void faulty_zip(void)
     put_zip("a.sog", ZIP_CM_STORE);
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes), at = size - 22;
     at = zip_bytes[at + 16] | (size_t)zip_bytes[at + 17] << 8 | (size_t)zip_bytes[at + 18] << 16;
-    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* changes both sizes of the first zip entry */
+    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* changes both stated sizes of the first zip entry */
     put_file("a.sog", zip_bytes, size);
     check_fails("a.sog", "more than this file can hold");
 }
 
-static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last is the environment */
+/* scenes of the streamed SOG; the last is the environment */
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};
 
 #define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
 
@@ -679,11 +683,12 @@ static void streamed(void)
 static void nearest_level(void)
 {
     static const struct { const char *lods; int counts[5]; } cases[] = {
-        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},       /* level 2 is as near to 0 as to 4; the finer level is used */
+        /* level 2 is missing and as near to 0 as to 4, so the finer level 0 is used */
+        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},
         {"\"4\":5,\"0\":1", {1, 1, 1, 5, 5}},
         {"\"3\":4", {4, 4, 4, 4, 4}},
         {"\"1\":2,\"2\":3", {2, 2, 3, 3, 3}},
-        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present, but has no Gaussians */
+        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* level 1 is present, so it is used, but has no Gaussians */
         {"", {0, 0, 0, 0, 0}}
     };
     fxs_gaussian g[COUNT];
@@ -703,7 +708,7 @@ static void nearest_level(void)
             all_same(&chunks[0], g, 7, 7 + cases[i].counts[level]);
         }
     }
-    /* A node with children is no leaf. Its missing levels are not replaced. */
+    /* In streamed SOG, a node with children is no leaf. The missing levels of such a node are not replaced. */
     length = 0;
     say("{\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\"],\"tree\":{\"lods\":{\"1\":{\"file\":0,\"offset\":0,"
         "\"count\":5}},\"children\":[{\"lods\":{\"0\":{\"file\":0,\"offset\":5,\"count\":9}}}]}}");
@@ -763,7 +768,7 @@ static const char old_lcc2_text[] =
     "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
-/* The axes of .lcc2 have z up. */
+/* True if the Gaussians of an .lcc2 equal the rotated Gaussians of its .sog file. The axes of .lcc2 have z up. */
 static int is_turned(const made_scene *m, const fxs_gaussian *g)
 {
     for (int i = 0; i < COUNT; i++) {
@@ -889,7 +894,8 @@ static void changed_while_open(void)
     remove(in_folder("lod-meta.json"));
 }
 
-/* The .ply was converted with opacities 1e-6 off 0 and 1. */
+/* True if two Gaussians are equal, apart from opacity. The converter of the .ply moved opacities 0 and 1 by
+   1e-6. */
 static int same_but_for_ends(fxs_gaussian a, const fxs_gaussian *b)
 {
     int close = fabs(1 / (1 + exp(-a.opacity)) - 1 / (1 + exp(-b->opacity))) < 1.5e-6;

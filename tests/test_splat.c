@@ -69,7 +69,7 @@ static void flat_scene(void)
         CHECK(g[row].scale[row] == -20 && g[row].scale[(row + 1) % 3] > -1);
 }
 
-/* The covariance R S S R' does not depend on the sign of S. */
+/* Reads a .splat with negative scales S. The covariance R S S R' must not depend on their sign. */
 static void scales_below_0(void)
 {
     fxs_gaussian g[2][3];

@@ -24,12 +24,12 @@ static void fill(int version, int degree)
         }
     if (version == 1)
         for (int k = 1; k < 6 * COUNT; k += 2)
-            s.arrays[0][k] &= 0xbf;   /* clears a bit, so that the half floats are below 2 */
+            s.arrays[0][k] &= 0xbf;   /* clears a bit of each half float, so that positions are below 2 */
     s.arrays[1][0] = 0;
     s.arrays[1][1] = 255;
 }
 
-/* Returns 0 in builds without the library that compresses the .spz. */
+/* Makes the .spz in memory. Returns 0 in builds without the library that compresses it. */
 static int make(int container)
 {
     static uint8_t plain[MAX_FILE];
@@ -91,7 +91,7 @@ static void expected_rotation(int i, double q[4])
     q[largest] = sqrt(fmax(rest, 0));
 }
 
-/* sign: expected signs of x, y, z. */
+/* Checks Gaussians with axes that may point the other way. sign: expected signs of x, y, z. */
 static void check_gaussians(const double sign[3])
 {
     const fxs_gaussian *g = out;
@@ -297,7 +297,7 @@ static void damaged_gzip(void)
     fill(3, 3);
     if (!make(GZIP))
         SKIP("built without zlib");
-    for (size_t i = size - 8; i < size; i++) {   /* checksum and length of the gzip stream */
+    for (size_t i = size - 8; i < size; i++) {   /* damages each byte of the gzip stream's checksum and length */
         bytes[i] ^= 1;
         check_fails("the gzip stream is damaged");
         bytes[i] ^= 1;
@@ -350,7 +350,7 @@ static void zstd_bombs(void)
     for (size_t length = 10; length <= MAX_FILE; length *= 4) {
         fill(4, 0);
         make(ZSTD);
-        uint8_t *last = bytes + 32 + 4 * 16;     /* table entry of the array of rotations */
+        uint8_t *last = bytes + 32 + 4 * 16;   /* entry of the array of rotations in the table of compressed sizes */
         size -= *last;
         size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
         spz_put(last, compressed, 8);
@@ -415,7 +415,7 @@ static int nothing_clamped(void)
     return clamped.position == 0 && clamped.scale == 0 && clamped.dc == 0 && clamped.sh == 0;
 }
 
-/* SH of degree 1 have 5 bits, higher degrees have 4. */
+/* Writes an .spz and reads it back. By default SH of degree 1 have 5 bits and higher degrees have 4. */
 static void written_and_read(void)
 {
     const double place = is_fine ? 0x1p-22 : 0x1p-14, first = is_fine ? 1 : 8, higher = is_fine ? 1 : 16;
@@ -469,7 +469,8 @@ static void read_and_written(void)
     }
 }
 
-/* The number of fractional bits is the largest that holds the largest coordinate, up to 24. */
+/* Checks the number of fractional bits of positions. The writer chooses the most, up to 24, with which the
+   largest coordinate fits. */
 static void chosen_bits(void)
 {
     static const struct { float largest, second; int bits; uint32_t beyond; } cases[] = {
@@ -509,7 +510,8 @@ static void far_ones_are_brought_in(void)
     }
 }
 
-/* y and z change sign in the file. A clamped Gaussian is counted once. */
+/* Writes values that an .spz cannot hold, which are clamped. y and z change sign in the file. A clamped Gaussian
+   is counted once. */
 static void written_extremes(void)
 {
     const float far[COUNT] = {1e30f, -1e30f, 3, 1.5f, -0.999f, -3.4f, 0};
@@ -527,7 +529,8 @@ static void written_extremes(void)
     CHECK(out[6].rotation[0] == 1);
 }
 
-/* A thin axis counts as clamped only if the Gaussian's largest axis is below e^9 times the written size. */
+/* Writes flat Gaussians. A thin axis that is clamped counts only if the Gaussian's largest axis is below e^9
+   times the written size. */
 static void written_discs(void)
 {
     static const float largest[COUNT] = {4, 0, -0.9f, -1.2f, -9, -11, 5};
@@ -548,7 +551,8 @@ static void asked_axes(void)
     uint8_t record[16];
     for (uint32_t system = 3; system <= 6; system += 3)
         for (int axes = FXS_AXES_OF_FILE; axes <= FXS_AXES_RDF; axes++) {
-            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* axis systems RDF and LUB */
+            /* expected signs of x, y, z if the .spz states the axes RDF or LUB */
+            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};
             fill(3, 3);
             s.flags = 2;
             s.extensions = record;

@@ -15,7 +15,7 @@
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
 
-static uint64_t seed = 88172645463325252u;   /* xorshift64 (Marsaglia 2003) */
+static uint64_t seed = 88172645463325252u;   /* state of the random generator xorshift64 (Marsaglia 2003) */
 
 static uint32_t bits(void)
 {
@@ -36,9 +36,9 @@ static double uniform(double low, double high)
 }
 
 typedef struct recipe {
-    double reach;                   /* Gaussian centres lie within +-reach scene units */
+    double reach;   /* largest distance of Gaussian centres from the origin on each axis, in scene units */
     double sigma_low, sigma_high;   /* range of log2(sigma) of random Gaussians */
-    int needle;                     /* 1: one axis at sigma_high, two axes at sigma_low */
+    int needle;   /* 1: Gaussians are needles, with one axis at sigma_high and two axes at sigma_low */
     int opacity_low, opacity_high;  /* range of the opacity codes of random Gaussians */
 } recipe;
 
@@ -80,7 +80,7 @@ static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 static uint32_t scale_word(const recipe *r)
 {
     uint32_t word = 0;
-    for (int i = 0; i < 3; i++) {        /* packing stores the longest axis of a Gaussian first */
+    for (int i = 0; i < 3; i++) {        /* scale codes: packing stores the longest axis of a Gaussian first */
         double code = r->needle ? (i == 0 ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
         word |= i < 2 ? (uint32_t)code << 10 * i : (uint32_t)code / 2 << 20;
     }
@@ -173,7 +173,7 @@ static struct {
     fxs_splat splats[MAX_COUNT];
     fxs_bounds bounds[MAX_COUNT];
     uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
-    fxs_key keys[MAX_COUNT];       /* keys in ascending order of depth */
+    fxs_key keys[MAX_COUNT];       /* keys of the splats (projected Gaussians) in ascending order of depth */
 } all;
 
 static void sort_keys(void)
@@ -205,7 +205,7 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     project_chunks(scene);
 }
 
-/* Projects all chunks within 255 times their depth of the camera's axis. */
+/* Projects all chunks (256 Gaussians each) up to 255 times their depth beside the camera's axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
     CHECK(one_view_init(&all.view, scene, camera, options) == 0);
@@ -227,24 +227,26 @@ static struct reference_options reference_of(const fxs_options *options, const f
 }
 
 static struct errors {
-    double centre, shape, opacity, radius, colour;   /* largest errors against the reference */
-} worst, worst_large;   /* worst: splats up to 128 pixels; worst_large: larger splats */
+    /* largest errors of splats (projected Gaussians) against the reference renderer */
+    double centre, shape, opacity, radius, colour;
+} worst, worst_large;   /* worst: errors of splats up to 128 pixels; worst_large: of larger splats */
 
-/* f sigma_max / z: a Gaussian's largest size in the picture, pixels. */
+/* Returns a Gaussian's size in the picture in pixels: focal length * sigma_max / z. */
 static double size_of(const fxs_gaussian *g, const fxs_view *view, double z)
 {
     return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
 }
 
-/* elongation = sigma_max / sigma_min of a splat */
+/* Returns sigma_max / sigma_min of a splat (projected Gaussian). */
 static double elongation(const struct reference_splat *r)
 {
     double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
     return (mid + spread) / sqrt(r->a * r->c - r->b * r->b);
 }
 
-/* Largest entry of W Sigma W^T - I, which is 0 if the whitening rows W match the covariance Sigma. The short axis
-   has the absolute error of the long axis. */
+/* Returns the error of a splat's shape. The renderer stores rows W with W Sigma W^T = I for the covariance
+   Sigma. The largest entry of W Sigma W^T - I is divided by the elongation, since the short axis has the absolute
+   error of the long axis. */
 static double shape_error(const fxs_splat *s, const struct reference_splat *r)
 {
     double ux = ldexp(s->ux_q24, -24), uy = ldexp(s->uy_q24, -24), vy = ldexp(s->vy_q24, -24);
@@ -286,7 +288,7 @@ static double alpha_of(double opacity, double level)
     return level <= 9 && opacity * exp(-level / 2) >= 1 / 255.0 ? opacity * exp(-level / 2) : 0;
 }
 
-/* Returns the alpha error at a pixel, or 0 near the splat's edge. */
+/* Returns the error of a splat's alpha at a pixel, or 0 near the splat's edge, where the splat may be cut off. */
 static double veil_error(const fxs_splat *s, const struct reference_splat *r, int x, int y)
 {
     const double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y, det = r->a * r->c - r->b * r->b;
@@ -300,8 +302,8 @@ static double veil_error(const fxs_splat *s, const struct reference_splat *r, in
     return fabs(alpha_of(exp(-ldexp(s->offset_q11, -12)), u * u + v * v) - alpha_of(r->opacity, level));
 }
 
-/* True if too narrow to compare: the rounding of the long axis shows, or the splat may be widened. Limits: 1/64 of
-   its length, 1/10 of the picture's diagonal. */
+/* True if a splat is too narrow for its shape to be compared. Its width is below 1/64 of its length, where
+   rounding shows. Or its width is below 1/10 of the picture's diagonal, where the renderer may widen it. */
 static int is_narrow(const struct reference_splat *r, const fxs_stage_view *view)
 {
     const double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
@@ -379,7 +381,8 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* The quantisation step of positions is 0.005 pixels at the near plane for f = 4000. */
+/* Compares scattered Gaussians. The quantisation step of their positions is 0.005 pixels at the near plane for
+   focal length 4000. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -394,7 +397,8 @@ static void test_project_antialiased(void)
     CHECK(within(&worst_large, 0.003, 0.1, 0.05));
 }
 
-/* Counts by a margin: 2 % of its size, and alpha 1.1 / 255. */
+/* True if a splat (projected Gaussian) is clearly visible at a pixel: 2 % within its edge, with alpha over 1.1 /
+   255. */
 static int counts_somewhere(const struct reference_splat *r, const fxs_view *view)
 {
     double det = r->a * r->c - r->b * r->b, limit = fmin(9, 2 * log(255 / 1.1 * r->opacity)) * 0.96 - 0.02;
@@ -407,7 +411,8 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_view *vie
     return 0;
 }
 
-/* Culled Gaussians must be invisible. In pictures of a few pixels, Gaussians far from the axis are culled too. */
+/* Checks that culled Gaussians are invisible. In pictures of a few pixels, Gaussians far from the camera's axis
+   are culled too. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_view view = view_of(camera);
@@ -523,7 +528,7 @@ static void test_shade_against_reference(void)
     }
 }
 
-/* pool: counts the calls; may be null. */
+/* Runs jobs of the renderer in reverse order. pool: a counter of the calls; may be null. */
 static void run_backwards(void *pool, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
 {
     if (pool)
@@ -538,7 +543,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* mask: bits of the depth in use. */
+/* Sorts random keys in `parts` threads and compares the order. mask: bits of the depth that are random. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
     enum { MOST = 70000 };
@@ -551,7 +556,8 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
-    for (uint32_t i = 0; i < count; i++)           /* the splats of a list arrive slightly out of order */
+    /* tests plain sorting of splats that are slightly out of order, as in a tile's list */
+    for (uint32_t i = 0; i < count; i++)
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
     fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
@@ -605,8 +611,8 @@ static struct {
     int64_t missed, wrapped, in_cut_off;
 } lists;
 
-/* A pixel is covered if level = -2 ln(alpha) is within the limit. With the square cut-off, the pixel's tile must
-   also be in the square. */
+/* Checks a splat (projected Gaussian) at a pixel. The splat covers the pixel if level = -2 ln(alpha) is within
+   the limit. With the square cut-off, the pixel's tile must also be in the splat's square. */
 static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 {
     const fxs_splat *s = &all.splats[slot];
@@ -778,7 +784,8 @@ static int draw_tiles(void *argument, const fxs_tile_run *run)
     return 0;
 }
 
-/* A back end without tile lists. Returns the number of Gaussians that arrived in order. */
+/* A back end that gets sorted keys in place of tile lists. Returns the number of Gaussians that arrived in order
+   of depth. */
 static int draw_keys(void *argument, const fxs_tile_run *run)
 {
     uint32_t *ordered = argument;
@@ -796,8 +803,8 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
     return FXS_ERR_DEVICE;
 }
 
-/* The first back end must give the same bytes. The second gets the splats in order of depth. The third returns its
-   error. */
+/* Renders by three back ends. The first must give the CPU's bytes. The second gets the splats in order of depth.
+   The third returns an error, which the frame must return. */
 static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                             enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
                             size_t bytes, size_t first, ptrdiff_t stride)
@@ -847,7 +854,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     CHECK(!context.config.workers.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
     CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
-    /* The statistics count whole tiles, even outside the picture. */
+    /* statistics of pairs of splats and pixels count whole tiles, even beyond the edge of the picture */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
     check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
@@ -922,7 +929,8 @@ static void test_frame_at_near_planes_equals_brute_force(void)
     }
 }
 
-/* The lists exceed their memory, so the frame is rendered in several runs of tiles. */
+/* Renders Gaussians with more tile lists than the memory holds, so the frame is rendered in several runs of
+   tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
@@ -944,7 +952,8 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
-/* The clock advances by one a call, so stages with equally many calls report equal times. */
+/* Checks the measured times of the stages. The clock advances by one at each call, so stages with equally many
+   calls report equal times. */
 static void test_times_are_shared_out(void)
 {
     uint64_t ticks = 0;
@@ -960,7 +969,8 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* Memory layout counts as time of stage project. All lists of tiles count as time of stage bin. */
+        /* The layout of memory counts as time of the stage project. Listing the tiles counts as time of the
+           stage bin. */
         CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 2 + t[FXS_BLEND]);
         CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
@@ -969,7 +979,7 @@ static void test_times_are_shared_out(void)
     free(s.data);
 }
 
-/* A Gaussian near an edge of the picture. slope[i] is x/z or y/z of its centre. */
+/* A Gaussian near an edge of the picture, by the slopes x/z and y/z of its centre, its depth and its sigma. */
 typedef struct beside {
     double slope[2], depth, log2_sigma;
 } beside;
@@ -985,8 +995,8 @@ static void aim(fxs_camera *camera, int axis, double focal, double slope)
     *(axis ? &camera->cy_q12 : &camera->cx_q12) = (int32_t)ldexp(-slope * focal, 12);
 }
 
-/* Pixels from the centre to distance 3, for a sphere of sigma 2^log2_sigma at this slope. The slope in the Jacobian
-   is clamped to the field of view plus 30 %. */
+/* Returns the distance in pixels from the centre of a projected sphere to Mahalanobis distance 3. The Jacobian's
+   slope is clamped to the field of view plus 30 %. */
 static double reach_of(const fxs_stage_view *view, const fxs_camera *camera, const beside *b, int axis)
 {
     double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
@@ -995,12 +1005,12 @@ static double reach_of(const fxs_stage_view *view, const fxs_camera *camera, con
     return 3 * sqrt(sigma * sigma * (1 + slope * slope) + 0.3);
 }
 
-/* Moves the centre to `far` times the reach beyond the first or last pixel of an axis. */
+/* Moves the centre of a Gaussian beyond the first or last pixel of an axis, by `far` times its radius. */
 static void step_out(beside *b, const fxs_stage_view *view, const fxs_camera *camera, int axis, int last, double far)
 {
     const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
     const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
-    for (int i = 0; i < 4; i++) {                /* iterates because the radius depends on the slope */
+    for (int i = 0; i < 4; i++) {                /* repeats, because the splat's radius depends on the slope x/z */
         double reach = far * reach_of(view, camera, b, axis);
         b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
     }
@@ -1030,7 +1040,8 @@ static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside
 }
 
 static struct {
-    int touching, farthest;        /* numbers of frames with covered pixels */
+    /* numbers of frames in which the Gaussian covers pixels: all; with its centre 99 % of its radius outside */
+    int touching, farthest;
 } beside_tally;
 
 static void check_beside(fxs_camera *camera, beside *b, const double box)
@@ -1072,7 +1083,8 @@ static void test_chunks_beside_the_picture(void)
             aim(&camera, axis, focal, slope);
             most = fmax(most, focal / b.depth);
         }
-        /* A quarter of the Gaussians have no size but the dilation. All others have up to 4096 pixels. */
+        /* A quarter of the Gaussians are so small that only the dilation gives them a size. All others have up
+           to 4096 pixels. */
         b.log2_sigma = i % 4 ? uniform(-1, 12) - log2(most) : -31;
         if (b.log2_sigma > -31.5 && b.log2_sigma < 31)
             check_beside(&camera, &b, i % 2 ? 0 : b.depth * exp2(uniform(-8, 1)));
@@ -1081,7 +1093,8 @@ static void test_chunks_beside_the_picture(void)
         printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
 }
 
-/* The bound on a sphere's radius in pixels is tightest with x/z at the limit of the Jacobian's clamp. */
+/* Tests chunk culling at its tightest. The bound on a sphere's radius in pixels is tightest with the slope x/z
+   at the limit of the Jacobian's clamp. */
 static void test_chunks_at_the_bound_of_their_reach(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
@@ -1128,7 +1141,8 @@ static void test_chunks_across_the_near_plane(void)
         const double box = exp2(uniform(-8, 8)), units = fmax(0x1p-20, ldexp(box, -25));
         place_sphere(&s, &camera, &b, box);
         uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
-        for (int axis = 0; axis < 3; axis++) {               /* the corner nearest to the camera */
+        /* moves the Gaussian to the corner of its chunk's box that is nearest to the camera */
+        for (int axis = 0; axis < 3; axis++) {
             const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
             const int forward = camera.rotation_q30[6 + axis] > 0;
             s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;
@@ -1144,7 +1158,7 @@ static void test_chunks_across_the_near_plane(void)
     CHECK(touching > 150 && behind > 80);
 }
 
-/* A Gaussian on the near plane is culled. A unit beyond the near plane, the Gaussian is drawn. */
+/* A Gaussian exactly on the near plane is culled. One fixed-point unit beyond, it is drawn. */
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
@@ -1212,7 +1226,8 @@ static int render_good(void)
                       good.bytes, good.pixels, 80, 0);
 }
 
-/* Sets a bad value, expects the error and untouched pixels, and restores the value. */
+/* Puts a bad value into a request. Rendering must return the error and leave the pixels untouched. Then restores
+   the value. */
 #define REFUSES(error, place, value) do { \
         memcpy(saved, &(place), sizeof (place)); \
         (place) = (value); \
@@ -1261,13 +1276,14 @@ static void test_render_refuses_cameras(void)
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, ((int64_t)1 << 60) + 1);
     REFUSES(FXS_ERR_CAMERA, camera->near_q32, INT64_MIN);
     for (int i = 0; i < 3; i++)
-        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a reflection, not a rotation */
+        /* turns the camera's rotation into a reflection, which is refused */
+        camera->rotation_q30[i] = -camera->rotation_q30[i];
     CHECK(render_good() == FXS_ERR_CAMERA && untouched(good.pixels, sizeof good.pixels));
     free(good.scene.data);
     free(good.memory);
 }
 
-/* near 0 means 0.2. At the largest near plane the picture is empty. */
+/* Tests the camera's near plane. near_q32 0 means 0.2 units. At the largest near plane the picture is empty. */
 static void test_near_range(void)
 {
     static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};

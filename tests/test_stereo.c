@@ -1,5 +1,5 @@
-/* A stereo frame must have the bytes and tile lists of two mono frames, on any number of threads, with every kernel
-   set, and in any memory. */
+/* A frame of a stereo pair must have the bytes and tile lists of two mono frames. This must hold on any number
+   of threads, with every set of kernels, and in any memory. */
 #include <inttypes.h>
 
 #include <fixsplat/system.h>
@@ -18,7 +18,7 @@ typedef struct pair {
     fxs_camera cameras[2];
     fxs_options options;
     enum fxs_format format;
-    ptrdiff_t stride;              /* stride in bytes of two pictures side by side */
+    ptrdiff_t stride;              /* bytes from row to row; the pictures of both eyes are side by side */
     size_t bytes;
     fxs_stats stats;
 } pair;
@@ -57,7 +57,7 @@ static size_t bytes_of(const pair *p, const fxs_context *context, fxs_frame_memo
     return one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, memory);
 }
 
-/* Returns the number of entries of all tile lists. */
+/* Renders each eye as a mono frame. Returns the number of entries of all tile lists. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
     size_t bytes = bytes_of(p, context, 0);
@@ -70,7 +70,8 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
     return stats[0].entries + stats[1].entries;
 }
 
-/* Relations of the two eyes: unrelated directions, at one place, side by side (twice), apart in any direction. */
+/* How the camera of the second eye is placed: in an unrelated direction, at one place, side by side (twice),
+   apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
 static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, int which)
@@ -99,7 +100,8 @@ static uint64_t hash_of(const unsigned char *bytes, size_t count)
     return hash;
 }
 
-/* With one byte less than the minimum memory nothing may be written. */
+/* Renders a stereo pair in various amounts of memory and compares it with the mono frames. With one byte less
+   than the minimum nothing may be written. */
 static void check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries)
 {
     unsigned char *pixels = malloc(p->bytes);
@@ -306,7 +308,8 @@ static void test_time(void)
     free(packed.data);
 }
 
-/* The two eyes have more splats than a band may have. */
+/* Renders a stereo pair whose eyes see more splats (projected Gaussians) than the renderer can hold for one part
+   of the picture. */
 static void test_too_many_slots(void)
 {
     static fxs_object objects[FXS_MAX_OBJECTS];

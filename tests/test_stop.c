@@ -83,7 +83,8 @@ static int draw_strips(bench *b)
     return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
-/* room: memory above the minimum, in sixteenths of the memory of a whole frame. */
+/* Makes a random scene to render. room: the memory is the minimum plus room / 16 of the difference to the memory
+   of a whole frame. */
 static void bench_init(bench *b, uint64_t seed, int room)
 {
     fxs_frame_memory sizes;
@@ -109,7 +110,7 @@ static void bench_free(bench *b)
     free(b->packed.data);
 }
 
-/* Renders with stops at each call of the stop callback. Returns the number of calls. */
+/* Renders again and again, and stops at each call of the stop callback in turn. Returns the number of calls. */
 static int stop_everywhere(bench *b, draw_fn *draw)
 {
     asked a = {0, 0};
@@ -169,7 +170,7 @@ static void test_stopped_in_little_memory(void)
     CHECK(most > 200);
 }
 
-/* Stops at random, once in *argument calls. Each thread has its own random numbers. */
+/* A stop callback that stops at random, once in *argument calls. Each thread has its own random numbers. */
 static int stop_by_chance(void *argument)
 {
     static __thread uint32_t series;

@@ -8,7 +8,8 @@
 
 #include <cjson/cJSON.h>
 
-enum { COUNT = 40000, LEVELS = 7 };     /* the scene has 157 chunks in three leaves */
+/* number of Gaussians, which make 157 chunks (256 Gaussians each) in three leaves of the tree; number of levels */
+enum { COUNT = 40000, LEVELS = 7 };
 
 static fxs_gaussian wanted[COUNT], got[COUNT];
 static char folder[] = "/tmp/fixsplat-streamed-XXXXXX";
@@ -43,7 +44,7 @@ static int write_scene(const char *name, int count, int announced, const fxs_pro
     return result ? result : closed;
 }
 
-/* Returns the number of Gaussians, or an error code. */
+/* Reads a level of a streamed SOG scene. Returns the number of Gaussians, or an error code. */
 static long read_level(const char *name, int level)
 {
     const fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), .level = level};
@@ -109,8 +110,8 @@ static void has_the_middle(const sums *s, double off)
     }
 }
 
-/* The means of a level are weighted by optical depth and by opacity. At the coarsest level opacity saturates, so
-   only optical depth is compared. */
+/* The coarser levels must keep the means of position and colour. They are weighted by optical depth and by
+   opacity. At the coarsest level opacity saturates, so only optical depth is compared. */
 static void coarser_levels(void)
 {
     long before = COUNT;
@@ -139,7 +140,7 @@ static double number(const cJSON *object, const char *name, int i)
     return (i < 0 ? item : cJSON_GetArrayItem(item, i))->valuedouble;
 }
 
-/* Checks a node of the JSON tree and its children. Returns the number of leaves. */
+/* Checks a node of the level-of-detail tree in lod-meta.json, and its children. Returns the number of leaves. */
 static int check_node(const cJSON *node, const double low[3], const double high[3])
 {
     const cJSON *bound = cJSON_GetObjectItemCaseSensitive(node, "bound"), *child;

@@ -1,6 +1,6 @@
-/* Pictures in strips, and the turntable, must equal fxs_render byte for byte. test_strip SCENE.fxs WIDTH HEIGHT
-   FRAMES [BUDGET] prints the hashes that a board's firmware should print. test_strip SCREEN.ppm prints the hash of a
-   screen's picture. */
+/* Pictures rendered in strips of rows, and by the turntable of boards, must equal fxs_render byte for byte.
+   test_strip SCENE.fxs WIDTH HEIGHT FRAMES [BUDGET] prints the hashes that a board's firmware should print.
+   test_strip SCREEN.ppm prints the hash of a screen's picture. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +21,8 @@ static fxs_options options = {.size = sizeof(fxs_options), .sh_degree = 3, .back
 typedef struct collected {
     unsigned char *pixels;
     int32_t row_bytes, next, strips;
-    void *other;                   /* the buffer for the next strip; null: all strips share a buffer */
-    int error;                     /* the error that the callback returns at the second strip */
+    void *other;   /* buffer that the callback gives for the next strip; null: all strips share a buffer */
+    int error;                     /* error that the callback returns at the second strip; 0: none */
 } collected;
 
 static int collect(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
@@ -73,7 +73,7 @@ static void bench_free(bench *b)
     free(b->strip.pixels);
 }
 
-/* Returns the result of rendering in strips. */
+/* Renders a frame whole and in strips. Returns the error code of rendering in strips. */
 static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camera, void *memory, size_t whole,
                      size_t bytes, fxs_stats *stats)
 {

@@ -1,4 +1,4 @@
-/* Finds the subject that the cameras surround, and crops a fit to the subject. */
+/* Tests how a fit finds the subject that the cameras surround, and how it crops a fit to the subject. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,8 @@ static void aim(int i, const double eye[3], const double target[3])
     photos[i].pixels = pixels;
 }
 
-/* The cameras around `middle` see distance * 24 / 60 units up and down. */
+/* Places the cameras in a circle around `middle` and aims them at it. At `middle` they see distance * 24 / 60
+   units up and down. */
 static void set_up(const double middle[3], const double distances[PHOTOS])
 {
     for (int i = 0; i < PHOTOS; i++) {
@@ -79,7 +80,7 @@ static double reach_of(const fxs_gaussian *g, const double middle[3])
     return sqrt(square) + exp((double)fmaxf(fmaxf(g->scale[0], g->scale[1]), g->scale[2]));
 }
 
-/* A fit of 20 steps quantises values in its last two steps. */
+/* Crops a fit to the subject. A fit of 20 steps quantises values in its last two steps. */
 static void cropped(uint32_t steps)
 {
     static const double middle[3] = {2, -3, 5};

@@ -1,5 +1,5 @@
-/* Tests the targets depths, ids, coverage, occluders and backgrounds. They must equal a loop over every pixel and
-   splat (projected Gaussian) in order of depth. */
+/* Tests the rendered depths, ids and coverage, occluders and backgrounds. They must equal a loop over every
+   pixel and splat (projected Gaussian) in order of depth. */
 #include "src/core/frame.h"
 #include "one_scene.h"
 #include "random_scene.h"
@@ -69,7 +69,7 @@ static void collect(const fxs_object *objects, uint32_t count, const fxs_camera 
 typedef struct brute {
     int t_q15, sum_q13[3], most_q15, weights;
     uint32_t median, largest;
-    double depths, error;          /* sum of weight * depth; the renderer's tolerance for this sum */
+    double depths, error;   /* sum of weight * depth over the splats at a pixel; tolerance of the renderer's sum */
 } brute;
 
 static double depth_of(uint32_t key)
@@ -112,7 +112,7 @@ static uint32_t splats_of_row(int y, uint32_t *row)
     return count;
 }
 
-/* True if the width of the splat plus two pixels reaches column x. */
+/* True if a splat may touch pixel column x: its width plus two pixels reaches the column. */
 static int may_touch(uint32_t slot, int x)
 {
     const fxs_bounds *b = &all.bounds[slot];
@@ -130,8 +130,9 @@ static brute brute_pixel(const uint32_t *row, uint32_t count, int x, int y, uint
 }
 
 static struct {
-    double largest;                /* largest relative error of a mean depth */
-    long pixels, hidden;           /* numbers of pixels with a mean depth and with a hidden splat */
+    double largest;                /* largest relative error of a mean depth until now */
+    /* numbers of pixels with a mean depth, and of pixels with a splat hidden by the occluder */
+    long pixels, hidden;
 } tally;
 
 static int same_mean(const brute *b, uint32_t mean, int bits)
@@ -165,7 +166,7 @@ static uint32_t expected_median(const brute *b, int bits)
     return depth < FXS_NOTHING - 1 ? (uint32_t)depth : FXS_NOTHING - 1;
 }
 
-/* Converts a depth to the renderer's key: 26 bits after the leading bit. */
+/* Converts a depth to the renderer's sorting key: an exponent, and 26 bits after the leading bit. */
 static uint32_t key_of(uint32_t depth, int bits)
 {
     int exponent;
@@ -255,7 +256,7 @@ static int draw(const scenario *s, const fxs_targets *targets)
     return draw_in(&plain, s, bytes_of(&plain, s), targets, 0);
 }
 
-/* Makes random depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
+/* Makes random occluder depths: equal to splats' depths, near them, arbitrary, FXS_NOTHING and 0. */
 static uint32_t *random_occluder(const scenario *s, int bits)
 {
     const int pixels = s->camera.width * s->camera.height;
@@ -300,7 +301,8 @@ static void test_every_target_pixel_by_pixel(void)
 
 enum { WIDTH = 400, HEIGHT = 260, PIXELS = WIDTH * HEIGHT };
 
-/* Shares of pixels: with a value, ties (skipped), and wrong. */
+/* Shares of a picture's pixels: with a value, with a tie (too close to decide, so skipped), and with a wrong
+   value. */
 typedef struct shares {
     double with, ties, wrong;
 } shares;
@@ -313,7 +315,7 @@ static void print_shares(const char *what, shares *s)
            rest, 100 * s->ties / fmax(1, s->with));
 }
 
-/* Pixels are ties where the transmittance is within 1/1024 of 1/2. */
+/* Checks the median depth. Pixels where the transmittance is within 1/1024 of 1/2 are ties and not compared. */
 static void check_median(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};
@@ -333,7 +335,8 @@ static void check_median(const picture *p, const reference_world *r)
     CHECK(s.wrong <= 0.001);
 }
 
-/* Pixels are ties where the two largest weights are within 1/1024 of each other. */
+/* Checks the id of the largest weight. Pixels whose two largest weights are within 1/1024 of each other are ties
+   and not compared. */
 static void check_id(const picture *p, const reference_world *r)
 {
     shares s = {0, 0, 0};
@@ -359,7 +362,7 @@ static int by_size(const void *left, const void *right)
     return (l > r) - (l < r);
 }
 
-/* Compares pixels where at least 1/64 of the light is absorbed. */
+/* Checks the mean depth at pixels where the splats absorb at least 1/64 of the light. */
 static void check_mean(const picture *p, const reference_world *r)
 {
     static double errors[PIXELS];
@@ -480,7 +483,7 @@ static void test_captured_against_reference(void)
         SKIP("the scenes are not here");
 }
 
-/* Makes the depths of a slanted wall. Every 37th pixel is FXS_NOTHING. */
+/* Makes occluder depths of a slanted wall. Every 37th pixel has no wall (FXS_NOTHING). */
 static void make_wall(const fxs_camera *camera, double through, uint32_t *depths, double *in_doubles)
 {
     const fxs_view view = view_of(camera);
@@ -589,7 +592,8 @@ static fxs_image *image_of(fxs_targets *t, int i)
     return images[i];
 }
 
-/* More splats lie at the occluder's depth than a part of a tile's list holds. */
+/* Renders many splats (projected Gaussians) at exactly the occluder's depth, more than a part of a tile's list
+   holds. */
 static void test_many_at_the_limit(void)
 {
     enum { SIZE = 16, BITS = 26 };
@@ -675,7 +679,7 @@ static unsigned char *colour_of(const scenario *s, enum fxs_format format, const
     return pixels;
 }
 
-/* True if each 8-bit colour follows from its 16-bit colour. */
+/* True if each 8-bit colour is the rounded colour of the 16-bit picture. */
 static int same_wide(const uint16_t *wide, const uint8_t *rgba)
 {
     int same = 1;
@@ -729,7 +733,7 @@ static void test_formats_against_each_other(void)
     }
 }
 
-/* A background image gives each pixel its own background. The image may be the colour target itself. */
+/* Tests the background image, which gives each pixel its own background. It may be the colour target itself. */
 static void test_backdrops(void)
 {
     static const enum fxs_format formats[] = {FXS_FORMAT_RGBA8, FXS_FORMAT_RGB565, FXS_FORMAT_BGRA8,
@@ -860,7 +864,8 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    for (int side = -4; side <= 4; side += 8) {      /* the second image overlaps the previous row or the next row */
+    /* shifts the second picture, so that it overlaps the first in the previous or the next row */
+    for (int side = -4; side <= 4; side += 8) {
         t.colour.pixels = both + 4 * width + side;
         CHECK(draw(&s, &t) == FXS_ERR_TARGET);
     }
@@ -968,7 +973,7 @@ static void check_image(const fxs_targets *fit, int i, int bytes, int alignment)
     }
 }
 
-/* Images that share a byte are refused. Only the background image may be the colour target. */
+/* Target images that share a byte are refused. Only the background image may be the colour target. */
 static void check_overlaps(const fxs_targets *fit)
 {
     const int last = good.camera.height - 1;
@@ -1021,7 +1026,8 @@ static void test_bad_targets(void)
     for (int i = 0; i < 4; i++) {
         static const int formats[] = {6, -1, FXS_FORMAT_RGBA8_COVERAGE, FXS_FORMAT_RGBA16_COVERAGE};
         fxs_targets t = fit;
-        t.format = (enum fxs_format)formats[i];    /* an unknown format, or a format without background images */
+        /* an unknown pixel format, or a format that does not allow background images */
+        t.format = (enum fxs_format)formats[i];
         refuses("format", &t);
     }
     check_overlaps(&fit);

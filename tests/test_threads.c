@@ -1,4 +1,4 @@
-/* Tests thread safety. Threads share one context and one pool, and each thread has its own memory. */
+/* Tests thread safety. Threads render with one context and one thread pool. Each thread has its own memory. */
 #ifdef __linux__
 #define _GNU_SOURCE
 #include <sched.h>
@@ -27,7 +27,7 @@ typedef struct frame {
 static frame frames[FRAMES];
 static fxs_context shared;
 
-/* Returns true if the pixels are as expected. fill: 1 stores the pixels as expected. */
+/* Renders a frame. Returns true if the pixels are as expected. fill: 1 stores the pixels as the expected ones. */
 static int draw(const fxs_context *context, frame *f, int fill)
 {
     unsigned char *pixels = fill ? f->expected : calloc(1, sizeof f->expected);

@@ -35,7 +35,7 @@ static void values_of(int number, int i, float row[14])
     memcpy(row, made, sizeof made);
 }
 
-/* A .glb of `count` Gaussians of 14 floats. count 0: a scene without Gaussians. */
+/* Writes a .glb of `count` Gaussians of 14 floats. count 0: a scene without Gaussians. */
 static void make_glb(int number, int count)
 {
     static const struct { const char *name, *type; int offset; } attributes[] = {
@@ -121,7 +121,8 @@ static void check_fails(const char *words)
         printf("  said: %s\n  not:  %s\n", message.text, words);
 }
 
-/* Returns the set of files that were read: bit n for file n. Each file stores its number in dc. */
+/* Reads a tileset. Returns the set of .glb files that it took: bit n for file n. Each file stores its number in
+   the colour dc. */
 static int numbers_read(const char *tiles)
 {
     int bits = 0;
@@ -193,7 +194,7 @@ static void same_as_its_content(void)
     CHECK(read_scene("tileset.json") == 20 && memcmp(out, alone, 20 * sizeof *out) == 0);
 }
 
-/* A point (x, y, z) of the tileset with z up is read as (-x, -z, -y). */
+/* True if a Gaussian was read from the point (x, y, z) of a tileset with z up. The point becomes (-x, -z, -y). */
 static int is_at(const fxs_gaussian *g, double x, double y, double z)
 {
     const int is_there = fabs((double)g->position[0] + x) < 1e-5 && fabs((double)g->position[1] + z) < 1e-5 &&
@@ -204,7 +205,8 @@ static int is_at(const fxs_gaussian *g, double x, double y, double z)
 }
 
 #define MOVE(x, y, z) "\"transform\":[1,0,0,0,0,1,0,0,0,0,1,0," #x "," #y "," #z ",1],"
-#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"   /* rotates by 90 degrees around z and scales by 2 */
+/* a tile's transform: rotates by 90 degrees around z, scales by 2 and moves */
+#define TURN "\"transform\":[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],"
 
 static void transforms(void)
 {
@@ -251,7 +253,8 @@ static void nested(void)
               CONTENT("3.glb") "}]}");
     put_tiles("tileset.json", "{" BOX "\"refine\":\"REPLACE\"," CONTENT("1.glb") ",\"children\":[{" BOX TURN
               CONTENT("sub/more.json") "}]}");
-    if (CHECK(read_scene("tileset.json") == 4)) {   /* the nested tileset has y up and must not be rotated twice */
+    /* a tileset in a tileset has y up; the change of axes must not be applied twice */
+    if (CHECK(read_scene("tileset.json") == 4)) {
         CHECK(is_at(&out[1], 5 - 2, 6 + 6, 7 + 6.5));
         CHECK(is_at(&out[3], 5 - 2, 6 + 4, 7 + 6.5));
     } else {
@@ -265,7 +268,8 @@ static const char good[] =
 
 static void faulty_tilesets(void)
 {
-    static const char *const cases[][3] = {   /* a text of the file, its replacement, the expected message */
+    /* each case: a text of the tileset, the text that replaces it, the expected error message */
+    static const char *const cases[][3] = {
         {"\"1.1\"", "\"2.0\"", "tileset.json: not 3D Tiles 1"}, {"\"1.1\"", "1.1", "not 3D Tiles 1"},
         {"\"asset\"", "\"assets\"", "not 3D Tiles 1"}, {"\"root\"", "\"rood\"", "a tile that is not an object"},
         {"\"version\"", "\"gltfUpAxis\":\"X\",\"version\"", "a \"gltfUpAxis\" that is neither Y nor Z"},
@@ -352,7 +356,7 @@ static void repeated_contents(void)
     }
 }
 
-/* Each tileset names the next tileset twice: 2^20 contents from 20 files. */
+/* Makes tilesets that each name the next tileset twice: 2^20 contents from 20 files. */
 static void doubling(void)
 {
     char name[32], tiles[256];

@@ -1,4 +1,5 @@
-/* Tests the tree of levels of detail: its shape, how well its chunks keep the means of the leaves, and its file. */
+/* Tests the tree of levels of detail: its shape, and its file. A coarse chunk (256 Gaussians) must keep the
+   means of the chunks below. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -53,7 +54,7 @@ static int pack(fxs_packed_scene *packed, fxs_scene *scene, uint64_t count, cons
     return CHECK(!error && !fxs_scene_open(scene, packed->data, packed->bytes));
 }
 
-/* For each chunk: number of leaves below, first leaf, parent. */
+/* The tree at each chunk (256 Gaussians): number of leaves below, first leaf, parent. */
 static uint32_t leaves[MOST_CHUNKS], first[MOST_CHUNKS], parents[MOST_CHUNKS];
 
 static void check_shape(const fxs_scene *scene)
@@ -85,7 +86,7 @@ static void check_shape(const fxs_scene *scene)
         CHECK(leaves[i] > leaves[i + 1] || (leaves[i] == leaves[i + 1] && first[i] < first[i + 1]));
 }
 
-/* Nodes are refined in descending order of their gain, so a child must not have a larger gain than its parent. */
+/* Tree nodes are refined in descending order of their gain. A child must not have a larger gain than its parent. */
 static void check_gains(const fxs_scene *scene)
 {
     for (uint32_t i = 0; i + 1 < scene->chunk_count; i++) {
@@ -98,8 +99,8 @@ static void check_gains(const fxs_scene *scene)
     }
 }
 
-/* Sums over a chunk. weight: drawn opacity * area, with area sqrt(x^2 y^2 + x^2 z^2 + y^2 z^2) of the sigmas. at,
-   dc: weight * position, weight * colour. */
+/* Sums over a chunk (256 Gaussians). weight: opacity * area, where area = sqrt(x^2 y^2 + x^2 z^2 + y^2 z^2) for
+   the sigmas x, y, z. at, dc: weight * position, weight * colour. */
 typedef struct sums {
     double weight, area, at[3], dc[3];
     uint32_t count;
@@ -140,7 +141,8 @@ static void check_means(const fxs_scene *scene, double loss)
                    b = sums_of(scene, node.children[1]);
         CHECK(own.count == (a.count + b.count < FXS_CHUNK ? a.count + b.count : FXS_CHUNK));
         const double weight = a.weight + b.weight;
-        const double rounded = own.area / 510;       /* half a step of the opacity code */
+        /* error of the weight if each opacity is off by half a step of its code */
+        const double rounded = own.area / 510;
         CHECK(own.weight < 1.01 * weight + rounded && own.weight > 0.7 * weight - rounded);
         for (int k = 0; k < 3; k++) {
             worst = fmax(worst, fabs(own.at[k] / own.weight - (a.at[k] + b.at[k]) / weight) / 400);

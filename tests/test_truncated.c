@@ -12,10 +12,10 @@
 #include "jpeg_bytes.h"
 #include "packed_scene.h"
 
-#define EITHER LONG_MIN            /* a truncated file may be read or refused */
+#define EITHER LONG_MIN            /* expected result if a truncated file may be either read or refused */
 
 static char folder[] = "/tmp/fixsplat-truncated-XXXXXX";
-static const char *words;          /* expected message for a refused length; null: not checked */
+static const char *words;          /* text that the error message must contain; null: not checked */
 
 static void add_file_of(const char *from, const char *name)
 {
@@ -75,7 +75,7 @@ static long of_ply(const struct made_file *f, size_t length)
     return fault(length < 3 ? "not a scene file" : length < ply_header(f) ? "no end_header" : text);
 }
 
-/* A cut within the last number of an ASCII .ply is undetectable. */
+/* Returns the expected result for a truncated ASCII .ply. A cut within the last number is undetectable. */
 static long of_ascii_ply(const struct made_file *f, size_t length)
 {
     size_t last = f->size - 2;
@@ -114,8 +114,8 @@ static void put_zeros(int encoding, int count, int width)
             put("0 ");
 }
 
-/* The header of a .ply with lists gives only a lower bound of the size. encoding: 0 ASCII, 1 little-endian, 2
-   big-endian. */
+/* Makes a .ply with list properties. Its header gives only a lower bound of the size. encoding: 0 ASCII, 1
+   little-endian, 2 big-endian. */
 static void make_lists_ply(int encoding)
 {
     static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
@@ -142,14 +142,14 @@ static void make_ascii_lists(void) { make_lists_ply(0); }
 static void make_little_lists(void) { make_lists_ply(1); }
 static void make_big_lists(void) { make_lists_ply(2); }
 
-/* A .splat file of whole records is valid. */
+/* Returns the expected result for a truncated .splat. A file of whole records is valid. */
 static long of_splat(const struct made_file *f, size_t length)
 {
     (void)f;
     return length && length % 32 == 0 ? (long)length / 32 : fault("not a scene file of a known format");
 }
 
-/* The .ksplat has SH degree 1 and three sections of one Gaussian. */
+/* Makes a .ksplat of SH degree 1 with three sections of one Gaussian each. */
 static void make_compressed_ksplat(int level)
 {
     const size_t gaussian = level == 0 ? 44 + 36 : level == 1 ? 24 + 18 : 24 + 9;
@@ -187,14 +187,15 @@ static long of_ksplat(const struct made_file *f, size_t length)
                  : "of 3: the file ends before its last Gaussian");
 }
 
-/* An .spz without its 12-byte extension is complete too. */
+/* Returns the expected result for a truncated .spz. A file without its 12-byte extension is complete too. */
 static long of_plain_spz(const struct made_file *f, size_t length)
 {
     return length == f->size - 12 ? GAUSSIANS : FXS_ERR_FILE;
 }
 
 #ifdef FXS_WITH_CJSON
-/* An .lcc is valid with whole index cells and whole environment Gaussians. */
+/* Returns the expected result for a truncated .lcc. The scene is valid with whole index cells and whole
+   environment Gaussians. */
 static long of_lcc(const struct made_file *f, size_t length)
 {
     static char text[128];
@@ -223,7 +224,7 @@ static long of_zip(const struct made_file *f, size_t length)
 #endif
 #endif
 
-/* Allocates exactly the file's length, so that a sanitizer detects reads beyond the end. */
+/* Reads a file into memory of exactly the file's length, so that a sanitizer detects reads beyond the end. */
 static void *file_of(const char *name, size_t *length)
 {
     struct stat about;
@@ -446,7 +447,8 @@ static long read_saved_fit(const char *name)
     return error;
 }
 
-/* A checkpoint with a truncated checksum is reported as damaged. */
+/* Returns the expected result for a truncated checkpoint of a fit. If only the checksum is truncated, the file
+   counts as damaged. */
 static long of_saved_fit(const struct made_file *f, size_t length)
 {
     return fault(length < 4 ? "not a saved fit" : length < f->size - 8 ? "it ends early" : "damaged");
@@ -456,7 +458,8 @@ static const struct row {
     const char *name;
     void (*make)(void);
     long (*read)(const char *name);
-    long (*result)(const struct made_file *f, size_t length);        /* expected result for a file cut to `length` */
+    /* returns the expected result of reading a file that is cut to `length` bytes */
+    long (*result)(const struct made_file *f, size_t length);
 } rows[] = {
     {"ply", make_ply, read_scene, of_ply},
     {"ply in ASCII", make_ascii_ply, read_scene, of_ascii_ply},

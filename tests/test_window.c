@@ -23,7 +23,7 @@ static fxs_view a_view(void)
     return view;
 }
 
-/* Returns the depth. */
+/* Projects a point to pixel coordinates. Returns its depth. */
 static double see(const fxs_view *view, const double point[3], double pixel[2])
 {
     double seen[3] = {0, 0, 0};
@@ -56,7 +56,8 @@ static void test_orbit_keeps_the_pivot(void)
     CHECK(near(see(&view, pivot, pixel), 7));
     CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
     see(&view, front, pixel);
-    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* the picture of the object follows the pointer */
+    /* the picture of a point in front moves right and down, as the pointer does */
+    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);
 }
 
 static void test_orbit_stops_at_the_poles(void)
@@ -65,7 +66,8 @@ static void test_orbit_stops_at_the_poles(void)
         fxs_view view = a_view();
         for (int i = 0; i < 100; i++)
             fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
-        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* the camera moves along -up */
+        /* the camera looks up or down almost vertically */
+        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);
         CHECK(near(view.rotation[1], 0));
     }
 }
@@ -119,7 +121,7 @@ static void test_parallel_rays(void)
     view.projection = FXS_ORTHOGRAPHIC;
     view.fx = view.fy = 100;
     before = view;
-    fxs_motion_pan(&view, distance, 50, 0);                      /* moves the camera by half a unit */
+    fxs_motion_pan(&view, distance, 50, 0);   /* panning by 50 pixels moves the camera by half a unit */
     for (int i = 0; i < 3; i++)
         CHECK(near(view.position[i], before.position[i] - 0.5 * view.rotation[i]));
     before = view;
@@ -224,7 +226,8 @@ static void test_depths_have_colours(void)
         depths[i] = 65536 + 1000 * i;
     depths[7] = FXS_NOTHING;
     fxs_paint_depths(&picture, depths);
-    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);   /* the bars go from red to blue */
+    /* the colours for depths go from red to blue */
+    CHECK(dots[0] > dots[2] + 100 && dots[4 * 399] + 50 < dots[4 * 399 + 2]);
     CHECK(differ(&picture, 150, 200) && !differ(&picture, 0, 1) && !dots[4 * 7] && dots[4 * 7 + 3] == 255);
     for (int i = 0; i < 400; i++)
         depths[i] = FXS_NOTHING;
@@ -314,7 +317,7 @@ static void test_graph_shows_the_times(void)
 #include <fixsplat/scene.h>
 #include "tools/view/viewer.h"
 
-/* Simulates a screen with several pixels per point. */
+/* Simulates a screen with several pixels for each unit of window coordinates. */
 static int pixels_a_point = 1;
 
 void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
@@ -324,7 +327,7 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-/* The environment variable with the folder of the list of recent scenes. */
+/* Name of the environment variable for the folder that has the list of recent scenes. */
 #ifdef _WIN32
 #define KEPT_BELOW "APPDATA"
 #else
@@ -362,7 +365,8 @@ static frame_options small_options(void)
     return options;
 }
 
-/* The box is seen from the front, with its x axis to the right. */
+/* Returns viewer options that state which way is up. The scene's box is then seen from the front, with its x
+   axis to the right. */
 static frame_options framed_options(void)
 {
     frame_options options = small_options();
@@ -379,7 +383,7 @@ static int open_file(viewer *v, const frame_options *options, const char *path, 
     return viewer_open(v, &all, screenshot, 0);
 }
 
-/* Runs the viewer until all requested work is done. */
+/* Runs steps of the viewer until all requested work is done. */
 static void settle(viewer *v)
 {
     do
@@ -480,7 +484,7 @@ static void drop(viewer *v, const char *path)
     settle(v);
 }
 
-/* True if the picture is the renderer's of that view. */
+/* True if the viewer's picture equals the renderer's picture of the view. */
 static int shows(const viewer *v, fxs_view view, int width, int height)
 {
     renderer r;
@@ -582,7 +586,7 @@ static int frames_taken(const viewer *v)
     return count;
 }
 
-/* Plain C renders slowly, so the frame is stopped when the view moves. */
+/* Tests that a frame is stopped when the view moves. Plain C kernels render slowly enough to be stopped. */
 static void test_frame_is_stopped(void)
 {
     viewer v;
@@ -635,7 +639,7 @@ static void test_dropped_files(void)
     char given[sizeof other];
     snprintf(given, sizeof given, "%s", other);
 #ifdef _WIN32
-    for (char *c = given; *c; c++)                               /* Windows passes paths with backslashes */
+    for (char *c = given; *c; c++)                               /* on Windows, dropped paths have backslashes */
         *c = *c == '/' ? '\\' : *c;
 #endif
     drop(&v, given);
@@ -751,7 +755,7 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
-/* Returns the size of a file, or -1 if the file does not exist. */
+/* Reads the first line of a file. Returns the file's size, or -1 if the file does not exist. */
 static long size_of(const char *path, char line[80])
 {
     FILE *file = fopen(path, "r");
@@ -831,7 +835,7 @@ static void test_empty_window(void)
     viewer_close(&v);
 }
 
-/* The last file dropped while a scene loads opens next. */
+/* Files dropped on the viewer while a scene loads: the last one opens next. */
 static void test_events_while_loading(void)
 {
     viewer v;
@@ -955,7 +959,8 @@ static void test_rate(void)
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 20500000, 16000);
     CHECK(v.options.render.budget == 16000);
-    viewer_follow_rate(&v, 10000000, 5000);                 /* fewer chunks are visible than the budget allows */
+    /* the frame drew fewer chunks than the budget allows, so its time does not change the budget */
+    viewer_follow_rate(&v, 10000000, 5000);
     CHECK(v.options.render.budget == 16000);
     viewer_follow_rate(&v, 18000000, 15000);
     CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
@@ -1104,7 +1109,7 @@ static uint32_t drawn(const viewer *v)
     return stats.visible;
 }
 
-/* Returns the number of Gaussians in the written file. */
+/* Lets the viewer write the cropped scene. Returns the number of Gaussians in the written file. */
 static uint32_t write_cropped(viewer *v, const char *name)
 {
     char path[80];
@@ -1198,7 +1203,7 @@ static void test_crop_of_objects(void)
     viewer v;
     char json[1024];
     frame_options options = small_options();
-    snprintf(json, sizeof json, text, "1");                      /* a rotation by 90 degrees */
+    snprintf(json, sizeof json, text, "1");                      /* an object rotated by 90 degrees */
     write_text(other, "world.json", json);
     options.world.file = other;
     if (!CHECK(!viewer_open(&v, &options, 0, 0)))
@@ -1323,7 +1328,7 @@ static void test_recent_by_click(void)
     viewer_close(&v);
 }
 
-/* Sets the folder of the list of recent scenes by HOME. home: null unsets the folder. */
+/* Sets the folder of the list of recent scenes by the environment variable HOME. home: null unsets it. */
 static void keep_below(const char *home)
 {
 #ifdef _WIN32
@@ -1443,7 +1448,7 @@ static void test_two_eyes(void)
     viewer_close(&v);
 }
 
-/* An asymmetric field of view, also in motion, with a smaller picture. */
+/* Tests the viewer with an asymmetric field of view, also while the camera moves and the picture is smaller. */
 static void test_tangents(void)
 {
     const double tangents[4] = {-1.38, 1.19, 1.0, -1.2};
@@ -1541,7 +1546,7 @@ int main(void)
     free(whole);
     snprintf(state, sizeof state, "%s/state", folder);
 #ifdef _WIN32
-    mkdir(state, 0700);                                          /* Windows creates the folder itself */
+    mkdir(state, 0700);   /* Windows itself makes this folder for programs; here the test must make it */
 #endif
     setenv(KEPT_BELOW, state, 1);
     RUN(test_files_are_made);

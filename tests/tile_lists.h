@@ -1,4 +1,4 @@
-/* Computes the lists of all tiles with the plain C stages. */
+/* Computes the lists of the splats (projected Gaussians) of all tiles with the renderer's plain C functions. */
 #ifndef TILE_LISTS_H
 #define TILE_LISTS_H
 
@@ -6,12 +6,13 @@
 
 #include "src/core/lister.h"
 
-/* The list of tile t has counts[t] entries and ends before entries[ends[t]]. */
+/* Lists of the splats (projected Gaussians) of each tile. The list of tile t has counts[t] entries. Its last
+   entry is entries[ends[t] - 1]. */
 typedef struct tile_lists {
     uint32_t *counts, *ends, *entries;
 } tile_lists;
 
-/* Lists `count` slots, sorted by `depths`. */
+/* Makes the lists of all tiles for `count` splats (projected Gaussians). Each list is sorted by `depths`. */
 static tile_lists tile_lists_new(const fxs_stage_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
                                  const fxs_box *boxes, const uint32_t *depths, uint32_t count)
 {

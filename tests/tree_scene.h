@@ -1,4 +1,4 @@
-/* A procedural scene of 60,000 Gaussians with levels of detail, and frames of the scene. */
+/* Makes a procedural scene of 60,000 Gaussians with levels of detail. Renders frames of the scene. */
 #ifndef TREE_SCENE_H
 #define TREE_SCENE_H
 
@@ -58,7 +58,7 @@ static inline fxs_request request_of(const fxs_object *objects, uint32_t count, 
     return request;
 }
 
-/* bytes 0: as much memory as the request needs. */
+/* Renders a frame in `bytes` bytes of memory. bytes 0: as much memory as the request needs. */
 static inline fxs_stats draw(const fxs_context *context, const fxs_request *request, size_t bytes)
 {
     fxs_stats stats;
