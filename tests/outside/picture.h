@@ -32,7 +32,8 @@ static inline int picture_print(const unsigned char *pixels)
     return fxs_version() != FXS_VERSION_NUMBER || lit < 1000;
 }
 
-/* Draws the scene with the core alone and prints the picture's hash. Returns 0, or 1 if the picture is empty. */
+/* Draws the scene with the core library (the renderer alone) and prints the picture's hash. Returns 0, or 1 if the
+   picture is empty. */
 static inline int picture(const fxs_scene *scene)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];
