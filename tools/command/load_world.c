@@ -1,4 +1,5 @@
-/* Loads the scenes of a command and places them by --scene or --place. Merges several scenes into one. */
+/* Loads the scenes of a subcommand and places them by the options --scene or --place. Merges several scenes into
+   one. */
 #include "load_world.h"
 
 #include <inttypes.h>
@@ -255,7 +256,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     return filter_scene(name, load, *file, info);
 }
 
-/* True for a world of one visible, unplaced and uncropped file. */
+/* True if the world is one scene file, visible, uncropped and in its original place. */
 static int is_plain(const fxs_world *placed)
 {
     return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&

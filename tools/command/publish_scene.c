@@ -9,7 +9,7 @@
 #include "src/base/os_calls.h"
 #include "command.h"
 
-#define WORTH_SAYING 1.5           /* smallest reduction of the file size that is reported */
+#define WORTH_SAYING 1.5           /* least reduction factor of the file size that is reported */
 
 static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
 {

@@ -10,7 +10,7 @@ typedef struct single_page {
     const char *scene;
     const char *name;
     char *const *words;
-    int has_profile;               /* 1: packs an .fxs again in the options' profile */
+    int has_profile;               /* 1: packs an .fxs file again, with the compression profile of the options */
 } single_page;
 
 /* Writes the page to `out`, whole or not at all. */

@@ -1,5 +1,5 @@
-/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller. A single thread packs
-   scenes in scenes_work. The server's thread sends the ready files. */
+/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller. scenes_work packs them,
+   on a single thread. The server's thread sends the ready files. */
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 
@@ -8,11 +8,11 @@
 
 typedef struct served_scenes served_scenes;
 
-/* Options of packing. Must outlive the list of scenes. */
+/* Options of packing served scenes. They must outlive the list of scenes. */
 typedef struct served_options {
     load_options load;
     uint8_t background[3];
-    int has_list;                           /* 1: serves a list, and packs its scenes on demand */
+    int has_list;                           /* 1: serves a list of scenes, and packs them on demand */
 } served_options;
 
 /* Allocates a list of at most `most` scenes. Null: out of memory. Free the list with scenes_free. */

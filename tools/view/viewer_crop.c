@@ -7,7 +7,7 @@
 
 #include "viewer.h"
 
-/* Rounds a side of the crop box, so that few digits print it exactly. */
+/* Rounds the coordinate of a crop box side, so that few digits print it exactly. */
 static double crop_side(double x)
 {
     return fabs(x) < 4096 ? (double)(float)x : floor(x * 1024 + 0.5) / 1024;
@@ -65,8 +65,8 @@ void crop_toggle(viewer *v)
     v->exposed = 1;
 }
 
-/* Converts a box in the world to the units of an object: w_i = s r_k o_k + t_i, with scale s, rotation r and
-   translation t. */
+/* Converts a crop box from world units to the units of an object. A point o of the object is in the world at w_i = s
+   r_k o_k + t_i, with scale s, rotation r and translation t. */
 static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
 {
     fxs_world_crop box = {.outside = 0};
@@ -112,7 +112,8 @@ static void crop_placement(fxs_placement *p, const crop_box *crop)
         p->visible = 0;
 }
 
-/* Starts from the original placements of the objects, so repeated crops do not accumulate. */
+/* Crops all objects by the box. Each call starts from the objects' original placements, so repeated crops do not
+   accumulate. */
 void crop_world(world *w, const crop_box *crop)
 {
     fxs_message message;

@@ -13,7 +13,7 @@ enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: smalles
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
     int count;
-    int width, height, scale;               /* size of the window in pixels; pixels per point */
+    int width, height, scale;               /* size of the window in pixels; pixels per point (unit of sizes) */
     const fxs_theme *theme;
     fxs_words *words;
 } panels;
@@ -27,7 +27,7 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
 
 enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM };
 
-/* Adds a line of text on a panel, in the largest font size that fits. */
+/* Adds a panel with a line of text, in the largest font size that fits. */
 static void add_words(panels *p, enum place place, const char *text)
 {
     const int pad = 10 * p->scale, edge = 12 * p->scale, room = p->width - 2 * (pad + edge);
