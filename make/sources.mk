@@ -49,7 +49,7 @@ CUDA_FLAGS := -diag-suppress 177 -gencode arch=compute_90,code=sm_90 -gencode ar
 CUDA_FIT_FLAGS := -fmad=false
 
 # Kinds of source files that need special compiler flags. FILES_kind lists source files without .c, FLAGS_kind their
-# flags. Where flags conflict, those of the later kind win.
+# flags. Where flags conflict, later kinds win.
 KINDS := WRAPS ALIGNED FAST SSE41 AVX2 AVX512 VECTORISED SINGLES
 # Kind WRAPS: integers wrap around, because unused vector lanes may overflow.
 FILES_WRAPS := src/image/image_encode kernels/%

@@ -11,7 +11,7 @@ GATES := $(notdir $(wildcard tests/gates/*.sh))
 # LONG lists the tests that take 10 seconds or more. They start first, and `make check` omits them. tests/seconds has
 # the processor time of each test in seconds.
 LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
-# Tests that need a window or measure time run one at a time, at the end.
+# Tests that need a window, or that measure time, run one at a time after all others.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
 
@@ -20,7 +20,7 @@ EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# Browser tests mostly wait, so one more job runs than processors.
+# Browser tests wait most of the time, so one more test runs at once than there are processors.
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))

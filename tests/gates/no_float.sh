@@ -32,7 +32,7 @@ text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kerne
     grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')
 [ -z "$text" ] || fail "in $text"
 
-# Name patterns of soft-float functions: those of ARM's ABI (such as __aeabi_fadd) and of libgcc (such as __addsf3).
+# Name patterns of soft-float functions in ARM's ABI (such as __aeabi_fadd) and in libgcc (such as __addsf3).
 soft_float='__aeabi_(f|d|h|cf|cd|i2|ui2|l2|ul2)[a-z0-9_]*|__[a-z]+[hsdt]f[a-z0-9]*|__(float|fix)[a-z]+'
 hosted='malloc|calloc|realloc|free|[a-z]*printf|puts|abort|exit'
 if build cortexm3 arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -ffreestanding; then

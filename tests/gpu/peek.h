@@ -13,7 +13,7 @@ extern "C" {
 typedef struct peeked {
     void *splats;                  /* array of fxs_splat, the projected Gaussians */
     uint32_t *counts, *ends;
-    uint64_t *entries;             /* the list of tile t has counts[t] entries and ends at ends[t] */
+    uint64_t *entries;             /* tile lists: the list of tile t has counts[t] entries and ends at ends[t] */
 } peeked;
 
 int peek(fxs_cuda *cuda, peeked *out);

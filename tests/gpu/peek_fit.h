@@ -8,7 +8,8 @@
 extern "C" {
 #endif
 
-/* Host copies of the first device's buffers after the last photograph. Free with peek_fit_free. */
+/* Copies in host memory of the first device's buffers, after the last photograph of a fit step. Free with
+   peek_fit_free. */
 typedef struct peeked_fit {
     fxs_fit_splat *splats;
     uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
@@ -22,13 +23,13 @@ void peek_fit_free(peeked_fit *p);
 
 int peek_fit_narrow(void *engine, uint32_t capacity);
 
-/* Returns the bytes of device memory in use. */
+/* Returns how many bytes of device memory are in use. */
 uint64_t peek_fit_bytes(const void *engine);
 
 /* Counts the alphas for which the kernels' alpha / (1 - alpha) differs from the exact quotient. -1: failure. */
 long peek_fit_odds(void);
 
-/* Runs a kernel that traps. Afterwards all CUDA calls of the process fail, as after a lost device. */
+/* Runs a CUDA kernel that crashes. Afterwards all CUDA calls of the process fail, as after a lost device. */
 void peek_fit_lose(void *engine);
 
 #ifdef __cplusplus

@@ -17,7 +17,7 @@ typedef struct what {
     size_t count;
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: natural logarithm of a typical sigma */
-    uint32_t gains, poses;         /* number of fitted exposures and of fitted poses; 0: none */
+    uint32_t gains, poses;         /* number of exposures and number of camera poses that are fitted; 0: none */
     int is_affine;
     int is_antialiased;            /* 1: antialiased rendering */
     int has_far;                   /* 1: about half of the Gaussians have sizes as angles */

@@ -1,4 +1,4 @@
-/* Renders a picture of a scene, for test programs outside the tree. Compiles as C99 and as C++17. */
+/* Renders a picture of a scene, for test programs outside the source tree. Compiles as C99 and as C++17. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
+# Tests `fixsplat fit` from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
 # failures. FXS_PROCESSORS=all adds the real programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds docs/examples/engine.c against the installed library. Its pictures and picked Gaussians must equal those of the
-# command fixsplat.
+# Builds docs/examples/engine.c against the installed library. Its pictures and picked Gaussians must equal what the
+# command fixsplat gives.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

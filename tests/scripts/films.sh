@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests films, streams and golden pictures: formats of render, orbits, paths and crops.
+# Tests films, streams and golden pictures: the output formats of `fixsplat render`, orbits, camera paths and crops.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit on rendered photographs of a knot.
+# Tests `fixsplat fit` on rendered photographs of a knot, a procedural scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Checks the files of `make install`, and outside programs in C99, C++17 and CMake that use only these files.
+# Checks the files that `make install` installs, and programs in C99, C++17 and CMake that use only these files.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

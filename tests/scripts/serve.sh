@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests the server of `fixsplat view --web`: served and refused files, ranges, TLS, errors and shutdown.
+# Tests the web server of `fixsplat view --web`: served and refused files, byte ranges, TLS, errors and shutdown.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/served.sh
 . tests/scripts/lib/command.sh

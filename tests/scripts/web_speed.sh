@@ -1,5 +1,5 @@
 #!/bin/sh
-# Compares frame times of the npm package with those of the native command. Needs an idle machine.
+# Compares frame times of the npm package and of the native command. Needs an idle machine.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web_speed

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the programs of `make windows` under wine: pictures, files and fits must equal those of Linux. Only with
+# Runs the programs of `make windows` under wine. Pictures, files and fits must equal the results on Linux. Only with
 # FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)

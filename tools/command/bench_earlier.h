@@ -1,4 +1,4 @@
-/* Reads the JSON of an earlier `fixsplat bench --json`, for bench --compare. */
+/* Reads the JSON output of an earlier `fixsplat bench --json`, for the option --compare. */
 #ifndef BENCH_EARLIER_H
 #define BENCH_EARLIER_H
 

@@ -52,7 +52,7 @@ static int take_up(const option_row *row, void *field, const char *value)
     return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
 }
 
-/* Computes up = (b - a) x (c - a) from three points of the ground. Refuses points on a line. */
+/* Computes the up direction from three points of the ground: up = (b - a) x (c - a). Refuses points on a line. */
 static int take_level(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;

@@ -1,4 +1,4 @@
-/* fixsplat info: prints a scene's contents and the memory for rendering, optionally also quality and statistics. */
+/* fixsplat info: prints a scene's contents and the memory that rendering needs. Options add quality and statistics. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

@@ -73,7 +73,8 @@ static int find_place(file *f, const char *name, fxs_file_facts *folder)
     return found;
 }
 
-/* Identifies a file; allocates f->place. Returns 0 for a device or a missing folder. */
+/* Identifies a file by device and inode, or a missing file by its folder and name. Allocates f->place. Returns 0 for a
+   device or a missing folder. */
 static int find_file(file *f, const char *name, FILE *standard)
 {
     fxs_file_facts facts;

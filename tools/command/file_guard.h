@@ -18,7 +18,7 @@ void files_force(enum files_force force);
 
 int files_check(void);
 
-/* Forgets the registered outputs, so that the command can read them. */
+/* Forgets the registered output files, so that the command may read them. */
 void files_done(void);
 
 #endif

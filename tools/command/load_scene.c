@@ -18,9 +18,9 @@
 #include "src/base/os_calls.h"
 #include "file_guard.h"
 
-#define LARGE ((size_t)64 << 20)    /* smallest .fxs file to be paged, in bytes */
+#define LARGE ((size_t)64 << 20)    /* bytes from which an .fxs file may be paged (kept partly in memory) */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic memory pool */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };     /* a memory pool holds the chunks of 4 pictures, and 64 more */
 
 static int is_standard_input(const char *path)
 {

@@ -18,13 +18,13 @@ int is_packed(const loaded_scene *loaded);
 typedef struct load_options {
     int lod;                                /* number of the level of detail to read; 0: finest */
     const char *lods;                       /* list of levels of detail, one for each file; null: `lod` for all files */
-    int is_one_of_several;                  /* 1: a file with a single level ignores `lod` */
+    int is_one_of_several;                  /* 1: if a file has a single level of detail, `lod` is ignored */
     enum fxs_axes axes;
     uint32_t threads;                       /* threads of the import; 0: one per processor */
     enum fxs_profile profile;
     int tree;                               /* 1: packs a scene with a tree of levels of detail */
-    int pages;                              /* 1: an .fxs may be paged, with only parts in memory */
-    size_t pool;                            /* memory of a paged scene in bytes; 0: not given */
+    int pages;                              /* 1: an .fxs file may be paged, which keeps only parts in memory */
+    size_t pool;                            /* bytes of memory for a paged scene (partly in memory); 0: not given */
     uint32_t budget;                        /* most Gaussians per picture; 0: size alone does not make a scene paged */
     void (*arrived)(void *argument);        /* called when parts of a paged scene (partly in memory) have been loaded */
     void *arrived_argument;
@@ -37,7 +37,7 @@ typedef struct load_options {
     fxs_progress progress;                  /* progress callback; if its `call` is null, stderr shows a bar */
 } load_options;
 
-/* Returns the progress callback of the options, or else a progress bar after `label`. */
+/* Returns the progress callback of the options. If they have none, returns a progress bar that begins with `label`. */
 fxs_progress progress_of(const load_options *options, char *label);
 
 /* Copies the options for file i of `count` files. The copy has the level of detail that the options give for this

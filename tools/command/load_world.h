@@ -53,7 +53,7 @@ int world_up(const world *w, double up[3]);
 /* Computes an object's bounding box in the world. Returns 0 if the object's crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 
-/* Checks that the scene files are unchanged since loading. */
+/* Checks that the world's scene files have not changed since they were loaded. */
 int world_check(const world *w);
 
 /* A paged world has scenes that are only partly in memory, each with a pager that loads missing parts. world_want is an

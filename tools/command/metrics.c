@@ -15,7 +15,7 @@
 /* Local means that SSIM needs: of image A, of image B, of their squares, and of their product. */
 enum { A, B, SQUARES, PRODUCT, MAPS };
 
-/* Computes Gaussian weights of sum 1 over at most WINDOW pixels. Returns their number. */
+/* Computes the Gaussian window of SSIM: weights with the sum 1 over at most WINDOW pixels. Returns their number. */
 static int window(int side, double weights[WINDOW])
 {
     int taps = side < WINDOW ? side : WINDOW;

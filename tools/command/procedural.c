@@ -79,7 +79,7 @@ static uint64_t mix(uint64_t x)
 
 static double unit(uint64_t bits) { return (double)(int64_t)(bits >> 11) / 9007199254740992.0; }
 
-/* Returns random number k of a key, in [0, 1). */
+/* Returns the k-th random number of a key, in [0, 1). */
 static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * UINT64_C(0x9E3779B97F4A7C15))); }
 
 static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
@@ -294,7 +294,7 @@ static const struct marble {
 };
 #define MARBLES (sizeof marbles / sizeof marbles[0])
 
-/* Trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) from s = sin t and c = cos t. */
+/* Returns a point of the trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from s = sin t and c = cos t. */
 static vec trefoil(double s, double c)
 {
     return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
@@ -660,7 +660,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
-#define THIN 1e-9       /* thickness (sigma) of flat discs */
+#define THIN 1e-9       /* sigma of flat discs across their plane */
 
 static const vec noon = { -0.48, -0.80, -0.36 };
 

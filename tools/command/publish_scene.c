@@ -1,4 +1,5 @@
-/* Loads the scene of `fixsplat publish`, packed again if its profile or levels of detail differ from the options. */
+/* Loads the scene of `fixsplat publish`. It is packed again if its compression profile or levels of detail differ from
+   the options. */
 #include "publish_scene.h"
 
 #include <stdio.h>

@@ -52,7 +52,7 @@ static int write_packed(FILE *file, const void *bytes, size_t size)
     return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-/* True for a script, WebAssembly or style that the page needs. */
+/* True if a file is a script, WebAssembly or style sheet that the page needs. */
 static int is_carried(const char *name)
 {
     static const char *const endings[] = {".js", ".wasm", ".css"};

@@ -13,7 +13,7 @@ typedef struct single_page {
     int has_profile;               /* 1: packs an .fxs file again, with the compression profile of the options */
 } single_page;
 
-/* Writes the page to `out`, whole or not at all. */
+/* Writes the HTML page to the file `out`, as a whole or not at all. */
 int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes);
 
 #endif

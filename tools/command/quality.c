@@ -1,4 +1,4 @@
-/* Measures a scene's loss by rendering scene and original from several views. */
+/* Measures the loss of a scene: renders the scene and its original from several views, and compares the pictures. */
 #include "quality.h"
 
 #include <inttypes.h>

@@ -1,4 +1,4 @@
-/* Compares pictures of a scene with those of its original, which is drawn from floats in double precision. */
+/* Compares pictures of a scene with pictures of its original, which is drawn from floats in double precision. */
 #ifndef QUALITY_H
 #define QUALITY_H
 
@@ -17,7 +17,7 @@ typedef struct quality_view {
 typedef struct quality {
     quality_view *views;
     long count;
-    double psnr, ssim;              /* mean PSNR over the differing views; mean SSIM */
+    double psnr, ssim;              /* mean PSNR over the views that are not equal; mean SSIM */
     double worst_psnr, worst_ssim;  /* lowest PSNR and SSIM of all views */
     long worst_view;
     long nudged_view;               /* index of the view with the least difference nudged_psnr - psnr */

@@ -16,7 +16,7 @@
 #include "metrics.h"
 #include "views.h"
 
-/* True for a name with exactly one % conversion, %d with an optional zero-padded width. */
+/* True if a file name has exactly one % conversion, %d with an optional zero-padded width. */
 static int is_pattern(const char *name)
 {
     const char *percent = strchr(name, '%');
@@ -75,7 +75,7 @@ typedef struct batch {
     drawn_round rounds[2];
     long round_most;
     enum fxs_image_format encoding;
-    fxs_film *film;                         /* film output; null: a file for each view */
+    fxs_film *film;                         /* output of a film; null: a file for each view */
     int failed;
     int unexpected;                         /* 1: a view differs from its expected picture */
 } batch;
@@ -318,7 +318,7 @@ static void *write_round(void *argument)
     return 0;
 }
 
-/* Prints a view's results. Call in ascending order of views. */
+/* Prints the results of a rendered view. Call in ascending order of views. */
 static int report_view(batch *b, const drawn_view *d, const fxs_view *view)
 {
     const render_options *o = b->o;

@@ -1,4 +1,5 @@
-/* Statistics of a scene's attributes: reads all Gaussians into columns, sorts each column, and counts a histogram. */
+/* Computes statistics of a scene's attributes. Reads all Gaussians into columns, sorts each column, and counts a
+   histogram. */
 #include "stats.h"
 
 #include <inttypes.h>

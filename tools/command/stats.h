@@ -10,7 +10,7 @@ typedef struct attribute_stats {
     const char *name;
     uint64_t count, not_finite;             /* number of finite values, and number of other values */
     double least, median, mean, most;
-    uint64_t bins[STATS_BINS];              /* histogram with bins of equal width from `least` to `most` */
+    uint64_t bins[STATS_BINS];    /* histogram of the finite values, with bins of equal width from `least` to `most` */
 } attribute_stats;
 
 typedef struct scene_stats {

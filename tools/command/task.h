@@ -42,7 +42,7 @@ int task_is_cut(int status);
    `words`. */
 const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise);
 
-/* Prints why a program failed, from the status of task_run. Returns the exit status. */
+/* Prints why a program failed, from its status, a result of task_run. Returns the exit status. */
 int task_failed(const task *t, const char *program, int status);
 
 /* Joins two paths. A path that is too long becomes empty. */

@@ -1,5 +1,5 @@
-/* Sorts the nodes of a scene's level-of-detail tree into levels by the number of leaves below. Sums up sizes and
-   errors of each level. */
+/* Sorts the nodes of a scene's level-of-detail tree into levels, by the number of leaves below each node. Sums up sizes
+   and errors of each level. */
 #include "tree_levels.h"
 
 #include <inttypes.h>

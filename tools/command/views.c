@@ -16,7 +16,7 @@
 
 enum { VIEWS_MOST = 100000 };
 
-/* Parses a number from 0 to count - 1. Returns the text after the number; null: invalid. */
+/* Parses the number of a view, from 0 to count - 1. Returns the text after the number; null: invalid. */
 static const char *take_view(const char *text, long count, long *number)
 {
     char *end;
@@ -134,7 +134,7 @@ static void pass_through(const frame_options *o, fxs_view *keys, long count, fxs
         fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
 }
 
-/* Replaces the views by the frames of an orbit, or of a path through the views, and returns their number. On failure
+/* Replaces the views by the frames of a film: an orbit, or a path through the views. Returns their number. On failure
    returns -1, and *views is null. */
 static long frames_of_film(const frame_options *options, const world *w, fxs_view **views, long count)
 {
@@ -165,7 +165,7 @@ static int height_of(const frame_options *options)
     return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
-/* Keeps the views that --view names, in new arrays. Returns their number; -1: failure. */
+/* Keeps only the views that option --view names, in new arrays. Returns their number; -1: failure. */
 static long keep_named(const frame_options *options, fxs_view **views, fxs_lens **lenses, long count)
 {
     long *chosen;
@@ -222,7 +222,7 @@ static long views_of_file(const frame_options *options, fxs_view **views, fxs_le
     return count;
 }
 
-/* Finds the look-at point: --look, else level ahead for a panorama, else the scene's middle. */
+/* Finds the look-at point: the value of --look, else a point level ahead for a panorama, else the scene's middle. */
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
     const double *up = options->up.at;

@@ -1,4 +1,4 @@
-/* fixsplat fit: its options. */
+/* Command-line options of `fixsplat fit`. */
 #include "cmd_fit.h"
 
 #include <stdlib.h>

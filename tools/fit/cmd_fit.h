@@ -28,8 +28,8 @@ typedef struct fit_command {
 
 extern const char *const fit_recipes[];
 
-/* Fits a scene to all photographs, or to those of a block (part of the scene). With --measure, measures a scene
-   instead. */
+/* Fits a scene to all photographs, or to the photographs of a block (part of the scene). With --measure, measures a
+   scene instead. */
 int fit_photos(fit_command *c);
 
 /* Runs the remaining steps of a fit. A signal saves the fit and ends the program. */

@@ -1,4 +1,4 @@
-/* The end of `fixsplat fit`: crops, writes and measures the scene, and prints tables, JSON or a verdict. */
+/* Ends `fixsplat fit`: crops, writes and measures the scene, and prints tables, JSON or a verdict. */
 #include <fixsplat/internal/fit_more.h>
 
 #include "cmd_fit.h"

@@ -247,7 +247,7 @@ static int find_cameras(fit_command *c)
         return status;
     c->in = c->found;
     if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* masks in the reconstructed folder replace those of the option --masks */
+        c->reading.masks = 0;      /* masks in the reconstructed folder replace the masks of the options */
     c->reading.invert_masks = 0;
     return 0;
 }

@@ -1,4 +1,4 @@
-/* Progress of a fit: running means of loss and pace, the line on stderr, and the log. */
+/* Shows the progress of a fit: running means of loss and speed, a line on stderr, and a log file. */
 #include "fit_progress.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* Progress of a fit, on stderr and in a log. */
+/* Shows the progress of a fit, on stderr and in a log file. */
 #ifndef FIT_PROGRESS_H
 #define FIT_PROGRESS_H
 
@@ -19,7 +19,7 @@ typedef struct fit_progress {
     uint64_t stages[FIT_STAGES];    /* nanoseconds in each stage, summed over all reports */
 } fit_progress;
 
-/* Counts the steps up to `step`, and shows progress. */
+/* Counts the steps of a fit up to number `step`, and shows progress. */
 void fit_progress_count(fit_progress *progress, uint32_t step, const fxs_fit_report *report);
 
 fit_now fit_progress_now(const fit_progress *progress, uint32_t step, size_t gaussians);
@@ -34,7 +34,7 @@ typedef struct fit_log {
     uint32_t every;
 } fit_log;
 
-/* Opens a log without emptying it. */
+/* Opens the log file of a fit without emptying it. */
 int fit_log_open(fit_log *log, const char *name);
 
 /* Begins the log of a fit of `steps` steps. goes_on 1: appends to the log of a resumed fit; 0: empties the file. */

@@ -195,7 +195,7 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare)
     }
 }
 
-/* Writes the photograph and the rendered picture side by side. Ignored pixels are darkened. */
+/* Writes a photograph and its rendered picture side by side. Pixels that the mask ignores are darkened. */
 static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, uint8_t *photograph)
 {
     const fxs_view *view = &photo->view;

@@ -35,8 +35,8 @@ typedef struct fit_watcher {
     void (*close)(int status);
 } fit_watcher;
 
-/* Runs `fixsplat fit`, and returns the exit status. With a null watcher, --preview starts the server program
-   instead. */
+/* Runs `fixsplat fit`, and returns the exit status. If `watcher` is null, option --preview starts the separate server
+   program instead. */
 int fit_run(int argc, char **argv, const fit_watcher *watcher);
 
 #endif

@@ -189,7 +189,7 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
     return error;
 }
 
-/* COLMAP reads a list of names, one a line, and strips blanks at their ends. */
+/* COLMAP reads a list of file names, one a line, and strips blanks at the ends of names. */
 static int check_name(const char *name, const char *path, fxs_message *why)
 {
     return strchr(" \t\v\f\r", *name) || strchr(name, '\n')

@@ -294,7 +294,7 @@ static uint64_t size_of_model(const char *models, const char *name)
     return read == 8 ? count : 0;
 }
 
-/* Reads the model's files, because on a full disk a mapper may truncate them and still exit with 0. */
+/* Reads the files of COLMAP's model to their end. On a full disk, a mapper may truncate them and still exit with 0. */
 static int check_model(const work *w, const char *model)
 {
     char path[TASK_PATH];

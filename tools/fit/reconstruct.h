@@ -10,8 +10,8 @@ typedef struct reconstruct_options {
     uint32_t frames;               /* number of frames to take of a film; 0: automatic */
     uint32_t threads;
     int skip_bad;
-    const char *masks;             /* folder of masks; empty: none; null: IN/masks if it exists */
-    int invert_masks;              /* 1: masks are white where a photograph is ignored */
+    const char *masks;             /* folder of masks; empty: no masks; null: folder IN/masks if it exists */
+    int invert_masks;              /* 1: white pixels of a mask are ignored, not black ones */
 } reconstruct_options;
 
 /* True if cameras must be reconstructed: the input is a film, or a folder without cameras. */

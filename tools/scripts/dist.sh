@@ -133,7 +133,7 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# needs_on_windows FILE: prints the shared libraries of mingw-w64 that a program needs.
+# needs_on_windows FILE: prints the shared libraries of mingw-w64 that a Windows program needs.
 needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
 
 windows() {

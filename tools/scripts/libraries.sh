@@ -42,8 +42,8 @@ list_sources() {
             'Created-By: Packages' | sort -ru >"$work/sources.list" && apt apt-get update
 }
 
-# fetch SOURCE: fetches the newest complete version. For qrencode the original source is enough, because Debian does not
-# patch the library.
+# fetch SOURCE: fetches the newest version of a Debian source package that is complete. For qrencode the original source
+# is enough, because Debian does not patch the library.
 fetch() {
     for version in $(apt apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -ruV); do
         apt apt-get source --only-source "$1=$version" && return

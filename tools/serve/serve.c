@@ -1,4 +1,5 @@
-/* fixsplat-web: the web server behind `fixsplat view --web` and `fixsplat fit --preview`, with the same arguments. */
+/* fixsplat-web: the web server program that `fixsplat view --web` and `fixsplat fit --preview` start, with the same
+   arguments. */
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>

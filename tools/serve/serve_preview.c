@@ -50,20 +50,20 @@ static struct preview {
     fxs_http_site site;
     fxs_http_file files[FILES];
     char folder[PAGE_PATH];
-    pthread_mutex_t lock;           /* the lock guards `live` */
+    pthread_mutex_t lock;           /* lock that guards the array `live` */
     live_file live[FILES];
 
     const char *out, *state;
     int has_failed;
     int is_written;
-    const fxs_photos *photos;       /* photographs stay valid until the final scene is written */
+    const fxs_photos *photos;       /* the fit's photographs, valid until the final scene is written */
     int held_out;
     frame_options frame;
-    fxs_photos few;                 /* photographs measured for each point of the quality curve */
+    fxs_photos few;                 /* photographs that are measured for each point of the quality curve */
     fit_now now;
     uint64_t began, told, packed;   /* times of the fit's start, last numbers and last scene in nanoseconds */
     uint64_t spent_on_scenes, spent_on_points;
-    uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
+    uint32_t version;               /* number of the scene's version, from 1; 0: no scene yet */
     uint32_t measured;
     point *points;
     size_t point_count, point_room;

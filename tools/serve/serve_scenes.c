@@ -44,7 +44,7 @@ typedef struct served_scene {
     int descriptors[VERSIONS];
     int picture;
     uint64_t kept;
-    uint32_t version;                       /* version of the scene, from 1; 0: none yet */
+    uint32_t version;                       /* number of the scene's version, from 1; 0: none yet */
     double done;
     uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
     char words[256];
@@ -310,7 +310,8 @@ static void drop(served_scene *s)
     s->state = WAITS;
 }
 
-/* Frees packed scenes that no page shows, the least recently requested first, until at most KEPT_MOST bytes remain. */
+/* Frees packed scenes that no page shows, the least recently requested first, until at most KEPT_MOST bytes are
+   left. */
 static void make_room(served_scenes *all)
 {
     const uint64_t now = fxs_clock(0);
@@ -390,7 +391,7 @@ static int take_first(served_scene *s)
     return fail(EXIT_FAILED, "%s: there is no such file", s->given);
 }
 
-/* Interest of open pages in a scene: none, listed but without a picture, or shown. */
+/* What open pages want of a scene: nothing, a small picture for the list of scenes, or the scene itself. */
 enum interest { NOBODY, LISTED, SHOWN };
 
 static enum interest interest_in(served_scene *s, enum scene_state *state)

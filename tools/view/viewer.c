@@ -65,7 +65,7 @@ static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
     }
 }
 
-/* Samples the scene at every n-th chunk. Each chunk has 256 Gaussians, so the sample is even. */
+/* Samples the scene by taking one point of every n-th chunk. Each chunk has 256 Gaussians, so the sample is even. */
 static void find_points(viewer *v)
 {
     uint64_t chunks = 0, number = 0;
@@ -85,7 +85,8 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns the distance within which the nearest twentieth of the scene lies, clamped to 0.01 to 2 scene radii. */
+/* Returns the distance from the camera within which the nearest twentieth of the scene lies. It is clamped to 0.01 to 2
+   scene radii. */
 static double reach(const viewer *v)
 {
     double distances[NEAR_POINTS];
@@ -156,7 +157,7 @@ static void start_loading(viewer *v)
     fxs_worker_do(v->loader, load, v);
 }
 
-/* Opens a dropped file in place of the current scenes, or after the scene that is being opened. */
+/* Opens a dropped file in place of the current scenes. If another scene is being opened, opens the file after that. */
 static void drop(viewer *v, const char *path)
 {
     char **place = v->loading.on ? &v->loading.next : &v->loading.path;

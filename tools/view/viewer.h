@@ -70,7 +70,7 @@ struct viewer {
     fxs_view seen;                     /* view of the last frame; width 0: no frame yet */
 
     loading loading;
-    int installing;                         /* 1: loaded scenes will replace the current scenes */
+    int installing;                         /* 1: the loaded scenes are about to replace the current ones */
     fxs_recent recent;
     int recent_marked;                      /* index of the recent scene under the pointer; -1: none */
     char *path;                             /* path of the shown scene; null: no scene */
@@ -159,10 +159,10 @@ int crop_face_at(const viewer *v, double x, double y);
 /* Moves the crop box face v->face, so that its handle comes as near as possible to the window position x, y. */
 void crop_drag(viewer *v, double x, double y);
 
-/* Crops all objects by the box. Runs on the renderer's thread. */
+/* Crops all objects of the world by the box. Runs on the renderer's thread. */
 void crop_world(world *w, const crop_box *crop);
 
-/* Replaces the current scenes by the loaded scenes. No frame may be in progress. */
+/* Replaces the current scenes of the window by the loaded scenes. No frame may be in progress. */
 void viewer_install(viewer *v);
 
 int viewer_has_levels(const viewer *v);

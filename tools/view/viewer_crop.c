@@ -146,7 +146,7 @@ int crop_face_at(const viewer *v, double x, double y)
     return found;
 }
 
-/* Computes the ray of a window position in the last frame: origin `from`, direction `along`. */
+/* Computes the ray through a window position in the last frame: origin `from`, direction `along`. */
 static void find_ray(const viewer *v, double x, double y, double from[3], double along[3])
 {
     const fxs_view *view = &v->seen;
@@ -167,8 +167,9 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Finds the point t on the axis e through the handle h that is nearest to the ray o + s d: t = (b (d w) / d^2 - e w)
-   / (1 - b^2 / d^2), with b = e d and w = h - o. Returns 0 if axis and ray are nearly parallel. */
+/* Finds where a handle of the crop box moves on its axis: the point at t on axis e through handle h that is nearest to
+   the pointer's ray o + s d. t = (b (d w) / d^2 - e w) / (1 - b^2 / d^2), with b = e d and w = h - o. Returns 0 if axis
+   and ray are nearly parallel. */
 static int nearest_on_axis(const double h[3], int axis, const double o[3], const double d[3], double *t)
 {
     const double w[3] = {h[0] - o[0], h[1] - o[1], h[2] - o[2]}, b = d[axis], square = dot(d, d);

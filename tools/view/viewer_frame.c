@@ -218,7 +218,7 @@ void stop_frame(viewer *v)
         fxs_worker_stop(v->drawer);
 }
 
-/* Finds the first free name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
+/* Finds the first free file name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
 static int name_file(request *r, const char *stem, const char *ending)
 {
     for (int i = 1; i < 1000; i++) {

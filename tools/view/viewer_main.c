@@ -1,4 +1,4 @@
-/* fixsplat-view: the program behind `fixsplat view`, with the same arguments. */
+/* fixsplat-view: the separate program that opens the window of `fixsplat view`, with the same arguments. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/output.h>
 #include "src/base/os_calls.h"

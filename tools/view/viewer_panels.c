@@ -1,4 +1,4 @@
-/* Draws text, panels and marks over the frame in the window. */
+/* Draws text, panels and marks over the rendered frame in the window. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include "tools/command/cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: smallest font size in pixels */
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: least font size in pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
@@ -242,8 +242,8 @@ static void add_measure(panels *p, const viewer *v)
         fxs_draw_line(&panel->picture, ends[i], ends[i], dot, 0xffb020ff);
 }
 
-/* Clips a line in camera coordinates to the near plane and the four sides of the view. Inside is n p + d >= 0.
-   Returns 0 if nothing is left. */
+/* Clips a line in camera coordinates to the near plane and the four sides of the view. A point p is inside a plane if n
+   p + d >= 0. Returns 0 if nothing is left. */
 static int clip(const fxs_view *view, double near, double from[3], double to[3])
 {
     const int parallel = view->projection == FXS_ORTHOGRAPHIC;
