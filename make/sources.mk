@@ -76,8 +76,8 @@ FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% 
                  src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
 
-# LIBRARY_name: the header and the linker options of an optional library. A library with the option -ldl is loaded at
-# run time.
+# LIBRARY_name: the header and the linker options of an optional library. A library with the option -ldl alone is
+# loaded at run time.
 LIBRARY_CJSON := cjson/cJSON.h -lcjson
 LIBRARY_EXPAT := expat.h -lexpat
 LIBRARY_ZIP := zip.h -lzip

@@ -21,7 +21,7 @@ struct option_row {
     double low, high;
     const char *expected;                   /* description of the expected value, for error messages; null: automatic */
     const char *const *choices;
-    const char *help;                       /* help text; null marks the end of the table */
+    const char *help;                       /* help text of the option; null: end of the table of options */
     char letter;
     int basic;                              /* 1: the short help also lists the option */
 };

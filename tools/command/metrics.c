@@ -96,8 +96,8 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     memset(below, 0, width * sizeof *below);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
-            below[x] = mask[y * width + x] ? below[x] + 1 : 0;         /* length of the unmasked run upwards */
-            beside = below[x] >= taps_y ? beside + 1 : 0;     /* number of columns leftwards with tall enough runs */
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;   /* number of unmasked pixels upwards without a gap */
+            beside = below[x] >= taps_y ? beside + 1 : 0;    /* number of columns to the left that fit a window */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }

@@ -99,7 +99,7 @@ static void spread_evenly(place *p, uint64_t index, uint64_t count)
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* Finds the part of the scene that Gaussian i belongs to. `ends` has the last index of each part, in thousandths of
+/* Finds the part of the scene that Gaussian i belongs to. `ends` has the ends of all parts, in thousandths of
    `count`. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {

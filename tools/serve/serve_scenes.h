@@ -1,5 +1,5 @@
-/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller. scenes_work packs them,
-   on a single thread. The server's thread sends the ready files. */
+/* The scenes that `fixsplat view --web` serves. Scenes are packed if that makes them smaller. Function scenes_work
+   packs them, on a single thread. The server's thread sends the ready files. */
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 
