@@ -10,7 +10,8 @@ B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
 MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
-# Public headers <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
+# Header files to install: CORE_HEADERS for the library libfixsplat-core.a (the renderer alone), HEADERS for libfixsplat
+# (all features).
 CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h backend.h \
     $(addprefix internal/,packed.h stage.h pixel.h fixed.h kernels.h))
 PUBLIC_HEADERS := $(wildcard src/include/fixsplat/*.h)
@@ -66,7 +67,7 @@ setup: ## install the Debian packages that are missing (and what goals behind it
 	@$(if $(filter test test-all,$(GOALS)),sh tools/scripts/page_modules.sh $(B)/page; \
 	    sh tools/scripts/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/scripts/arm_libraries.sh $(B)/aarch64)
 
-# Other goals run in a new make, which finds the installed packages.
+# `make setup GOAL...` builds the other goals in a new make, which finds the packages that setup has installed.
 REST := $(filter-out setup,$(GOALS))
 $(REST): rest ;
 rest: setup

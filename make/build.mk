@@ -2,7 +2,7 @@
 
 include make/sources.mk
 
-# probe.sh finds the target of the compiler and the optional libraries, and runs again when they change.
+# The script probe.sh finds the compiler's target and the optional libraries. It runs again when they change.
 quoted = '$(subst ','\'',$(1))'
 ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
@@ -24,7 +24,7 @@ PIC := $(if $(SHARED),$(PIC_$(SYSTEM)))
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) $(CUDA_FLAGS)
 LIBS := $(foreach name,$(LINKED) CUDA,$(LIBS_$(name))) -lm -lpthread
 
-# clang 14 crashes on debug information of AVX-512 masks.
+# -g0: clang 14 crashes on debug information of AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 FLAGS_AVX512 += $(CLANG_14)
 FLAGS_FAST := $(if $(filter -O2,$(CFLAGS)),$(FLAGS_FAST))
@@ -84,7 +84,7 @@ $(B)/fixsplat-web$(EXE): $(call objects,$(SERVER) $(filter-out tools/command/mai
                    $(B)/commands/link
 	$(call link,$(foreach name,$(LINKED_WEB),$(LIBS_$(name))) $(SOCKETS_$(SYSTEM)))
 
-# A changed compiler command rebuilds the files made by it.
+# Each file in commands/ holds a compiler command. When the command changes, all files that it makes are rebuilt.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
 $(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(foreach name,$(LINKED_VIEW) $(LINKED_WEB),$(LIBS_$(name))) $(AR) \
@@ -93,7 +93,7 @@ $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
 	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
-# An object file depends on the optional libraries that its source names.
+# Makes an object file depend on each optional library that its sources name by a macro FXS_WITH_NAME.
 features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
            sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
 
@@ -102,13 +102,14 @@ $(B)/%.o: %.c $(B)/commands/compile
 	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(if $(filter tests/%,$*),$(FOR_TESTS_$(SYSTEM))) $(call flags_of,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
-# nvcc puts a hash of the source's path into names. A relative path makes the result independent of the folder.
+# nvcc puts a hash of the source file's path into symbol names. With a relative path, object files are equal in all
+# folders.
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
 	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
 	    $(if $(findstring fit,$*),$(CUDA_FIT_FLAGS)) -MMD -MP -c -o $@ $<
 
-# Source files that are compiled only with an optional library.
+# These object files use an optional library, so they are rebuilt when the library appears or disappears.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard $(SOURCES_GLES))): $(B)/with/GLES

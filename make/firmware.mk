@@ -1,6 +1,6 @@
 # Builds programs for microcontroller boards (docs/boards.md).
 
-# Compiler options, memory map and sources of each board. BOARD_HZ: clock in Hz.
+# For each board: compiler options, memory map and source files. BOARD_HZ is the processor's clock in Hz.
 memory = $(foreach pair,$(1),-Wl,--defsym=$(pair))
 in_flash := -T port/board/cortexm/firmware.ld
 cpu_of_mps2-an385 := -mthumb -mcpu=cortex-m3 -DBOARD_HZ=25000000
@@ -33,8 +33,8 @@ $(B)/firmware/knot.fxs: $(B)/fixsplat
 	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
 	$(B)/fixsplat convert $(@:.fxs=.ply) $@
 
-# Flags of fast code: with its scheduler, GCC 12 spills vector registers; with a frame pointer, it addresses memory
-# faster.
+# Compiler flags of hot code on the boards. Without its instruction scheduler, GCC 12 does not spill vector registers.
+# With a frame pointer, its code addresses memory faster.
 arm_flags_of = $(if $(filter -O2,$(ARM_CFLAGS)),$(if $(filter src/core/project.c src/core/shade.c %project_mve.c,$(1)),-O3)) \
                $(if $(findstring _mve,$(1)),-fno-schedule-insns -fno-omit-frame-pointer)
 objects_of = $(addprefix $(B)/firmware/$(1)/,$(addsuffix .o,$(basename $(2))))
@@ -53,7 +53,8 @@ $(B)/firmware/$(1).elf: $(call objects_of,$(1),$(wildcard src/core/*.c port/boar
 	$$(call say,LD,$$@)$(ARM_CC) $(cpu_of_$(1)) -nostartfiles --specs=nano.specs -Wl,--gc-sections $(link_of_$(1)) \
 	    -Wl,-Map=$$(@:.elf=.map) -o $$@ $$(filter %.o,$$^)
 
-# The kernels' test as a program for the board, with fewer cases, because emulators are slow.
+# Builds the unit test of the kernels (vectorised inner loops) as a program for the board. It has fewer cases there,
+# because emulators are slow.
 $(B)/firmware/$(1)/tests/test_kernels.o: TEST_FLAGS := -Dmain=test_main -DCASES=200
 $(B)/firmware/$(1)/test_kernels.elf: $(call objects_of,$(1),$(wildcard src/core/*.c) $(kernels_of_$(1)) tests/test_kernels.c \
                                        tests/on_board.c port/board/cortexm/start.c port/board/cortexm/console.c)

@@ -1,4 +1,4 @@
-# Rules for installation.
+# Rules of `make install`.
 
 SONAME_LINKS := $(SONAME) libfixsplat.so
 PAGE := $(PREFIX)/share/fixsplat/web
@@ -15,7 +15,7 @@ fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME
            -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 
-# Man pages and shell completions, generated from the program's help if the program can run here.
+# Generates man pages and shell completions from the program's help, if the program can run on this machine.
 $(B)/share/made: $(B)/fixsplat tools/scripts/man.sh tools/scripts/completions.sh
 	@rm -rf $(@D) && mkdir -p $(@D)
 	$(call say,MAN,$(@D))if $(B)/fixsplat --version >/dev/null 2>&1; then \

@@ -1,17 +1,17 @@
 # Rules that run the tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-# Tests that are left out on Windows: they fork, limit resources, create links or FIFOs, or use a shell.
+# These tests are left out on Windows, because they fork, limit resources, create links or FIFOs, or use a shell.
 NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
 TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
 
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# Long tests start first. `make check` omits tests of 10 seconds or more. tests/seconds has the processor seconds of
-# each test.
+# LONG lists the tests that take 10 seconds or more. They start first, and `make check` omits them. tests/seconds has
+# the processor time of each test in seconds.
 LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
-# Tests that need a window or measure time run one at a time, at the end.
+# Tests that need a window, or that measure time, run one at a time after all others.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
 
@@ -20,7 +20,7 @@ EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# Browser tests mostly wait, so one more job runs than processors.
+# Browser tests wait most of the time, so one more test runs at once than there are processors.
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
@@ -30,7 +30,8 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
                    $(B)/commands/link
 	$(call link)
 
-# A test replaces a function of SDL, which is linked statically on Windows.
+# The window's test defines an SDL function itself. On Windows, SDL is linked statically, so the linker must allow a
+# second definition.
 FOR_WINDOW_win32 := -Wl,--allow-multiple-definition
 $(B)/tests/test_window$(EXE): $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
                         port/window/words.c $(WINDOW) \

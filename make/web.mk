@@ -1,8 +1,8 @@
 # Builds the npm packages fixsplat and fixsplat-viewer (docs/web.md).
 
-# WebAssembly modules. Renderer: core (without simd128), simd, threads (simd128 and threads). Packing and readers:
-# import (all formats except .sog), import_threads (import with threads), import_sog (the .sog reader), import_core (all
-# formats, without simd128).
+# WebAssembly modules of the npm package. Three contain the renderer: core (without simd128), simd, and threads (simd128
+# and threads). Four read and pack scene files: import (all formats except .sog), import_threads (import with threads),
+# import_sog (the .sog reader), and import_core (all formats, without simd128).
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
@@ -27,13 +27,12 @@ sources_of_import := $(WEB_IMPORT)
 sources_of_import_sog := $(WEB_IMPORT)
 sources_of_import_core := $(WEB_IMPORT)
 sources_of_import_threads := $(WEB_IMPORT) port/web/web_pool.c
-# File readers that a WebAssembly module leaves out are compiled without their libraries. They recognise their files and
-# report an error.
+# A WebAssembly module compiles the file readers that it leaves out without their libraries. These readers recognise
+# their files and report an error.
 not_in_import := %/sog.c %/zip.c
 not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c
-# Code that takes little of the time is optimised for size.
-# --low-memory-unused: the lowest 1024 bytes are the end of the stack, and no pointer refers to them.
-# <GLES3/gl3.h> comes from the host.
+# Code that takes little of the run time is compiled for size. Flag --low-memory-unused: the lowest 1024 bytes of memory
+# are the end of the stack, and no pointer refers to them. Header <GLES3/gl3.h> is the build machine's.
 wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not_in_$(1)),$(2)),,$(WEB_READERS_FLAGS))) \
                 $(if $(filter simd import import_sog,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
@@ -45,7 +44,7 @@ WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/s
              import/src/base/foreign.c import/src/base/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
-# Threads: the linked functions of wasi-libc are thread-safe. fixsplat.js creates the shared memory.
+# Modules with threads link only thread-safe functions of wasi-libc. fixsplat.js creates their shared memory.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
 wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
@@ -87,19 +86,20 @@ HAS_ESBUILD := $(shell command -v $(ESBUILD))
 WEB_INLINE := $(if $(HAS_ESBUILD),$(addprefix $(WEB)/inline/,with_files.js files.js package.json))
 WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js \
                                    system.js thread_node.js)
-# The page: scripts, styles and pages of fixsplat-viewer, in the folder viewer of fixsplat. They import fixsplat by
-# relative paths, so a browser needs no bundler. The package fixsplat-viewer has the same files in its folder `page`.
+# The viewer's page consists of scripts, styles and HTML files, in the folder viewer of the npm package fixsplat. They
+# import fixsplat by relative paths, so a browser needs no bundler. The npm package fixsplat-viewer has the same files
+# in its folder `page`.
 VIEWER_JS := $(notdir $(wildcard port/web/viewer/*.js)) style.js
 VIEWER_TYPES := $(notdir $(wildcard port/web/viewer/*.d.ts))
 OF_PAGES := fit.js list.js page.js published.js served.js single.js
 OF_BUNDLERS := element.js inline.js placed.js playcanvas.js react.js server.js starts.js three.js worker_whole.js
 PAGE_PARTS := $(filter-out $(OF_BUNDLERS),$(VIEWER_JS)) \
               $(notdir $(filter-out %/viewer.css,$(wildcard port/web/viewer/*.css port/web/viewer/*.html)))
-# The folder of the page has the types and the README too, for links from the installed documentation.
+# The folder of the page also has TypeScript types and a README, because the installed documentation links to them.
 WEB_PAGE := $(addprefix $(WEB)/viewer/,$(PAGE_PARTS) $(VIEWER_TYPES) README.md)
 PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts package.json README.md CHANGELOG.md LICENSE) $(WEB_INLINE) $(WEB_PAGE)
-# Modules of fixsplat that the page imports. In fixsplat-viewer, they take the package fixsplat of the same version from
-# the server of the page, as on a CDN.
+# Modules of the npm package fixsplat that the viewer's page imports. In the package fixsplat-viewer they are stubs,
+# which import fixsplat of the same version from the page's server, as on a CDN.
 VIEWER_STUBS := fixsplat.js fixsplat_assets.js read.js
 VIEWER_SCRIPTS := $(filter-out $(OF_PAGES) $(if $(HAS_ESBUILD),,inline.js),$(VIEWER_JS))
 VIEWER_PACKAGE := $(addprefix $(VIEWER)/,$(VIEWER_SCRIPTS) $(VIEWER_TYPES) $(VIEWER_STUBS) $(addprefix page/,$(PAGE_PARTS)) \
@@ -151,8 +151,8 @@ WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwe
 $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
 	@mkdir -p $(@D)
 	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
-# File endings of readable formats, from the table in formats.c. A 1 at the start of a row's line of numbers marks a
-# readable format.
+# Lists the file endings of readable scene formats from the table in src/scene/formats.c. There, a row of numbers that
+# begins with 1 marks a readable format.
 FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quoted[4] } \
     /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
     /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
@@ -171,7 +171,7 @@ $(VIEWER)/inline_worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(WEB)/packa
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --alias:fixsplat=$(abspath $(WEB)) \
 	    --outfile=$(B)/web/worker.js $(VIEWER)/worker_whole.js && \
 	    node $< files fixsplat/fixsplat_assets.js viewer/worker.js=$(B)/web/worker.js >$@
-# Some bundlers resolve a folder by its name instead of "exports" in package.json.
+# Adds a package.json for bundlers that resolve a folder by its name, without "exports" of the package.
 $(WEB)/inline/package.json: make/web.mk
 	@mkdir -p $(@D) && echo '{ "type": "module", "main": "./with_files.js", "types": "../fixsplat.d.ts" }' >$@
 $(WEB)/CHANGELOG.md $(VIEWER)/CHANGELOG.md: NEWS.md
@@ -197,7 +197,7 @@ $(VIEWER)/%: port/web/viewer/%
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 
-# The kernels' test as a WASI program, for tests/web/wasi.mjs.
+# Builds the unit test of the kernels (vectorised inner loops) as a WASI program, which tests/web/wasi.mjs runs.
 $(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/core/*.c kernels/simd/wasm/*.c) kernels/kernels.c \
                                                             tests/test_kernels.c)
 	$(call say,LD,$@)$(WASM_CC) --target=wasm32-wasi -Wl,-z,stack-size=1048576 -o $@ $^

@@ -3,7 +3,8 @@
 WINDOWS_CC ?= x86_64-w64-mingw32-gcc
 WINDOWS_GOALS ?= all
 WINDOWS := $(B)/windows
-# SDL2 and the Windows libraries that it needs. -lmingw32 and -mwindows are removed, to make a console program.
+# Linker options for SDL2 and the Windows libraries that SDL2 needs. Without -lmingw32 and -mwindows, the program is a
+# console program.
 SDL_PC = $(wildcard $(WINDOWS_LIBRARIES)/lib/pkgconfig/sdl2.pc)
 WINDOWS_SDL = $(filter-out -L% -lmingw32 -mwindows,$(if $(SDL_PC),$(shell sed -n 's/^Libs: *//p' $(SDL_PC))))
 

@@ -3,7 +3,8 @@
 cd "$(dirname "$0")/../.." || exit 1
 faults=
 
-# Each line has a folder, then the folders that its files may include headers of. The first matching line counts.
+# Each line names a folder, then the other folders whose headers its files may include. The first line that matches a
+# folder counts.
 rooms='
 src/core
 src/base        src/core
@@ -126,12 +127,13 @@ rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
 faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-# File names of the product are unique, except those that npm, Python and readers expect in every folder.
+# File names must be unique in the folders src, kernels, port and tools. Names such as README.md, package.json and *.py
+# are exempt.
 twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name package.json ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
 [ -z "$twice" ] || faults="$faults two files are called $twice"
 
-# core and kernels must not allocate or print, except that the GL back ends allocate themselves; src must not open files
-# or start threads.
+# Code in src/core and kernels must not allocate memory or print, except in GPU back ends, fitting and packing. Code in
+# src must not open files or start threads.
 calls='(^|[^A-Za-z0-9_>.])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
 calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack|gles/gles\.c|compute/compute\.c)' | cut -d: -f1,2 |
     tr '\n' ' ')

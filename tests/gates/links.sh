@@ -1,5 +1,5 @@
 #!/bin/sh
-# Checks that links, anchors, paths and names of files in Markdown pages exist. Fenced code is skipped.
+# Checks that Markdown pages refer only to links, anchors, paths and files that exist. Fenced code is skipped.
 cd "$(dirname "$0")/../.." || exit 1
 kept='( -name .git -o -name build -o -name node_modules ) -prune -o'
 pages=$(find . $kept -name '*.md' -print | sed 's|^\./||' | sort)

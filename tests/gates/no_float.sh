@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that rendering uses no floating point: no float type in the source, no soft-float call, and no float register
-# on AArch64. GPU code and the fit are exempt.
+# Checks that the rendering code uses no floating point: no float type in the source, no soft-float call, and no float
+# register on AArch64. GPU code and fitting are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
@@ -32,7 +32,7 @@ text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kerne
     grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')
 [ -z "$text" ] || fail "in $text"
 
-# Names of soft-float functions: of ARM's ABI (__aeabi_fadd) and of libgcc (__addsf3).
+# Name patterns of soft-float functions in ARM's ABI (such as __aeabi_fadd) and in libgcc (such as __addsf3).
 soft_float='__aeabi_(f|d|h|cf|cd|i2|ui2|l2|ul2)[a-z0-9_]*|__[a-z]+[hsdt]f[a-z0-9]*|__(float|fix)[a-z]+'
 hosted='malloc|calloc|realloc|free|[a-z]*printf|puts|abort|exit'
 if build cortexm3 arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -ffreestanding; then

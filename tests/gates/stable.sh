@@ -1,7 +1,7 @@
 #!/bin/sh
-# Stable and experimental functions (FXS_API, FXS_EXPERIMENTAL in fixsplat.h). The functions of a public header are all
-# of one kind. A stable header includes only stable headers, and uses no type of an experimental one. The headers in
-# fixsplat/internal are experimental.
+# Checks which public functions are stable (FXS_API) or experimental (FXS_EXPERIMENTAL). The functions of a public
+# header must all be of one kind. A stable header must include only stable headers, and use no type of an experimental
+# one. The headers in fixsplat/internal are experimental.
 cd "$(dirname "$0")/../../src/include/fixsplat" || exit 1
 faults=
 code() { awk -f ../../../tests/gates/strip_comments.awk "$@" | sed 's/^[^:]*:[0-9]*://'; }
@@ -15,7 +15,8 @@ for header in internal/*.h; do
     ! grep -q '^FXS_API' "$header" || faults="$faults $header has a stable function;"
 done
 
-# Types that experimental headers define. A stable header may have a pointer to one as an opaque struct.
+# Lists the types that experimental headers define. A stable header may use such a type only as an opaque struct, by
+# pointer.
 types=$(code $experimental internal/*.h | grep -oE '^\} fxs_[a-z0-9_]+;|^typedef [^;]*fxs_[a-z0-9_]+;' |
     grep -oE 'fxs_[a-z0-9_]+;$' | tr -d ';' | sort -u | tr '\n' '|')
 for header in $stable; do

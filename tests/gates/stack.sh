@@ -1,6 +1,6 @@
 #!/bin/sh
-# Limits stack usage on a Cortex-M3 with FXS_SMALL_STACK. Each function of src uses at most 1.5 KB; functions that
-# colour pictures do not need are exempt.
+# Checks stack usage on a Cortex-M3, compiled with FXS_SMALL_STACK. Each function of src may use at most 1.5 KB of
+# stack. Functions that are not needed to render colour pictures are exempt.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT

@@ -2,8 +2,8 @@
  * Arguments:
  *   FILE.fxs                an overview of the scene
  *   FILE.fxs:CAMERAS:N,N    views N of a camera file
- *   WIDTHxHEIGHT            the size for later arguments (default 1920x1080)
- * Column `same`: the picture equals the processor's. `MB`: device memory. */
+ *   WIDTHxHEIGHT            the picture size for later arguments (default 1920x1080)
+ * Column `same` tells if the picture equals the processor's. Column `MB` is the device memory in use. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include <fixsplat/internal/packed.h>
 #include "kernels/compute/gl31.h"
 
-#define TIME_ELAPSED 0x88BF        /* constant of EXT_disjoint_timer_query */
+#define TIME_ELAPSED 0x88BF        /* constant TIME_ELAPSED_EXT of GL_EXT_disjoint_timer_query */
 
 enum { WARM_UP = 5, REPEATS = 31, SIZE_MOST = 8192 };
 

@@ -2,8 +2,8 @@
  * frames. Arguments:
  *   FILE.fxs                an overview of the scene
  *   FILE.fxs:CAMERAS:N,N    views N of a camera file
- *   FILE.fxs@N              N objects on a square
- *   FILE.fxs%N              a budget of N Gaussians */
+ *   FILE.fxs@N              N copies of the scene on a square
+ *   FILE.fxs%N              a level of detail with at most N Gaussians */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,8 +15,8 @@
 #include "peek.h"
 
 enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };
-enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes per pixel of
-                                                                                           depths and ids */
+enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* TRACE: bytes per pixel for
+                                                                                           pictures of depths and ids */
 
 static fxs_message failure;
 static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
@@ -25,8 +25,8 @@ static uint32_t object_count, budget;
 
 typedef struct kind {
     enum fxs_cutoff cutoff;
-    int ids, means;                /* 1: median depth and id targets (ids), mean depth target (means) */
-    int eyes;                      /* eyes: 2 for a stereo pair, 0 for one frame */
+    int ids, means;                /* ids 1: also draws median depths and ids; means 1: also draws mean depths */
+    int eyes;                      /* number of eyes: 2 for a stereo pair, 0 for a single picture */
 } kind;
 
 static int compare_floats(const void *a, const void *b)
@@ -53,7 +53,7 @@ static fxs_options options_of(const kind *k)
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
-    for (int a = 0; a < 3 && k->eyes; a++)     /* the eyes are 0.0625 apart */
+    for (int a = 0; a < 3 && k->eyes; a++)     /* the eyes are 0.0625 scene units apart */
         frame.camera.position_q32[a] += (int64_t)camera->rotation_q30[a] * (i ? 1 : -1) >> 3;
     const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
     if (k->ids) {
@@ -158,7 +158,7 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     rows_of_eyes(single, batch, name, view);
 }
 
-/* A view of the scene's box, widened for `aside` objects along x and z. */
+/* Returns a view of the scene's bounding box, widened along x and z for `aside` objects side by side. */
 static fxs_view overview(const fxs_packed_header *header, uint32_t aside)
 {
     const double up[3] = {0, -1, 0};

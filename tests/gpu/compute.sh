@@ -1,7 +1,8 @@
 #!/bin/sh
-# Tests and times the compute shaders on a machine with a GPU, next to CUDA.
+# Tests and times the compute shaders on a machine with a GPU, and times CUDA for comparison.
 #   sh tests/gpu/compute.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# SIZES: millions of Gaussians of the procedural scene (1). B: build folder. PREBUILT=1: skips the build.
+# SIZES: sizes of the procedural scene in millions of Gaussians (default 1). B: build folder. PREBUILT=1: skips the
+# build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1}

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Tests and times the CUDA back end on a machine with a GPU.
 #   sh tests/gpu/cuda.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# SIZES: millions of Gaussians of the procedural scenes ("1 4"). B: build folder. PREBUILT=1: skips the build.
+# SIZES: sizes of the procedural scenes in millions of Gaussians (default "1 4"). B: build folder. PREBUILT=1: skips the
+# build.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 SIZES=${SIZES:-1 4}
@@ -75,7 +76,7 @@ for options in "--stereo 0.063" "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" 
                "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
     options="$options --size 960x1024 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
-    for limit in "" "--max-memory 240M"; do    # below the limit, only part of the scene is on the device
+    for limit in "" "--max-memory 240M"; do    # within 240 MB, only part of the scene is on the device
         cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda $limit 2>&1)
         echo "$options $limit: $cpu $cuda"
         [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"

@@ -1,7 +1,9 @@
 #!/bin/sh
-# Tests fits on a machine with GPUs: the bytes must equal the processor's. Prints times, memory and quality.
+# Tests `fixsplat fit` on a machine with GPUs: fitted scenes must have the same bytes as on the processor. Prints times,
+# memory and quality.
 #   sh tests/gpu/fit.sh PHOTOS...
-# PHOTOS: folders of photographs. B: build folder. PREBUILT=1: skips the build. STEPS: steps of the long fits (30000).
+# PHOTOS: folders of photographs. B: build folder. PREBUILT=1: skips the build. STEPS: steps of the long fits (default
+# 30000).
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 STEPS=${STEPS:-30000}

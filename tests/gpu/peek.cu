@@ -1,4 +1,4 @@
-/* Gives tests access to buffers of the CUDA back end, by including its source. */
+/* Gives tests access to internal buffers of the CUDA back end, by including its source file. */
 #include <stdlib.h>
 
 #include "kernels/cuda/cuda.cu"
@@ -64,7 +64,7 @@ const uint32_t STEPS_OF_COORDINATES = 80001;
 
 __global__ void compare_levels(unsigned long long *wrong)
 {
-    /* Steps of 1 to +-33000, then of 144 to +-128 in u, where coordinates wrap. */
+    /* Coordinate u in Q13: every value up to +-4, then every 144th value up to +-128, where coordinates wrap. */
     const int step = (int)(blockIdx.x % STEPS_OF_COORDINATES) - 40000, beyond = max(abs(step) - 33000, 0);
     const int u = step + (step < 0 ? -beyond : beyond) * 144;
     const int offset = (int)(threadIdx.x + blockIdx.x / STEPS_OF_COORDINATES * blockDim.x);

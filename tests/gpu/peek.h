@@ -1,4 +1,4 @@
-/* Gives tests access to buffers of the CUDA back end. */
+/* Gives tests access to internal buffers of the CUDA back end. */
 #ifndef PEEK_H
 #define PEEK_H
 
@@ -8,11 +8,12 @@
 extern "C" {
 #endif
 
-/* Host copies of the buffers after the last frame in slot 0. Free with peek_free. */
+/* Host copies of a frame's splats (projected Gaussians) and tile lists: the last frame in slot 0 of several frames in
+ * flight. Free with peek_free. */
 typedef struct peeked {
-    void *splats;                  /* array of fxs_splat */
+    void *splats;                  /* array of fxs_splat, the projected Gaussians */
     uint32_t *counts, *ends;
-    uint64_t *entries;             /* the list of tile t has counts[t] entries and ends at ends[t] */
+    uint64_t *entries;             /* tile lists: the list of tile t has counts[t] entries and ends at ends[t] */
 } peeked;
 
 int peek(fxs_cuda *cuda, peeked *out);
@@ -22,16 +23,19 @@ void peek_free(peeked *p);
  * *by_device: 1 if the device chose the nodes. Returns 0 on success. */
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
 
-/* Returns 1 if a tile list of `count` entries is sorted in place, into 32-bit entries without depths. */
+/* Returns 1 if the device sorts a tile list of `count` entries in place, as 32-bit entries without depths. */
 int peek_is_sorted(uint32_t count);
 
-/* Returns how many levels and alphas computed with floats differ from pixel.h; -1 on a device failure. */
+/* Compares the device's float computation of alphas and of levels (-2 ln alpha) with the integers of pixel.h. Returns
+ * the number of differences; -1: device failure. */
 long peek_levels(void);
 
-/* Chooses block sizes for an artificial limit of shared memory. Returns 0 if the memory suffices. */
+/* Chooses the sizes of thread blocks as on a device with `shared_most` bytes of shared memory. Returns 0 if they
+ * suffice. */
 int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why);
 
-/* Sets artificial capacities for list entries (0: the real capacity) and for entries in bins. */
+/* Sets artificial capacities: `entries` for tile lists (0: the real capacity), and `split` for long lists that are
+ * split into bins of depth. */
 void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split);
 
 void *peek_device_memory(size_t bytes);
@@ -40,7 +44,7 @@ void *peek_pinned_memory(size_t bytes);
 void peek_pinned_free(void *memory);
 int peek_copy(void *to, const void *from, size_t bytes);
 
-/* Returns the GPU time of the frames in milliseconds; negative on failure. */
+/* Renders the frames and returns their GPU time in milliseconds; negative on failure. */
 float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                 fxs_message *why);
 

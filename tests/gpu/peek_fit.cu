@@ -1,4 +1,4 @@
-/* Gives tests access to buffers of fits on CUDA, by including the engine's source. */
+/* Gives tests access to internal buffers of fits on CUDA, by including the engine's source file. */
 #include <stdlib.h>
 
 #include "kernels/fit/cuda/cuda_fit.cu"

@@ -1,4 +1,4 @@
-/* Gives tests access to buffers of fits on CUDA. */
+/* Gives tests access to internal buffers of fits on CUDA. */
 #ifndef PEEK_FIT_H
 #define PEEK_FIT_H
 
@@ -8,13 +8,14 @@
 extern "C" {
 #endif
 
-/* Host copies of the first device's buffers after the last photograph. Free with peek_fit_free. */
+/* Copies in host memory of the first device's buffers, after the last photograph of a fit step. Free with
+   peek_fit_free. */
 typedef struct peeked_fit {
     fxs_fit_splat *splats;
     uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
-    float *picture, *derivatives, *gradient;   /* float planes: 3 for picture, 9 for derivatives, 3 for gradient */
+    float *picture, *derivatives, *gradient;   /* float planes: 3 in picture, 9 in derivatives, 3 in gradient */
 } peeked_fit;
 
 int peek_fit(void *engine, const fxs_fit_camera *camera, peeked_fit *out);
@@ -22,13 +23,13 @@ void peek_fit_free(peeked_fit *p);
 
 int peek_fit_narrow(void *engine, uint32_t capacity);
 
-/* Returns the bytes of device memory in use. */
+/* Returns how many bytes of device memory are in use. */
 uint64_t peek_fit_bytes(const void *engine);
 
-/* Returns for how many alpha the kernels' alpha / (1 - alpha) differs from the exact quotient; -1 on failure. */
+/* Counts the alphas for which the kernels' alpha / (1 - alpha) differs from the exact quotient. -1: failure. */
 long peek_fit_odds(void);
 
-/* Runs a kernel that traps. Afterwards all CUDA calls of the process fail, as after a lost device. */
+/* Runs a CUDA kernel that crashes. Afterwards all CUDA calls of the process fail, as after a lost device. */
 void peek_fit_lose(void *engine);
 
 #ifdef __cplusplus

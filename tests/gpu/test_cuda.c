@@ -172,7 +172,8 @@ static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum 
     }
 }
 
-/* Some occluder depths are 0 or FXS_NOTHING, which means no depth. */
+/* Fills the targets with random bytes. Some depths of the occluder (a depth picture in front of the scene) become 0 or
+ * FXS_NOTHING, which means no depth. */
 static void fill_in(pictures *p, const fxs_camera *camera)
 {
     for (size_t i = 0; i < p->bytes; i++)
@@ -543,7 +544,7 @@ static void test_files(void)
 enum { TREES = 2, TREE_OBJECTS = 4 };
 
 typedef struct forest {
-    packed_scene packed[TREES + 1];        /* the last scene has no tree */
+    packed_scene packed[TREES + 1];        /* the last of these scenes has no level-of-detail tree */
     fxs_object objects[TREE_OBJECTS];
     uint32_t count, chunks;
 } forest;
@@ -609,8 +610,8 @@ static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_
     return equal;
 }
 
-/* Random level-of-detail trees must give the processor's nodes and picture. Every tenth tree is too deep for the
-   device. */
+/* On random level-of-detail trees, the device must choose the same nodes and draw the same picture as the processor.
+ * Every tenth tree is too deep for the device. */
 static void test_cut(void)
 {
     int of_device = 0, of_host = 0;
@@ -887,7 +888,7 @@ static void test_scenes(void)
     world_free(&w);
 }
 
-/* A frame with too little device memory fails, reports the bytes needed, and renders with them. */
+/* A frame with too little device memory must fail and report the bytes that it needs. With them it renders. */
 static void test_memory(void)
 {
     fxs_cuda *small;
@@ -977,7 +978,7 @@ static void test_errors(void)
     CHECK(fxs_cuda_create(&none, 0, 0, 17, &why) == FXS_ERR_ARGUMENT && !none);
     CHECK(scene_equal(&scene, &camera, &options));
 
-    /* A chunk header damaged after opening causes an error only if its object is visible. */
+    /* A chunk (256 Gaussians) whose header is damaged after opening causes an error only if its object is visible. */
     packed.chunks[scene.chunk_count / 2].step_shift = 63;
     fxs_cuda_forget(cuda, &scene);
     CHECK(draw(cuda, &scene, &camera, 0) == FXS_ERR_SCENE);

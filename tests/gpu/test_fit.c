@@ -1,6 +1,6 @@
-/* Compares fit steps on CUDA with the processor: every buffer, bit by bit.
+/* Compares the fit on CUDA with the fit on the processor: after each step, every buffer must be equal bit by bit.
  *   test_fit [--quick]
- * --quick: a few small models. */
+ * --quick: only a few small models. */
 #include "src/fit/stepper.c"
 
 #include <fixsplat/system.h>
@@ -16,12 +16,12 @@ typedef struct what {
     int32_t width, height, is_square;
     size_t count;
     int degree, batch;
-    float by_opacity, noise, near_size;    /* near_size: ln of a typical sigma */
-    uint32_t gains, poses;         /* number of fitted exposures and of fitted poses; 0: none */
+    float by_opacity, noise, near_size;    /* near_size: natural logarithm of a typical sigma */
+    uint32_t gains, poses;         /* number of exposures and number of camera poses that are fitted; 0: none */
     int is_affine;
-    int is_antialiased;            /* 1: antialiased, with scales limited by the cameras */
-    int has_far;                   /* 1: about half of the Gaussians have angular sizes */
-    int is_in_one_place;           /* 1: all depths are equal */
+    int is_antialiased;            /* 1: antialiased rendering */
+    int has_far;                   /* 1: about half of the Gaussians have sizes as angles */
+    int is_in_one_place;           /* 1: all Gaussians have equal depths */
     int has_masks;                 /* 1: all photographs except the second have masks */
 } what;
 
@@ -43,7 +43,7 @@ static void fill_model(fxs_fit_model *m, const what *w)
     }
 }
 
-/* Sets zero rotations, NaN, infinity, and huge and tiny numbers. */
+/* Spoils some Gaussians of a model with zero rotations, NaN, infinity, and huge and tiny numbers. */
 static void spoil_model(fxs_fit_model *m)
 {
     static const float bad[] = {0, NAN, INFINITY, 1e30f, -1e30f, 1e-30f};
@@ -103,7 +103,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
     static uint8_t masks[MOST_BATCH][MASK_PIXELS];
     const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
     for (size_t i = 0; i < bytes * MOST_BATCH; i++)
-        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* a fifth of the bytes is saturated */
+        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* a fifth of the bytes is 255 */
     for (int i = 0; i < MOST_BATCH; i++) {
         fxs_fit_photograph *p = &photographs[i];
         memset(p, 0, sizeof *p);
@@ -230,8 +230,8 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Compares the buffers of the last step with the processor's. narrow: initial capacity of the tile lists; 0:
-   default. */
+/* Compares every buffer of the last fit step on CUDA with the processor's. `narrow`: initial capacity of the tile
+ * lists; 0: default. */
 static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t steps)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
@@ -461,7 +461,7 @@ static void test_too_little_memory(void)
     CHECK(!error && hash == wanted);
 }
 
-/* Runs last, because CUDA is unusable in the process afterwards. */
+/* Tests a lost device. This test runs last, because CUDA is unusable in the process afterwards. */
 static void test_lost_device(void)
 {
     static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];

@@ -1,11 +1,12 @@
 #!/bin/sh
-# tests/gpu/web.sh PACKAGE SCENES MODULES: the npm packages with WebGPU on this machine's graphics card, in headless
-# Chromium. Compares pixels with the command's, for procedural scenes in each profile and for SCENES, then prints
-# milliseconds a frame next to other engines. 3 to 6 minutes.
+# tests/gpu/web.sh PACKAGE SCENES MODULES: tests the npm packages with WebGPU in headless Chromium, on this machine's
+# graphics card. Compares pixels with those of the command fixsplat, for procedural scenes in each profile and for
+# SCENES. Then prints milliseconds a frame next to other engines. Takes 3 to 6 minutes.
 # PACKAGE: build/web/package, beside build/web/viewer. SCENES: a folder with NAME/NAME.ply for guitar and snowmiku.
-# MODULES: a node_modules with playcanvas, three and puppeteer-core. CHROMIUM: the browser (default /usr/bin/chromium).
-# FXS_WEBGPU_FLAGS: its flags (default: flags that find a card). B: the build folder (default build). SIZE: of the pixel
-# comparison (default 1280x720). SIZES, ROUNDS, FRAMES: of each engine.
+# MODULES: a folder node_modules with playcanvas, three and puppeteer-core. CHROMIUM: the browser (default
+# /usr/bin/chromium). FXS_WEBGPU_FLAGS: the browser's flags (default: flags that find a graphics card). B: the build
+# folder (default build). SIZE: picture size of the pixel comparison (default 1280x720). SIZES, ROUNDS, FRAMES: picture
+# sizes, rounds and frames of the measurement of each engine.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
 package=$(realpath "$1") scenes=$(realpath "$2") modules=$(realpath "$3")

@@ -1,4 +1,5 @@
-/* all SCENE PACKED: opens a scene file, draws the scene, and writes the packed scene. Compiles as C99 and as C++17. */
+/* all SCENE PACKED: opens the file SCENE, draws the scene, and writes it as the packed scene PACKED. Compiles as C99
+   and as C++17. */
 #include "picture.h"
 
 #include <fixsplat/renderer.h>

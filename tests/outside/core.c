@@ -1,4 +1,4 @@
-/* core PACKED: draws a packed scene with the core library alone. */
+/* core PACKED: draws a packed scene with the core library (the renderer alone). */
 #include "picture.h"
 
 #include <fixsplat/internal/packed.h>

@@ -1,5 +1,5 @@
-/* grown: uses the structs that begin with their size, with values for some of their fields, and prints a hash of two
- * pictures and of a packed scene. tests/scripts/grown.sh builds it with headers in which the structs are shorter. */
+/* grown: a program that uses the library's structs whose first field is their size. Prints hashes of two pictures and
+ * of a packed scene. tests/scripts/grown.sh also builds it with headers in which these structs are shorter. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +53,7 @@ static int pack(fxs_packed_scene *packed, fxs_message *message)
     return error ? error : kept.kept == COUNT * 9 / 10 ? 0 : FXS_ERR_FILE;
 }
 
-/* Two objects, to see that the library steps over objects of the program's size. */
+/* Requests a picture of two objects. The library must step through the array by the program's struct size. */
 static void ask(fxs_request *request, fxs_object objects[2], const fxs_scene *scene, unsigned char *pixels)
 {
     fxs_object_init(&objects[0], scene);
@@ -96,7 +96,7 @@ static int draw(const fxs_scene *scene, fxs_message *message)
     return error ? error : memcmp(pixels[0], pixels[1], sizeof pixels[0]) ? FXS_ERR_TARGET : 0;
 }
 
-/* A struct whose init function was not called. */
+/* Passes a struct whose init function was not called. The library must refuse it. */
 static int refused(fxs_message *message)
 {
     fxs_backend_options options;

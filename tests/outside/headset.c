@@ -1,6 +1,6 @@
 /* headset SCENE gles|compute: the frame loop of an OpenXR program, with a small imitation of the OpenXR runtime. The
- * GPU draws each eye's colour and median depth, and the imitation reprojects by depth to a newer head pose. Prints
- * "ok" or a fault. */
+ * GPU draws each eye's colour and median depth. The imitation reprojects these pictures by depth to a newer head pose.
+ * Prints "ok" or a fault. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -16,17 +16,17 @@
 #include <fixsplat/internal/kernels.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
-#define NEAR_PLANE 0.1f            /* planes of the depth images: 0.1 and 100 */
+#define NEAR_PLANE 0.1f            /* near plane of the depth images; their far plane is 100 */
 
 /* ---- Imitations of XrPosef, XrFovf, XrView and a swapchain ------------------------------------------------------- */
 
 typedef struct pose {
     double orientation[4];
-    double position[3];            /* x right, y up, z back; metres */
+    double position[3];            /* position in metres: x right, y up, z back */
 } pose;
 
 typedef struct fov {
-    double left, right, up, down;  /* angles in radians; left and down are negative */
+    double left, right, up, down;  /* field of view: angles in radians; left and down are negative */
 } fov;
 
 typedef struct view {
@@ -138,7 +138,7 @@ static void turn(const pose *p, double rotation[9], double position[3])
     const double to_world[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
                                 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
                                 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
-    const double flip[3] = {1, -1, -1};        /* flips y and z of the camera's and of the world's axes */
+    const double flip[3] = {1, -1, -1};        /* flips the y and z axes of the camera and of the world */
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
             rotation[3 * row + column] = flip[row] * to_world[3 * column + row] * flip[column];
@@ -173,7 +173,7 @@ typedef struct program {
     GLuint to_depth, to_words;
     void *allocation, *memory;
     size_t bytes;
-    uint32_t depths[2][HEIGHT * WIDTH];            /* median depths by the processor, times 2^16 */
+    uint32_t depths[2][HEIGHT * WIDTH];            /* median depths drawn by the processor, multiplied by 2^16 */
     unsigned char colours[2][HEIGHT * WIDTH * 4];
 } program;
 
@@ -285,8 +285,8 @@ static int compare_depths(const program *p, int eye, const swapchain *s)
     return 0;
 }
 
-/* Reprojects the left picture to the right eye, by depth or as if at infinity. Returns the mean squared difference
-   from the right picture. */
+/* Reprojects the left eye's picture to the right eye, by depth or as if everything were at infinity. Returns the mean
+ * squared difference from the right eye's picture. */
 static double difference(const program *p, const fxs_camera cameras[2], int by_depth)
 {
     double sum = 0;

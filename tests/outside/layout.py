@@ -22,14 +22,14 @@ def lines():
         kind = pointer if pointer.kind == "function" else pointer.item
         if kind.kind == "function":
             yield f"{name} {kind.cname}"
-        elif kind.kind == "struct" and kind.fields is not None:    # opaque structs have no fields
+        elif kind.kind == "struct" and kind.fields is not None:    # an opaque struct has no fields
             yield f"{name} {ffi.sizeof(kind)} bytes"
             for member, field in kind.fields:
                 yield f"{name}.{member} {field.offset} {field.type.cname}"
     for name in dir(library):
         try:
             value = getattr(library, name)
-        except NotImplementedError:                                # a variable; its struct is listed already
+        except NotImplementedError:                                # a library variable, whose struct is listed already
             continue
         if not name.startswith("FXS_VERSION"):
             yield f"{name} {value if isinstance(value, int) else ffi.typeof(value).cname}"

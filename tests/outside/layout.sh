@@ -1,6 +1,6 @@
 #!/bin/sh
-# layout.sh: prints the structs, constants and functions that version 1.x must keep: those of the stable headers. The
-# total size of a struct that begins with its size may change, and so may the place of the options in fxs_request.
+# layout.sh: prints the structs, constants and functions of the stable headers, which version 1.x must keep. Allowed
+# changes: the total size of a struct whose first field is its size, and the offset of the options in fxs_request.
 cd "$(dirname "$0")/../.." || exit 1
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

@@ -1,4 +1,4 @@
-/* Renders a picture of a scene, for test programs outside the tree. Compiles as C99 and as C++17. */
+/* Renders a picture of a scene, for test programs outside the source tree. Compiles as C99 and as C++17. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,7 +32,8 @@ static inline int picture_print(const unsigned char *pixels)
     return fxs_version() != FXS_VERSION_NUMBER || lit < 1000;
 }
 
-/* Draws the scene with the core alone and prints the picture's hash. Returns 0, or 1 if the picture is empty. */
+/* Draws the scene with the core library (the renderer alone) and prints the picture's hash. Returns 0, or 1 if the
+   picture is empty. */
 static inline int picture(const fxs_scene *scene)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];

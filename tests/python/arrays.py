@@ -189,7 +189,7 @@ for name, K, pose in (("[R | t]", Ks, poses[:, :3]), ("one K, 4 x 4", Ks[0], pos
 # ---- Signals ---------------------------------------------------------------------------------------------------------
 
 huge, wide = packed.frame(8000, 6000), packed.frame(4000, 3000)
-faint = [fixsplat.Object(packed, opacity=0.02)] * 100          # a picture of these takes long on any machine
+faint = [fixsplat.Object(packed, opacity=0.02)] * 100          # 100 objects take long on any machine
 seconds = [time.monotonic()]
 refuses("render: Ctrl-C", KeyboardInterrupt, "^$", lambda: interrupted(lambda: fixsplat.render(faint, huge, threads=1)))
 seconds.append(time.monotonic())

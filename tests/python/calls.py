@@ -7,7 +7,7 @@ import cffi
 from checks import hash_of
 
 if hasattr(os, "memfd_create"):
-    del os.memfd_create                     # Windows lacks memfd_create
+    del os.memfd_create                     # imitates Windows, which lacks memfd_create
 opened = cffi.FFI.dlopen
 
 

@@ -285,7 +285,8 @@ with fixsplat.Renderer() as renderer, fixsplat.load("knot.ply") as first:
     ok("a device drops what it keeps of a closed scene, once", calls == wanted, calls)
 
 
-# A stop function that returns true or raises ends the frame. Otherwise the picture is unchanged.
+# A stop function is called during rendering. If it returns true or raises an exception, rendering ends. Otherwise the
+# picture is unchanged.
 asked = []
 whole_picture = scene.render(large, threads=2).colour
 same_picture = scene.render(large, threads=2, stop=lambda: asked.append(0)).colour

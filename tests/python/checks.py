@@ -9,7 +9,7 @@ import threading
 
 import numpy as np
 
-signal.signal(signal.SIGINT, signal.default_int_handler)    # background jobs start with SIGINT ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)    # a shell's background jobs start with SIGINT ignored
 
 
 def ok(name, condition, why=""):

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests bench --compare, and tools/scripts/bench.sh on a copy of docs/measured.md.
+# Tests `fixsplat bench --compare`, and tools/scripts/bench.sh on a copy of docs/measured.md.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -12,7 +12,8 @@ small='--size 64x48 --threads 1'
 if [ "$("$fixsplat" bench knot.ply $small --compare before.json 2>&1 | grep -c 'built without cJSON')" = 1 ]; then
     skip "bench --compare" "built without cJSON"
 else
-    # Every time of the earlier run is 2 ms, so each ratio is half of the new time.
+    # All times of the earlier benchmark are changed to 2 ms. So each ratio must be half of the new time in
+    # milliseconds.
     sed 's/\(_ms\|project\|shade\|sort\|bin\|blend\|resolve\)": [0-9.]*/\1": 2.000/g' before.json >twos.json
     succeeds "--compare" bench knot.ply $small --compare twos.json
     sed '1,/^medians/d' logs/out >ratios

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit --block: two jobs fit blocks of one scene, and convert merges the blocks.
+# Tests `fixsplat fit --block`: two jobs fit blocks (parts of a scene), and `fixsplat convert` merges them.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"

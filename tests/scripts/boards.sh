@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests board firmware under qemu: frames in strips have the host's bytes, and damaged flash gives a message.
-# FXS_PROCESSORS=all adds all boards and a screen.
+# Tests the firmware for microcontroller boards under qemu. Frames drawn in strips of rows must have the same bytes as
+# on the host, and damaged flash memory must give an error message. FXS_PROCESSORS=all adds all boards and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1

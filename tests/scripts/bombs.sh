@@ -12,7 +12,8 @@ ${CC:-cc} -O1 -o helper "$root/tests/scripts/lib/helper.c" || exit 1
 "$build/tests/test_bombs" --write . >log || { skip "bombs" "built without zlib, libwebp, libzip or cJSON"; finish; exit; }
 have timeout || { skip "bombs" "no timeout"; finish; exit; }
 
-# refuses NAME WORDS ARGUMENT...: exit status 1 within 20 s and 256 MB, and one line with WORDS.
+# refuses NAME WORDS ARGUMENT...: the command must fail with exit status 1 within 20 s and 256 MB, and print one line
+# that contains WORDS.
 refuses() {
     name=$1 words=$2
     shift 2

@@ -5,7 +5,7 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/include"
 
-# A compiler that does not find the header and library named in the file `hidden`.
+# Writes a compiler script that finds neither the header nor the library named in the file `hidden`.
 cat >"$work/cc" <<'END'
 #!/bin/sh
 if word=$(cat "${0%/*}/include/hidden" 2>/dev/null); then

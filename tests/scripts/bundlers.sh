@@ -1,7 +1,8 @@
 #!/bin/sh
-# The npm packages as programs use them (docs/web.md): packed, installed, built by the bundlers of tests/web/bundlers and
-# without one, opened in Chromium, and checked by TypeScript. FXS_PROCESSORS=all: every bundler; default: some.
-# ONLY=PATTERN: cases with such names. PICTURES=FOLDER keeps pictures of failures.
+# Tests the npm packages as programs use them (docs/web.md). They are packed, installed, built by the bundlers of
+# tests/web/bundlers and without a bundler, opened in Chromium, and checked by TypeScript. FXS_PROCESSORS=all: tests
+# every bundler; default: some. ONLY=PATTERN: tests only cases whose names match. PICTURES=FOLDER keeps pictures of
+# failures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs bundlers chromium esbuild npm -- puppeteer-core playcanvas
@@ -16,8 +17,8 @@ if [ ! -d "$tools/$missing" ]; then
     exit
 fi
 
-# ready TARBALL NAME FILE...: a tarball has the registry's files and these, the library's version, and no file without use
-# for programs.
+# ready TARBALL NAME FILE...: checks the tarball of an npm package. It must have the FILEs, the files that the registry
+# shows, the library's version, and no file without use for programs.
 ready() {
     at=$work/entries/node_modules/$2
     mkdir -p "$at" && tar xzf "$1" -C "$at" --strip-components=1 || return 1
@@ -30,7 +31,7 @@ ready() {
         equal "$(node -p 'require(process.argv[1]).version' "$at/package.json")" "$version"
 }
 
-# Files for browsers must not import from Node, nor use top-level await.
+# Package files for browsers must not import from Node, nor use top-level await.
 entries() {
     cd "$work/entries/node_modules" && node -e '
         const files = (entry) => typeof entry === "string" ? [entry] : Object.values(entry).flatMap(files)
@@ -62,7 +63,7 @@ check "its entries" eval "(entries)"
 check "is minified" minified
 check "size of the element" at_most 43000 "$work/minified/fixsplat-viewer/element.js" \
     "$work/minified/fixsplat-viewer/worker.js" "$work/minified/fixsplat/thread.js"
-# 28.5 KB of it are WebGPU.
+# The code for WebGPU takes 28.5 KB of this size.
 check "size of the element in a bundle" at_most 76500 "$work/minified/fixsplat-viewer/element.js" \
     "$work/minified/fixsplat-viewer/worker_whole.js" "$work/minified/fixsplat/thread.js"
 "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
+# Tests `fixsplat fit` from photographs without cameras and from films. Scripts imitate ffmpeg and COLMAP and their
 # failures. FXS_PROCESSORS=all adds the real programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
@@ -11,7 +11,8 @@ cp set/images/*.png plain
 export PLAY=$PWD
 with() { PATH="$work/bin:$PATH" "$@"; }
 
-# Imitates COLMAP: the mapper makes two models; the second has all cameras.
+# Writes a script that imitates COLMAP. Its mapper makes two models (sets of cameras), and only the second has all
+# cameras.
 cat >bin/colmap <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
@@ -21,7 +22,7 @@ offscreen\ m* | offscreen\ *.use_gpu\ 0\ *) ;;
 esac
 [ "$1" != "$KILLED" ] || kill -9 $$
 [ "$1" != "$FAILS" ] || { echo "ERROR: played"; exit 1; }
-if [ "$1" = "$WAITS" ]; then               # creates the file that helper signal waits for, and waits
+if [ "$1" = "$WAITS" ]; then               # creates the file that `helper signal` waits for, then waits
     sleep 60 &
     echo $$ $! >"$PLAY/waiting"
     : >"$PLAY/.fixsplat-waiting.tmp"
@@ -68,7 +69,7 @@ $bytes .= pack("Q<d<3C3d<Q<", @$_[0 .. 7], 0) foreach map { [split ' '] } @point
 out("points3D.bin", $bytes);
 PLAYED
 
-# Imitates ffmpeg: every seventh of $FRAMES frames is sharp.
+# Writes a script that imitates ffmpeg. Every seventh of the $FRAMES frames is sharp.
 cat >bin/ffmpeg <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
@@ -115,7 +116,7 @@ mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
 check "they are the same" cmp below.fxs set.fxs
 
-# COLMAP gets masks under COLMAP's file names, white where photographs count.
+# fixsplat must give COLMAP masks under the file names that COLMAP expects, white where photographs count.
 cp -r plain masked && mkdir masked/masks inverse
 for colour in ffffff 000000; do
     "$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 --bg $colour -o $colour.png
@@ -405,7 +406,7 @@ else
         n=$((n + 1))
         ffmpeg -v error -y -i "$photo" -vf scale=$((n % 2 ? 1000 : 800)):-2 -q:v 2 small.jpg
         perl -e 'local $/; open A, "<:raw", $ARGV[0]; $a = <A>; open B, "<:raw", $ARGV[1]; $b = <B>;
-            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF data; ffmpeg writes none
+            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF data, which ffmpeg omits
             print substr($b, 0, 2), substr($a, $i, $n), substr($b, 2)' "$photo" small.jpg >"two/$(basename "$photo")"
     done
     "$fixsplat" fit two --steps 20 --resolution 200 -o two.fxs >logs/out 2>logs/err

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Truncates or overwrites a mapped .fxs file while bench renders it. The command ends with one line and exit status 1.
+# Truncates or overwrites a memory-mapped .fxs file while `fixsplat bench` renders it. The command must end with one
+# line and exit status 1.
 . tests/scripts/lib/check.sh
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d) || exit 1

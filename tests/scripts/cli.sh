@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests the command from outside: exit codes, messages, options and pictures.
+# Tests the command fixsplat from outside: exit codes, messages, options and pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -22,7 +22,7 @@ ply_header() {
     echo end_header
 }
 
-# ply FILE LINE...: each LINE has x y z r g b opacity, three ln(sigma), quaternion.
+# ply FILE LINE...: writes a .ply file with a Gaussian per LINE: x y z r g b opacity, three ln(sigma), quaternion.
 ply() {
     file=$1
     shift
@@ -476,7 +476,7 @@ fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|b
     --backend gles-compute
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
 unset __EGL_VENDOR_LIBRARY_FILENAMES
-MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # Mesa then lacks a part of OpenGL ES 3.1
+MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # makes Mesa hide a part of OpenGL ES 3.1
 if "$fixsplat" info --backends | grep -q '^gles  *here: llvmpipe'; then
     fails "--backend gles-compute of OpenGL ES 3.0" 1 \
         "--backend gles-compute: OpenGL ES 3.1 is needed, this is OpenGL ES 3.0" render knot.ply $small --hash \
@@ -755,7 +755,8 @@ for profile in default compact small; do
     check "info --compare --profile $profile: a loss, of the floats too" equal "$(grep -c ' equal ' "views of knot.ply")" 0
 done
 rm -f packed.fxs "views of packed.fxs" "views of knot.ply"
-# The PSNR between two cut-offs is nearly equal for the source scene and the packed scene.
+# Compares pictures with two different cut-offs (where Gaussians end). Their PSNR must be nearly equal for the source
+# scene and for the packed scene.
 "$fixsplat" render knot.ply --cameras three.json --view 0 --cutoff square -o square.png
 for cutoffs in 'mahalanobis square' 'square mahalanobis'; do
     run info knot.ply --compare knot.ply --cameras three.json --views 1 --json --cutoff ${cutoffs% *} \
@@ -1108,7 +1109,7 @@ if [ $status = 0 ]; then
 else
     skip "a .glb with an .spz" "$(cat logs/err)"
 fi
-# A glTF file with one Gaussian.
+# Writes a glTF file with one Gaussian.
 accessor='"componentType":5126,"count":1,"type"'
 cat >draft.gltf <<END
 {"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"mode":0,

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Tests blocks that continue from a coarse fit, and tools/scripts/cluster.sh with GNU parallel and Slurm.
+# Tests fits of blocks (parts of a scene) that continue a coarse fit, and tools/scripts/cluster.sh with GNU parallel and
+# Slurm.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"

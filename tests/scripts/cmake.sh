@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests CMakeLists.txt: files and flags are make's, and outside programs draw the same picture. FXS_PROCESSORS=all adds
-# AArch64 and WebAssembly.
+# Tests CMakeLists.txt: it must build the same files with the same flags as make, and programs outside the source tree
+# must draw the same picture. FXS_PROCESSORS=all adds AArch64 and WebAssembly.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 case $B in /*) ;; *) B=$PWD/$B ;; esac

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Checks that kernels/compute/generated matches its WGSL sources, and that the WGSL compiles in Chromium.
+# Checks that the GLSL shaders in kernels/compute/generated match their WGSL sources, and that the WGSL compiles in
+# Chromium.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat convert: placing, filtering, merging, and every written format.
+# Tests `fixsplat convert`: placing, filtering and merging scenes, and every written format.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -14,7 +14,8 @@ read_back='ply compressed.ply spz rad sog glb'
 
 names='x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3'
 
-# ply FILE COMMENT LINE...: each LINE has x y z, dc, logit of the opacity, three ln(sigma), quaternion.
+# ply FILE COMMENT LINE...: writes a .ply file with a Gaussian per LINE: x y z, three f_dc (colour), logit of the
+# opacity, three ln(sigma), quaternion.
 ply() {
     file=$1 comment=$2
     shift 2
@@ -239,7 +240,7 @@ check "--decimate to .fxs: half" gaussians half.fxs 1500 3
 check "--decimate: two become their mean" kept rows.ply "0.5 2 3 4" --decimate 4
 ply pair.ply 'two, side by side' '0 0 0 1 0 0 -1 -1 -1 -1 1 0 0 0' '1 0 0 3 0 0 -1 -1 -1 -1 1 0 0 0'
 "$fixsplat" convert pair.ply one.csv --decimate 1
-# The merged Gaussian has the variance e^-2 + 1/4 along x.
+# Two Gaussians with variance e^-2, 1 unit apart, merge to a Gaussian with variance e^-2 + 1/4 along x.
 check "--decimate: mean, colour, covariance, opacity" equal "$(awk -F, 'NR == 2 {
         most = $8 > $9 ? $8 > $10 ? $8 : $10 : $9 > $10 ? $9 : $10
         printf "%.3f %.3f %.3f %.3f", $1, $4, exp(2 * most), 1 / (1 + exp(-$7)) }' one.csv)" "0.500 2.000 0.385 0.319"
@@ -360,7 +361,7 @@ succeeds "of a folder with a tileset" convert tiles tiles2.ply
 check "of a folder with a tileset: the same" cmp tiles.ply tiles2.ply
 "$fixsplat" convert tiles.ply tiles.csv
 "$fixsplat" convert knot.ply knot.csv
-# The axes of a tileset differ from a .ply's, so only distances are compared.
+# A tileset has other axes than a .ply file, so only distances from the origin are compared.
 radii() { awk -F, 'NR > 1 { printf "%.3f\n", sqrt($1 * $1 + $2 * $2 + $3 * $3) }' $1 | sort -n; }
 cp tiles/0.glb 0.glb
 for force in '' --force; do
@@ -414,7 +415,7 @@ fails "to .rad: no level 99" 1 "no level 99: levels of detail in this scene: " c
 
 # ---- Formats read by other programs ----------------------------------------------------------------------------------
 
-# splat-transform palettes start at random; a fixed seed makes them repeatable.
+# The program splat-transform makes palettes from random starts. A fixed seed makes its output repeatable.
 transform() { node --random-seed=1 "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
 if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     for ending in compressed.ply sog spz; do
@@ -426,11 +427,11 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
         ratio = $(wc -c <theirs.spz) / $(wc -c <knot2.spz); exit !(ratio > 0.95 && ratio < 1.05) }"
     check "splat-transform writes .glb" transform knot.ply theirs.glb
     check "splat-transform writes .glb: as we do" looks_as knot2.glb theirs.glb 75
-    # splat-transform's coordinates have x and y negated.
+    # The program splat-transform writes coordinates with negated x and y.
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
-    if [ "$lcc" ]; then   # splat-transform writes environments only to lod-meta.json
+    if [ "$lcc" ]; then   # the program splat-transform writes environments only to lod-meta.json
         "$fixsplat" make-scene knot --count 300 -o small.ply
         "$fixsplat" convert small.ply sky.ply --scale 3 --translate 1,-4,9
         make_lcc sky small.ply sky.ply
@@ -480,7 +481,7 @@ if [ -f "$boatyard" ] && [ "$lcc" ]; then
     "$fixsplat" convert "$boatyard" half.ply --crop -1e4,-1e4,-1e4,-49,1e4,1e4 2>logs/err
     "$fixsplat" convert half.ply boatyard/left/half.glb --translate 10,20,30
     "$fixsplat" convert "$boatyard" boatyard/right.glb --crop -49,-1e4,-1e4,1e4,1e4,1e4 2>logs/err
-    # x, y, z of the tileset are -x, -z, -y of the .ply.
+    # Coordinates x, y, z in the tileset are -x, -z, -y of the .ply file.
     box='"boundingVolume": {"sphere": [0, 0, 0, 999]}, "geometricError": 1'
     printf '{"asset": {"version": "1.1"}, "geometricError": 9, "root": {%s, "refine": "REPLACE", "content": {"uri":
         "whole.glb"}, "children": [{%s, "content": {"uri": "left/tileset.json"}}, {%s, "content": {"uri":

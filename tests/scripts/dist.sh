@@ -178,7 +178,7 @@ else
         "$folder/share/fixsplat/web/viewer/served.html"
     check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/viewer.js" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/viewer.js"
-    end_wine                                                             # restarts with a screen
+    end_wine                                                             # ends wine, which then restarts with a screen
     if have Xvfb && have xdotool; then
         check "Windows: a window with a scene dropped on its program, which Escape closes" window \
             env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \
@@ -204,7 +204,7 @@ else
     done
 fi
 
-# Debian has no Python for Windows. tests/windows/wheel.c makes the calls of the Python package.
+# Debian has no Python for Windows, so the program tests/windows/wheel.c makes the calls of the Python package.
 installed=$(ls -d venv/lib/python3*/site-packages/fixsplat 2>/dev/null)
 wheel=$(ls "$dist"/*-py3-none-win_amd64.whl 2>/dev/null)
 if [ ! -e "$zip" ]; then
@@ -283,7 +283,7 @@ if [ "$(id -u)" = 0 ] && have mmdebstrap && mmdebstrap --quiet --variant=apt boo
     begin
     before=$(du -sk --apparent-size "$root" | cut -f 1)
     cp "$dist"/*.deb knot.ply "$root/tmp"
-    # Recommended packages are left out because COLMAP is large.
+    # apt installs no recommended packages, because COLMAP, one of them, is large.
     cp /etc/resolv.conf "$root/etc"
     if chroot "$root" sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
         --no-install-recommends /tmp/*.deb' >log 2>&1; then

@@ -1,10 +1,11 @@
 #!/bin/sh
-# Builds docs/examples/engine.c against the installed library. Picture and picks must equal the command's.
+# Builds docs/examples/engine.c against the installed library. Its pictures and picked Gaussians must equal what the
+# command fixsplat gives.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-SDL_VIDEODRIVER=offscreen                           # SDL's driver without a screen, over EGL
+SDL_VIDEODRIVER=offscreen                           # SDL's driver that draws without a screen, over EGL
 PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig:$PKG_CONFIG_PATH LD_LIBRARY_PATH=$work/prefix/lib
 export SDL_VIDEODRIVER PKG_CONFIG_PATH LD_LIBRARY_PATH
 if ! have pkg-config || ! pkg-config --exists sdl2 glesv2; then
@@ -26,7 +27,7 @@ shown() { timeout 60 "$work/engine" "$work/knot.ply" "$work/shown.ppm" "$1" "$2"
     //d'; }
 
 rows() { od -An -v -tx1 -j15 -w1920 "$work/$1.ppm"; }
-right() { rows "$1" | cut -c 2890-; }               # from column 321 on, right of the mesh
+right() { rows "$1" | cut -c 2890-; }               # prints columns from 321 on, which are right of the mesh
 pixel() { rows "$1" | sed -n "$(($3 + 1))p" | cut -c $((9 * $2 + 1))-$((9 * $2 + 9)); }
 cards() { od -An -v -tx1 -j15 -w3 "$work/$1.ppm" | grep -c ' cc 66 33'; }
 

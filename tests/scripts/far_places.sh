@@ -124,7 +124,7 @@ steps of up to 0.5 units; objects of a world (--scene, --place of render) keep t
 succeeds "two far out" convert far.ply plain.ply both.csv --place plain.ply:500010,4500000,0
 check "two far out: all places" equal "$(sort -u both.csv | wc -l)" 2401
 
-# The position of most Gaussians counts. A third are a sky, 200000 units away on one side.
+# Positions must be exact for most Gaussians, although a third of them are a sky, 200000 units away on one side.
 awk 'NR > 18 && NR % 3 == 0 { $1 = -200000 - NR; $8 = $9 = $10 = 8 } { print }' plain.ply >sky.ply
 nearby() {
     "$fixsplat" convert "$1" nearby.csv --quiet "$2"

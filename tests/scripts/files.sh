@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests files written by the command: special outputs, signals and full devices.
+# Tests output files of the command fixsplat: special files, signals and full devices.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -65,7 +65,7 @@ through rad $convert
 through glb $convert
 through csv $convert
 through png render knot.ply --size 64x48 -o
-# A faulty command replaces the links, not the devices.
+# Tests write through links to devices, because a faulty command would replace a link, not the device.
 ln -s /dev/stdout out.ply
 check "standard output, to a pipe" equal "$("$fixsplat" $write out.ply | cksum)" "$(cksum <knot.ply)"
 { echo before && "$fixsplat" $write out.ply && echo after; } >mixed
@@ -116,7 +116,7 @@ check "standard input behind itself" equal "$? $(cat logs/err)" \
     "2 fixsplat: standard output: is read and cannot be written too"
 check "the scene is as it was" cmp grown.ply knot.ply
 
-# A packed scene is rendered from the opened file, even after the file is replaced.
+# A packed scene is rendered from the file that was opened, even after another file has taken its place.
 "$fixsplat" convert knot.ply mapped.fxs
 "$fixsplat" render mapped.fxs --size 64x48 --orbit 3 -o turn.rgba
 mkfifo turn
@@ -181,7 +181,7 @@ fi
 
 # ---- Signals ---------------------------------------------------------------------------------------------------------
 
-# Large files keep the commands running until the signal.
+# Output files are large, so the commands still run when the signal arrives.
 for signal in 1 2 13 15; do
     ended=$($helper signal $signal "$fixsplat" make-scene landscape --count 20000000 -o ended.ply)
     check "signal $signal: ends the command" equal "$ended" "signal $signal"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests films, streams and golden pictures: formats of render, orbits, paths and crops.
+# Tests films, streams and golden pictures: the output formats of `fixsplat render`, orbits, camera paths and crops.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -64,7 +64,7 @@ check "--view all as .y4m: the same frames" cmp frames.one frames.two
 succeeds "--stereo as .y4m" render $three --view all --stereo 0.1 -o eyes.y4m
 check "--stereo as .y4m: both eyes" equal "$(head -n 1 eyes.y4m | cut -d ' ' -f 2,3)" "W128 H48"
 
-# Y, Cb and Cr by BT.709 of a picture that shows only the background colour.
+# Expected Y, Cb and Cr by BT.709 of pictures that show only the background colour.
 away='--eye 0,0,-9 --look 0,0,-20'
 for colour in 'ffffff 235 128 128' '000000 16 128 128' 'ff0000 63 102 240' '00ff00 173 42 26' '0000ff 32 240 118'; do
     "$fixsplat" render knot.ply --size 1x1 $away --bg ${colour%% *} -o colour.y4m
@@ -163,7 +163,7 @@ for list in 0..3 0, ,0 0..1..2 .. 1.. 0,,1 99999999999999999999,0; do
 done
 fails "bench --view 0..1" 2 "one view" bench $three --view 0..1
 
-# Six frames from one key camera to the next. Key cameras are frames themselves.
+# A film has six frames from one key camera to the next. The key cameras are frames themselves.
 succeeds "--frames" render $three --view 0..2 --frames 13 --hash
 check "--frames: as many" equal "$(lines_of logs/out)" 13
 check "--frames: the views are among them" equal "$(sed -n '1p;7p;13p' logs/out | tr '\n' ' ')" "$front $side $far "
@@ -366,7 +366,7 @@ fails "compare --diff one of the pictures" 2 "golden.png: is read and cannot be 
 
 # ---- Time ------------------------------------------------------------------------------------------------------------
 
-# Processor time depends less on other work than wall time.
+# Speed is measured in processor time, which depends less on other running programs than wall time.
 seconds() { (run "$@" && times) | awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }'; }
 if [ -d "$scenes/snowmiku" ] && [ -s file.png ]; then
     views="snowmiku.fxs --cameras $scenes/snowmiku/cameras.json --view 0..23 --threads 2"

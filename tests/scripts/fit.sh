@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit on rendered photographs of a knot.
+# Tests `fixsplat fit` on rendered photographs of a knot, a procedural scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/json.sh"
@@ -157,7 +157,8 @@ fixsplat: measuring few.fxs"
 check "into a file: the last step" grep -Eq '^30/30, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, 0 s' logs/err
 (unset FIXSPLAT_QUIET && exec "$fixsplat" fit set --steps 1000000 -o long.fxs) >logs/out 2>logs/err &
 waited=0
-# The fit is paused for most of the ten seconds between two progress lines.
+# lines COUNT: waits until the fit has printed COUNT progress lines. They come every ten seconds, and the test pauses
+# the fit for most of that time.
 lines() {
     until [ "$(grep -Ec "$progress" logs/err)" -ge "$1" ] || [ $waited = 25 ]; do
         sleep 1 && waited=$((waited + 1))

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that a fit has the same bytes with each compiler, under sanitizers and by qemu-user. Builds with wider float
-# arithmetic refuse to fit. FXS_PROCESSORS=all adds compilers and processors.
+# Checks that `fixsplat fit` writes the same bytes with each compiler, under sanitizers and by qemu-user. Builds that
+# compute floats with more precision must refuse to fit. FXS_PROCESSORS=all adds compilers and processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

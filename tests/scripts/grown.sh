@@ -1,6 +1,7 @@
 #!/bin/sh
-# Programs that were built when structs were shorter run with this library. The headers are copied, and each struct that
-# begins with its size loses its last field. tests/outside/grown.c must print the same with either headers.
+# Tests that programs built with older, shorter structs run with this library. The script copies the headers, and
+# removes the last field of each struct whose first field is its size. The program tests/outside/grown.c must print the
+# same with both versions of the headers.
 . tests/scripts/lib/check.sh
 B=${B:-build} CC=${CC:-cc}
 work=$(mktemp -d) || exit 1
@@ -26,7 +27,7 @@ for header in src/include/fixsplat/*.h src/include/fixsplat/internal/*.h; do
 done
 check "structs that begin with their size: at least 14" test "$(wc -l <"$work/sized")" -ge 14
 
-# build NAME INCLUDES: the program with these headers.
+# build NAME INCLUDES: compiles grown.c with the headers in the folder INCLUDES.
 build() {
     check "grown.c with $1 headers" "$CC" -std=c99 -I"$2" tests/outside/grown.c -o "$work/$1" -L"$work" \
         -lfixsplat

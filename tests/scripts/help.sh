@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests the command's own texts: help, suggestions, --quiet, man pages and completions.
+# Tests texts of the command fixsplat: help, suggestions, --quiet, man pages and completions.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

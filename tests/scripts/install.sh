@@ -1,5 +1,5 @@
 #!/bin/sh
-# Checks the files of `make install`, and outside programs in C99, C++17 and CMake that use only these files.
+# Checks the files that `make install` installs, and programs in C99, C++17 and CMake that use only these files.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -65,7 +65,8 @@ each clang c c99
 each clang c c11
 each clang++ c++ c++17
 
-# The core needs only four functions of the C library, and functions that compilers call.
+# The core library (the renderer alone) may need only memcpy, memset, memmove and memcmp, and functions that compilers
+# call.
 needs() {
     nm "$1" | awk 'NF == 2 && $1 == "U" { need[$2] } NF == 3 { has[$3] }
         END { for (name in need) if (!(name in has)) print name }' |
@@ -81,15 +82,17 @@ if [ "$shared" ]; then
     nm -D --defined-only "$library/libfixsplat.so" | awk '$2 != "A" { print $3 }' | sort >"$work/versions"
     check "it shows names with fxs_ alone" equal "$(grep -v '^fxs_' "$work/versions")" ""
     check "each has the version that brought it" equal "$(grep -Ev '@@FIXSPLAT_1\.[0-9]+$' "$work/versions")" ""
-    # Programs built with 1.0 need these symbols: the stable functions. Experimental functions may come and go.
+    # Stable functions must remain, because programs built with version 1.0 need these symbols. Experimental functions
+    # may come and go.
     sed 's/$/@@FIXSPLAT_1.0/' tests/outside/names-1.0 >"$work/names-1.0"
     check "a program that was built with 1.0 finds its names" equal "$(comm -23 "$work/names-1.0" "$work/versions")" ""
     cat "$include"/*.h "$include"/internal/* | tr '\n' ' ' | grep -o 'FXS_EXPERIMENTAL [^;]*;' | grep -o 'fxs_[a-z0-9_]*' |
         sort -u | sed 's/$/@@FIXSPLAT_1.0/' >"$work/experimental"
     check "and no later stable name is said to be of 1.0" equal "$(grep '@@FIXSPLAT_1\.0$' "$work/versions" |
         comm -13 "$work/names-1.0" - | comm -23 - "$work/experimental")" ""
-    # Programs built with 1.0 need the structs, constants and functions of the stable headers, except that a struct that
-    # begins with its size may grow. To update the list before a release: sh tests/outside/layout.sh >tests/outside/layout-1.0
+    # Structs, constants and functions of the stable headers must remain, because programs built with version 1.0 need
+    # them. Only a struct whose first field is its size may grow. To update the list before a release:
+    # sh tests/outside/layout.sh >tests/outside/layout-1.0
     if [ "$(getconf LONG_BIT)" != 64 ]; then
         skip "structs of 1.0" "they are noted for machines of 64 bits"
     elif ! /usr/bin/python3 -c 'import cffi' 2>/dev/null; then

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Counts the instructions of the NEON stages and of plain C with a qemu plugin. blend must take at most a sixth.
+# Counts the instructions of rendering stages with NEON and in plain C, with a qemu plugin. Blending with NEON must take
+# at most a sixth.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -15,7 +16,7 @@ done | xargs -P 2 -I COMMAND sh -c COMMAND
 check "builds" $arm -static -Wl,-Map="$work/map" "$work"/*.o -lm -o "$work/kernels"
 check "the plugin builds" "${CC:-cc}" -O2 -shared -fPIC tests/count_instructions.c -o "$work/count.so"
 
-# Prints the address range of each version's code: "blend_c=START-END", "blend_neon=START-END", ...
+# Prints the address range of the code of each version of a stage: "blend_c=START-END", "blend_neon=START-END", ...
 ranges=$(sed -n 's/^ \.text  *0x0*\([0-9a-f]*\)  *0x\([0-9a-f]*\) .*\/\([a-z_]*\)\.o$/\1 \2 \3/p' "$work/map" |
     while read -r start size name; do
         case $name in

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat render --lens, and camera files of other programs.
+# Tests `fixsplat render --lens`, and camera files of other programs.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Tests levels of detail: trees in info, --budget and --detail, and paged scenes from files and servers.
+# Tests levels of detail: trees in `fixsplat info`, the options --budget and --detail, and paged scenes (partly in
+# memory) from files and servers.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/scripts/lib/check.sh
 fixsplat=$PWD/${B:-build}/fixsplat lib=$PWD/tests/scripts/lib
@@ -174,7 +175,7 @@ served early 'the server ended early'
 check "without a start view the scene is framed whole, which is said" equal \
     "$(env -u FIXSPLAT_QUIET "$fixsplat" render $at/right/knot.fxs $small -o x.png 2>&1 | grep -c 'has no start view')" 1
 
-# Redirects from https are tested with a libcurl that prints its options.
+# Builds a libcurl that prints its options, to test redirects from https.
 cat >curl.c <<'END'
 #include <curl/curl.h>
 #include <stdarg.h>

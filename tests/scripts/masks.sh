@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit with masks. Ignored pixels of photographs must influence nothing.
+# Tests `fixsplat fit` with masks. Pixels of photographs that a mask ignores must have no influence.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"

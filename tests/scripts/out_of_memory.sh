@@ -1,7 +1,7 @@
 #!/bin/sh
-# Runs each command with one failing allocation, or with all later allocations failing too. The command must succeed,
-# or end with one line, status 1 and no leftovers. Tests 40 allocations of each command, 80 with FXS_PROCESSORS=all,
-# all with EVERY=1.
+# Runs each command with one failing memory allocation, or with all later allocations failing too. The command must
+# succeed, or print one line, exit with status 1 and leave no files. Tests 40 allocations of each command, 80 with
+# FXS_PROCESSORS=all, all with EVERY=1.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
@@ -19,7 +19,8 @@ fi
 "$fixsplat" render knot.ply --size 64x48 -o a.png || exit 1
 "$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
 
-# wrong COMMAND: prints the fault of a run without memory. A finished fit is kept even if packing or measuring fails.
+# wrong COMMAND: prints what a command did wrong when memory ran out; prints nothing if all was right. A finished fit
+# must be kept even if packing or measuring fails.
 wrong() {
     case $status in
     0) [ ! -e logs/right ] || cmp "$written" logs/right ;;

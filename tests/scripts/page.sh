@@ -32,21 +32,21 @@ make_scenes() {
 }
 
 check "builds" builds
-of_parts="$package/paged.js $package/store.js"      # files loaded with the first paged scene
+of_parts="$package/paged.js $package/store.js"      # files that the page loads with the first paged scene
 of_webgpu="$package/webgpu.js $package/stages.js"
 of_pages="fit.js published.js served.js list.js single.js"      # other pages
-# Loaded with the first annotation, track, settings file, film, sky, or text in another language.
+# Files that the page loads with the first annotation, track, settings file, film, sky, or text in another language.
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
-of_hands="walk.js gamepad.js joystick.js"        # files loaded for walking, gamepads and touchscreens
+of_hands="walk.js gamepad.js joystick.js"        # files that the page loads for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
-of_headsets='xr.js eyes.js'      # files loaded with a headset
-of_rooms=ar.js                   # files loaded with AR
-of_drops=drop.js                 # files loaded with dropped scenes
-of_errors=words.js               # files loaded with the first error
+of_headsets='xr.js eyes.js'      # files that the page loads with a headset
+of_rooms=ar.js                   # file that the page loads for augmented reality
+of_drops=drop.js                 # file that the page loads when a scene is dropped
+of_errors=words.js               # file that the page loads with the first error
 others=$(printf '/%s$|' $of_pages $of_tour_pages $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js)
-# 1.3 KB of it find the package's other files, also from another server's page, and report missing ones. 3.4 KB end
-# slow, endless or wrong downloads, keep a scene to its folder's files, and check calls.
+# Of this size, 1.3 KB find the package's other files, also on another server, and report missing ones. 3.4 KB end slow,
+# endless or wrong downloads, keep a scene to its folder's files, and check calls.
 check "size" at_most 55800 "$package"/viewer/index.html "$package"/viewer/page.css \
     $(ls "$package"/viewer/*.js "$package"/*.js | grep -Ev "${others%|}")
 check "size of what scenes in parts need" at_most 7500 $of_parts

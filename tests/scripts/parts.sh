@@ -1,5 +1,6 @@
 #!/bin/sh
-# Tests fixsplat convert --block. Parts packed separately and merged must have the bytes of one run.
+# Tests `fixsplat convert --block`. Parts of a scene that are packed separately and merged must have the same bytes as
+# the scene packed in one run.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -71,7 +72,7 @@ headers = sums + (40 * nodes + 63) // 64 * 64
 node_rows = headers + 128 * nodes
 top = node_rows + nodes * chunk_bytes
 coarse = ((len(part) - top) // tops - 64) // 256
-if where == "node":                    # in a chunk deep in the tree: step_shift above 12
+if where == "node":                    # damages a chunk deep in the tree: step_shift above 12
     size = (len(part) - top) // tops
     topmost = {struct.unpack_from("<I", part, top + i * size)[0] for i in range(tops)}
     node = max(set(range(nodes)) - topmost)
@@ -82,7 +83,7 @@ if where == "node":                    # in a chunk deep in the tree: step_shift
     struct.pack_into("<I", part, at + 64, checksum)
 elif where == "sums":
     part[sums:sums + 40 * nodes] = struct.pack("<5d", *[float("nan"), float("inf"), -1e308, 0, -1]) * nodes
-else:                                  # in the topmost nodes: wrong areas or opacities
+else:                                  # damages the topmost nodes of the tree: wrong areas or opacities
     value, field = struct.pack("<f", float(where.split()[1])), 8 if where.startswith("area") else 4
     for i in range(256 * tops):
         at = top + i // 256 * (64 + 256 * coarse) + 64 + (i % 256 + 1) * coarse - field

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat fit --preview: served files, shutdown, errors, and the page in Chromium. PICTURES=FOLDER keeps
+# Tests `fixsplat fit --preview`: served files, shutdown, errors, and the page in Chromium. PICTURES=FOLDER keeps
 # pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh

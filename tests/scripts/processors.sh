@@ -1,6 +1,6 @@
 #!/bin/sh
 # Checks that random frames (tests/test_random.c) and scene files (tests/test_fxs_bytes.c) are equal on 32-bit and
-# big-endian processors. FXS_PROCESSORS=all tests 18 processors, clang and musl.
+# big-endian processors. FXS_PROCESSORS=all tests 18 processors, and the compiler clang and the C library musl.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

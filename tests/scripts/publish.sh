@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests fixsplat publish: written files, errors, single-file pages, and the pages in Chromium.
+# Tests `fixsplat publish`: written files, errors, single-file pages, and the pages in Chromium.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 

@@ -18,7 +18,8 @@ check "README: the program compiles" eval "(cd '$work' && . ./compile)"
 check "README: the program runs" "$work/program" "$work/cubes.ply" "$work/cubes.ppm"
 check "README: a picture" equal "$(wc -c <"$work/cubes.ppm")" 691215
 
-# Only COLMAP's mapper runs without Qt and a GPU.
+# Imitates COLMAP without a screen or GPU: it aborts unless Qt is offscreen, and unless steps other than the mapper are
+# told to use no GPU.
 mkdir -p "$work/bin" "$work/phone/garden/images"
 cat >"$work/bin/colmap" <<'END'
 #!/bin/sh

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Tests the server of `fixsplat view --web`: served and refused files, ranges, TLS, errors and shutdown.
+# Tests the web server of `fixsplat view --web`: served and refused files, byte ranges, TLS, errors and shutdown.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/served.sh
 . tests/scripts/lib/command.sh
@@ -379,7 +379,7 @@ ends TERM
 if ldd "$fixsplat-web" | grep -q qrencode && have zbarimg; then
     serve knot.ply --qr
     sleep 0.2
-    # Half blocks on black: light modules of the QR code are white.
+    # The QR code is printed in half-block characters on black, so its light modules are white.
     sed -n 's/^.\[40;97m\(.*\).\[0m$/\1/p' logs/served | sed 's/\xe2\x96\x88/a/g; s/\xe2\x96\x80/b/g; s/\xe2\x96\x84/c/g' | awk '
         { up = down = ""
           for (i = 1; i <= length($0); i++) {

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs fixsplat convert --block as a Slurm array, with one task killed and requeued. Only with FXS_PROCESSORS=all.
+# Runs `fixsplat convert --block` as a Slurm array job, with one task killed and requeued. Only with FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/slurm.sh
 [ "$FXS_PROCESSORS" = all ] || { skip slurm_parts "only in make test-all"; finish; exit; }
@@ -15,7 +15,7 @@ cat >job.sh <<JOB
 [ "\$SLURM_ARRAY_TASK_ID" != 2 ] || [ -n "\$SLURM_RESTART_COUNT" ] || sleep 600
 exec $fixsplat convert scene.ply part-\$SLURM_ARRAY_TASK_ID.fxs --quiet --levels --block \$SLURM_ARRAY_TASK_ID/4
 JOB
-# Slurm's daemons must be children of the main shell.
+# Slurm starts in the main shell, because its daemons must be children of this shell.
 if slurm_start "$work/slurm" >logs/slurm; then ok "Slurm starts"; else fail "Slurm starts" "$(cat logs/slurm)"; finish; exit; fi
 job=$(sbatch --parsable --requeue --array=1-4 --output=logs/task-%a job.sh)
 check "task 2 runs" slurm_running "${job}_2"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that pictures have one hash for any number of threads, memory and instruction set. qemu-x86_64 imitates older
-# processors. Also runs ThreadSanitizer and Valgrind.
+# Checks that a picture has the same hash with any number of threads, memory limit and instruction set. qemu-x86_64
+# imitates older processors. ThreadSanitizer and Valgrind also run.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -28,7 +28,7 @@ for cpu in c sse41 avx2 avx512 neon sse41,avx2 avx2,avx512; do
     fi
 done
 
-# Several objects with depths and ids, and a panorama.
+# objects OPTION...: prints hashes of a picture of several objects with depths and ids, and of a panorama.
 objects() { set -- "$work/scene.ply" --place 0:0,0,0 --place 0:3,1,-2,1,2,3,4,1.5 --place 0:0,0,1 \
     --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 201x103 "$@"
     "$B/fixsplat" render "$@" --hash --depth "$work/depth.pfm" --ids "$work/ids.raw" --pick 100,50 &&

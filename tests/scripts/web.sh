@@ -1,16 +1,17 @@
 #!/bin/sh
-# Tests the npm package in Node and in Chromium: the command's bytes, error messages, memory and download sizes.
-# FXS_PROCESSORS=all adds a view of every captured scene.
+# Tests the npm package in Node and in Chromium: pictures equal to the command's, error messages, memory and download
+# sizes. FXS_PROCESSORS=all adds a view of every captured scene.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web
 
-# Node 20 needs a flag for relaxed SIMD, which newer versions refuse.
+# WebAssembly's relaxed SIMD needs a flag in Node 20; newer versions of Node refuse this flag.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
 
-# test_kernels passes with precise SIMD products, and with the relaxed products that fixsplat.js inserts.
+# The program test_kernels must pass with the exact products of WebAssembly SIMD, and with the relaxed products that
+# fixsplat.js inserts.
 kernels_are_exact() {
     for relaxed in '' $([ "$(RELAX=$relax web relaxed)" = true ] && echo yes); do
         RELAXED=$relaxed node --no-warnings $relax tests/web/wasi.mjs "$B/web/test_kernels.wasm" >"$work/log" 2>&1

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Compares frame times of the npm package with those of the native command. Needs an idle machine.
+# Compares frame times of the npm package and of the native command. Needs an idle machine.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs web_speed
 grep -q ' sse4_1 ' /proc/cpuinfo || { skip web_speed "no SSE4.1 here to compare with"; finish; exit; }
 
-# Node 20 needs a flag for relaxed SIMD, which newer versions refuse.
+# WebAssembly's relaxed SIMD needs a flag in Node 20; newer versions of Node refuse this flag.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
 web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }

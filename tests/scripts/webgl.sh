@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the npm package with WebGL 2 in headless Chromium: the command's pixels, lost contexts, errors, and Gaussians
-# in three.js and PlayCanvas. FXS_PROCESSORS=all adds every captured scene. SPEED=1 also measures speed.
+# Tests the npm package with WebGL 2 in headless Chromium: pixels equal to the command's, lost contexts, errors, and
+# Gaussians in three.js and PlayCanvas. FXS_PROCESSORS=all adds every captured scene. SPEED=1 also measures speed.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgl chromium -- playcanvas puppeteer-core three

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the npm package with WebGPU in headless Chromium: the command's pixels, offscreen targets, lost devices and
-# errors. FXS_PROCESSORS=all adds captured scenes and other engines.
+# Tests the npm package with WebGPU in headless Chromium: pixels equal to the command's, offscreen targets, lost devices
+# and errors. FXS_PROCESSORS=all adds captured scenes and other engines.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core
@@ -32,7 +32,7 @@ if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
 fi
 asks webgpu.mjs "$B/fixsplat"
 
-# Node draws with Dawn (npm package webgpu) and the SwiftShader of Chromium.
+# Tests WebGPU in Node with the npm package webgpu (Dawn), on the software driver SwiftShader of Chromium.
 driver=/usr/lib/chromium/vk_swiftshader_icd.json
 in_node() {
     mkdir "$work/few" && ln -s ../few.ply "$work/few" &&

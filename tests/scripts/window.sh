@@ -1,5 +1,6 @@
 #!/bin/sh
-# Drives the window viewer on a virtual screen by keys and the pointer. Screenshots must equal pictures of `render`.
+# Drives the window of `fixsplat view` on a virtual screen, by keys and the pointer. Its screenshots must equal pictures
+# of `fixsplat render`.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -142,7 +143,7 @@ if open "$B/fixsplat"; then
     xdotool mousemove --window "$window" 215 160 click 1
     check "a distance" until_ 50 titled ' [0-9.]* units$'
     xdotool key m z
-    xdotool key p                                  # depth pictures print no command
+    xdotool key p                                  # a screenshot of depths prints no command that repeats it
     check "a picture of depths" until_ 50 titled 'written: '
     mv "$work/shot.png" "$work/depths.png"
     check "depths show" differ focused depths
@@ -151,7 +152,7 @@ if open "$B/fixsplat"; then
     check "escape: status 0" [ $status = 0 ]
     check "not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
 fi
-"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a file name that must be quoted
+"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a file name that a shell must quote
 others="$work/cube's.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
 if open "$B/fixsplat"; then
     shot objects
@@ -262,7 +263,7 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
-# The viewer and the X server share one processor. A window closed while drawing must end with status 0.
+# Tests with the viewer and the X server on one processor. A window that is closed while drawing must end with status 0.
 if have taskset; then
     processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
     taskset -pc "$processor" $server >/dev/null
@@ -286,7 +287,7 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
-    xdotool key g h n x v z z m t      # key b is left out: Mesa leaks some hundred bytes
+    xdotool key g h n x v z z m t      # key b is not pressed, because Mesa would leak some hundred bytes
     shot checked
     xdotool key c
     sleep 1

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the programs of `make windows` under wine: pictures, files and fits must equal those of Linux. Only with
+# Runs the programs of `make windows` under wine. Pictures, files and fits must equal the results on Linux. Only with
 # FXS_PROCESSORS=all.
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
@@ -505,7 +505,8 @@ knot.ply"
     else
         skip "the window: Ctrl-C" "no script here"
     fi
-    # A scene dropped on the program gets a console that closes at once. The window must show the error.
+    # A scene file dropped on the program starts it with a console that closes at once. So the window must show the
+    # error.
     (cd 'only this' && exec "$wine" start /wait fixsplat-view.exe "$whole\\short.ply") >logs/out 2>&1 &
     says_why() { titled '^fixsplat - short.ply: '; }
     check "a damaged scene that is dropped on the program: the window says why" until_ says_why

@@ -1,5 +1,5 @@
 /* wheel DLL SCENE CAMERAS DECLARATIONS: calls the library as the Python package does. Draws a scene, and prints the
-   called functions and the picture's hash. Writes the library's declarations to the last file. */
+   called functions and the picture's hash. Writes the library's C declarations to the file DECLARATIONS. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

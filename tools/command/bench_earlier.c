@@ -1,4 +1,5 @@
-/* Reads the JSON of an earlier benchmark and checks that it measured the same. Collects the allowed differences. */
+/* Reads the JSON of an earlier benchmark and checks that it measured the same scene in the same way. Lists the allowed
+   differences. */
 #include "bench_earlier.h"
 
 #ifndef FXS_WITH_CJSON

@@ -1,10 +1,10 @@
-/* Reads the JSON of an earlier `fixsplat bench --json`, for bench --compare. */
+/* Reads the JSON output of an earlier `fixsplat bench --json`, for the option --compare. */
 #ifndef BENCH_EARLIER_H
 #define BENCH_EARLIER_H
 
 #include "command.h"
 
-/* How a difference between two benchmarks is treated: ignored, shown beside the ratios, or an error. */
+/* Tells how a difference between two benchmarks is treated: ignored, shown next to the ratios of times, or an error. */
 enum { FACT_ASIDE, FACT_MARKED, FACT_SAME };
 
 typedef struct bench_fact {
@@ -16,7 +16,7 @@ typedef struct bench_fact {
 #define MARKS_MOST 512
 
 typedef struct bench_earlier {
-    double stages[FXS_STAGES], frame;       /* median times in milliseconds */
+    double stages[FXS_STAGES], frame;       /* median times of the stages and of a frame in milliseconds */
     char marks[MARKS_MOST];
 } bench_earlier;
 

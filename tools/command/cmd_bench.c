@@ -16,7 +16,7 @@ typedef struct bench_options {
     int draws;
 } bench_options;
 
-/* Columns of times: the stages, the frame, and the device's share. */
+/* Columns of the printed times: the rendering stages, the whole frame, and the share of the frame on the device. */
 enum { FRAME = FXS_STAGES, DEVICE, COLUMNS };
 
 static int take_draw(const option_row *row, void *field, const char *value)

@@ -11,7 +11,7 @@
 
 typedef struct compare_options {
     const char *path[2], *difference;
-    double least_psnr, least_ssim;          /* least allowed PSNR and SSIM; 0: no minimum */
+    double least_psnr, least_ssim;          /* least allowed PSNR and least allowed SSIM; 0: no minimum */
     int json;
 } compare_options;
 

@@ -1,5 +1,5 @@
 /* fixsplat convert: converts scene files to any format. Scenes are read as floats, filtered, placed and merged, then
-   packed or written. Parts of an .fxs are merged in packed form. */
+   packed or written. Parts of an .fxs file are merged without unpacking. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -43,7 +43,7 @@ typedef struct convert_options {
     int refine_steps;
     int has_refine;
     const char *cameras;
-    uint32_t block, blocks;                 /* number of a block, and number of blocks; 0: no blocks */
+    uint32_t block, blocks;                 /* number of the block to convert, and number of all blocks; 0: no blocks */
 } convert_options;
 
 static int take_up(const option_row *row, void *field, const char *value)
@@ -52,7 +52,7 @@ static int take_up(const option_row *row, void *field, const char *value)
     return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
 }
 
-/* Computes up = (b - a) x (c - a) from three points of the ground. Refuses points on a line. */
+/* Computes the up direction from three points of the ground: up = (b - a) x (c - a). Refuses points on a line. */
 static int take_level(const option_row *row, void *field, const char *value)
 {
     convert_options *o = field;
@@ -170,7 +170,7 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Parses a start view: eye, look and field of view, or CAMERA_FILE:VIEW. */
+/* Parses a scene's start view: eye, look-at point and field of view, or CAMERA_FILE:VIEW. */
 static int take_start(const option_row *row, void *field, const char *value)
 {
     static const double up[3] = {0, -1, 0};
@@ -322,7 +322,7 @@ static int read_options(convert_options *o, int argc, char **argv)
 
 /* Quality that each compression profile promises. */
 static const struct promise {
-    double worst;                           /* PSNR in dB that most scenes reach in all views */
+    double worst;                           /* least PSNR in dB over all views, which most scenes reach */
     int views;
     const char *better;
 } promises[] = {
@@ -331,10 +331,11 @@ static const struct promise {
     [FXS_PROFILE_SMALL] = {38, 6, "profile compact loses less"},
 };
 
-/* Compares views of a packed scene with its floats. Notes views below the promised quality. */
+/* Compares views of a packed scene with views of the same scene as floats. Prints a note about views below the promised
+   quality. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
-    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* limit of 8 million Gaussians, about 3 GB of floats */
+    enum { WIDTH = 480, HEIGHT = 320, MOST = 8000000 };     /* MOST Gaussians take about 3 GB of floats */
     const enum fxs_profile profile = packed->scenes[0].opened->scene->profile;
     const struct promise *promise = &promises[profile];
     load_options again = *load;
@@ -632,7 +633,7 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
     return status;
 }
 
-/* Turns `up` to the side of the ground with more Gaussians. */
+/* Turns the up direction `up` to the side of the ground plane that has more Gaussians. */
 static int find_up(convert_options *o)
 {
     fxs_gaussian batch[BATCH];
@@ -690,7 +691,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
-        files_force(FILES_REFUSE);          /* the comparison of views reads the input file again */
+        files_force(FILES_REFUSE);          /* no input may be replaced, since the comparison of views reads it again */
     return files_check();
 }
 

@@ -4,8 +4,8 @@
 
 #include "load_world.h"
 
-/* Writes all scenes of a world to a file, in the format of its ending. No input may be an .fxs file or `out`. `name`
-   stands for the input in messages. */
+/* Writes all scenes of a world (placed scenes) to one file, in the format of its ending. No input may be an .fxs file
+   or `out`. In messages, `name` stands for the inputs. */
 int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_world *placed, const char *name,
                    const load_options *load);
 

@@ -1,4 +1,5 @@
-/* fixsplat doctor: lists libraries, programs and devices of this machine, and the use of each missing one. */
+/* fixsplat doctor: lists the libraries, programs and devices of this machine, and tells what each missing one is good
+   for. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +12,7 @@
 #include "tools/serve/page_folder.h"
 #include "task.h"
 
-/* Expands to 1 for a macro defined as 1, else to 0. */
+/* The macro expands to 1 if its argument is a macro defined as 1, else to 0. */
 #define IS_BUILT(macro) IS_BUILT_OF(macro)
 #define IS_BUILT_OF(value) SECOND_OF(BEFORE_##value 1, 0, 0)
 #define BEFORE_1 0,

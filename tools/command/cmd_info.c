@@ -1,4 +1,4 @@
-/* fixsplat info: prints a scene's contents and the memory for rendering, optionally also quality and statistics. */
+/* fixsplat info: prints a scene's contents and the memory that rendering needs. Options add quality and statistics. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,14 +17,14 @@
 #include "quality.h"
 #include "stats.h"
 
-#define NUDGE_BELOW 65.0    /* views above this PSNR need no nudged original */
+#define NUDGE_BELOW 65.0    /* PSNR in dB; better views are not compared with a randomly moved original */
 
 typedef struct info_options {
     frame_options frame;
     const char *original;
     enum fxs_cutoff original_cutoff;
-    int views;                              /* number of compared views; 0: default */
-    int board_width, board_height;          /* display size in pixels; 0: no board */
+    int views;                              /* number of views to compare; 0: default */
+    int board_width, board_height;          /* size of the board's display in pixels; 0: no board */
     int json, stats, backends;
 } info_options;
 
@@ -33,7 +33,7 @@ typedef struct board {
     int width, height;
     size_t strip;
     fxs_frame_memory memory;
-    size_t rows, rows_most;                 /* least and most bytes for an unsliced row of tiles */
+    size_t rows, rows_most;    /* least and most bytes, over all views, to draw each row of tiles in one pass */
 } board;
 
 typedef struct findings {
@@ -158,8 +158,8 @@ static void print_board_json(const board *b, size_t scene_bytes)
            b->memory.total, b->memory.least, b->rows, b->rows_most, scene_bytes);
 }
 
-/* Computes how many Gaussians fit into a row of tiles. Beyond the least memory, each projected Gaussian takes 88
-   bytes. */
+/* Computes how many projected Gaussians of a row of tiles fit into `limit` bytes. Each takes 88 bytes beyond the least
+   memory. */
 static size_t row_of_limit(const fxs_frame_memory *m, size_t limit)
 {
     return (limit - m->least) / 88 / 16 * 16;
@@ -175,7 +175,7 @@ static void print_limit_json(const fxs_frame_memory *m, size_t limit)
         printf("null}, ");
 }
 
-/* Prints a single unplaced scene as a JSON object; several scenes as lists of scenes and of objects. */
+/* Prints one scene in its original place as a JSON object, and several scenes as lists of scenes and of objects. */
 static void print_json(const findings *f)
 {
     const world *w = &f->world;
@@ -480,14 +480,14 @@ static int compare(findings *f, const info_options *o)
     return status;
 }
 
-/* Aborts a frame after its memory is planned. */
+/* Aborts a frame as soon as its memory is planned, before pixels are drawn. */
 static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     (void)argument, (void)strip, (void)first, (void)rows;
     return FXS_ERR_UNSUPPORTED;
 }
 
-/* Plans the memory of 16 frames, turning the camera around the scene. */
+/* Plans the memory of 16 frames, with the camera turning around the scene. */
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;
@@ -577,7 +577,7 @@ static int find(findings *f, const info_options *o)
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
     const fxs_config config = {.size = sizeof(fxs_config), .workers.run = fxs_pool_run,
-                               .workers.count = fxs_processors()};   /* used for sizes only */
+                               .workers.count = fxs_processors()};  /* used to compute memory sizes only, not to draw */
     f->limit = o->frame.max_memory;
     f->lod = o->frame.load.lod;
     fxs_context_init(&context, &config);

@@ -10,7 +10,7 @@
 
 typedef struct make_options {
     const char *output;
-    uint64_t count, seed;                   /* number of Gaussians; 0: default of the scene */
+    uint64_t count, seed;                   /* number of Gaussians; 0: the scene's default number */
 } make_options;
 
 #define OPTIONS make_options

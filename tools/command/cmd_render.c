@@ -1,4 +1,4 @@
-/* fixsplat render: its options. */
+/* Command-line options of `fixsplat render`. */
 #include "cmd_render.h"
 
 #include <stdlib.h>

@@ -15,7 +15,7 @@ typedef struct render_options {
     enum fxs_image_format encoding;
     int quality, rate;                      /* quality of .jpg and .webp files; frames per second of a film */
     int draws;
-    double depth_range;                     /* largest depth of a depth picture; 0: automatic */
+    double depth_range;                     /* largest depth that a depth picture can show; 0: automatic */
     int has_pick, pick[2], has_scissor, scissor[4];
     int hash, stats, pairs, json;
 } render_options;

@@ -1,4 +1,5 @@
-/* fixsplat view: its options. Separate programs, fixsplat-view and fixsplat-web, open the window and serve the page. */
+/* Command-line options of `fixsplat view`. Separate programs, fixsplat-view and fixsplat-web, open the window and serve
+   the web page. */
 #include <string.h>
 
 #include <fixsplat/image.h>

@@ -16,7 +16,7 @@ typedef struct view_options {
 
 int view_options_take(view_options *options, int argc, char **argv);
 
-/* Help text about the keys of the window. */
+/* Help text about the keys of the viewer's window. */
 extern const char viewer_keys[];
 
 #endif

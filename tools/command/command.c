@@ -89,7 +89,7 @@ void print_version(void)
 
 enum { LONGEST_NAME = 32 };
 
-/* Levenshtein distance (1966). Row i of the table belongs to the first i letters of a. */
+/* Computes the Levenshtein distance (1966) of two words. Row i of its table belongs to the first i letters of `a`. */
 static size_t edit_distance(const char *a, size_t length, const char *b)
 {
     size_t row[LONGEST_NAME + 1];
@@ -172,7 +172,7 @@ int ends_with(const char *name, const char *ending)
     return fxs_ends_in(name, ending);
 }
 
-static int percent_shown = -1;   /* last printed percentage; -1: no bar */
+static int percent_shown = -1;   /* percentage that the progress bar last printed; -1: no bar */
 
 int progress_bar(void *label, double done)
 {

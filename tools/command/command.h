@@ -1,6 +1,5 @@
-/* Helpers of all subcommands: messages, --quiet, progress.
-   In tools/, a function that can fail returns 0, or prints the error and returns an exit status, unless its comment
-   says otherwise. */
+/* Helper functions of all subcommands: messages, --quiet, progress. In the folder tools, a function that can fail
+   returns 0, or prints the error and returns an exit status, unless its comment says otherwise. */
 #ifndef COMMAND_H
 #define COMMAND_H
 
@@ -29,7 +28,8 @@ int place_digits(double x, int digits);
 
 void print_version(void);
 
-/* Collects the closest name to a misspelt word over several calls of suggest. Null: no name is close. */
+/* Finds the known name that is closest to a misspelt word, over several calls of suggest. A null name: none is
+   close. */
 typedef struct suggestion {
     const char *name;
     size_t distance;

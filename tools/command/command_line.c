@@ -15,7 +15,8 @@ const command *const *all_commands;
 static const command *parsed;
 static char **words;
 
-/* Parses --help, --help=all and --help all. getopt_long leaves the separate word to the caller. */
+/* Parses --help, --help=all and --help all. getopt_long does not parse the separate word `all`, so this function
+   does. */
 static int take_help(const option_row *row, void *field, const char *value)
 {
     const char *next = words[optind];
@@ -52,7 +53,7 @@ const option_row common_rows[] = {
 
 enum { HELP_COLUMN = 22, HELP_WIDTH = 118, SHORT_ABOVE = 25, SHORT_EXAMPLES = 3 };
 
-/* Wraps a text at HELP_WIDTH. Lines begin in column `indent`. */
+/* Prints a text with line breaks before column HELP_WIDTH. Lines begin in column `indent`. */
 static void print_wrapped(const char *text, int indent)
 {
     int column = indent;
@@ -154,11 +155,12 @@ void print_table(const command *c)
         }
 }
 
-enum { ROWS_MOST = 96, LONG_OPTION = 256 };   /* getopt_long returns a letter, or LONG_OPTION + i for row i */
+/* getopt_long returns the letter of an option, or LONG_OPTION + i for option row i. */
+enum { ROWS_MOST = 96, LONG_OPTION = 256 };
 
 static struct row_taken {
     const option_row *row;
-    char *options;                          /* base address of the fields of an option row */
+    char *options;                          /* base address of the struct that the row's offset refers to */
     int given;
 } taken[ROWS_MOST];
 
@@ -223,7 +225,7 @@ static const command *command_with(const char *name, size_t length)
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
-    const char *own = parsed->name;          /* argv[0] may be a path instead of the command's name */
+    const char *own = parsed->name;          /* the command's name; argv[0] may be a path instead */
     const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
@@ -242,7 +244,7 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
-/* Converts file paths from the operating system's form. */
+/* Converts an option's value, if it is a file path, from the operating system's form. */
 static void take_path(const option_row *r, char *value)
 {
     if (value && strcmp(r->value, "TEXT"))

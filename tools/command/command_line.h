@@ -10,7 +10,7 @@
 
 typedef struct option_row option_row;
 
-/* Parses the value of an option into its field. */
+/* Parses the text of an option's value and stores the result in `field`. */
 typedef int take_option(const option_row *row, void *field, const char *value);
 
 struct option_row {
@@ -21,12 +21,12 @@ struct option_row {
     double low, high;
     const char *expected;                   /* description of the expected value, for error messages; null: automatic */
     const char *const *choices;
-    const char *help;                       /* help text; null marks the end of the table */
+    const char *help;                       /* help text of the option; null: end of the table of options */
     char letter;
     int basic;                              /* 1: the short help also lists the option */
 };
 
-/* Offset of a member of the struct OPTIONS. A member of another type does not compile. */
+/* Offset of a member in the struct OPTIONS. If the member is not of type `type`, the program does not compile. */
 #define FIELD(type, member) (offsetof(OPTIONS, member) + 0 * sizeof(&((OPTIONS *)0)->member - (type *)1))
 #define FIELD_OF_INT_SIZE(member) \
     (offsetof(OPTIONS, member) + 0 * sizeof(char[sizeof ((OPTIONS *)0)->member == sizeof(int) ? 1 : -1]))
@@ -60,14 +60,14 @@ typedef struct point_option {
 take_option take_flag, take_text, take_output, take_int, take_uint32, take_uint64, take_size_t, take_bytes, take_real,
             take_vector, take_point, take_colour, take_choice;
 
-/* Prints the value that the option expects. Returns EXIT_USAGE. */
+/* Prints an error that says which value the option expects. Returns EXIT_USAGE. */
 int wrong_value(const option_row *row, const char *value);
 
 int choice_of(const option_row *row, const char *value);
 
 typedef struct option_table {
     const option_row *rows;
-    size_t offset;                          /* offset of a table's fields in the struct of options */
+    size_t offset;                          /* offset of the table's fields in the command's struct of options */
 } option_table;
 
 enum { TABLES_MOST = 10 };
@@ -76,7 +76,7 @@ typedef struct command {
     const char *name, *does;
     int (*run)(int argc, char **argv);
     const char *about;
-    void (*more)(void);                     /* prints more help after the options */
+    void (*more)(void);                     /* callback that prints more help after the list of options */
     const char *examples;                   /* example commands at the end of the help */
     option_table tables[TABLES_MOST];
 } command;
@@ -84,7 +84,7 @@ typedef struct command {
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
                      command_publish, command_make_scene, command_bench, command_demo, command_doctor;
 
-/* All subcommands, ended by null. */
+/* Null-terminated array of all subcommands. */
 extern const command *const *all_commands;
 
 extern const option_row common_rows[];
@@ -104,7 +104,7 @@ void print_help(const command *c, int all);
 /* Prints a command's options as tab-separated lines, for shell completion. */
 void print_table(const command *c);
 
-/* Each number parser returns 1, or 0 for invalid text. */
+/* Each function that parses numbers returns 1, or 0 for invalid text. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
 int parse_counts(const char *text, int count, int low, int high, int *out);
 int parse_size(const char *text, int *width, int *height);

@@ -1,5 +1,5 @@
-/* Renders views for the commands: opens a back end, sets up cameras and targets for one or two eyes, loads
-   missing chunks of paged scenes and draws again, and picks. */
+/* Renders views for the subcommands: opens a back end, sets up cameras and targets for one or two eyes, and picks
+   Gaussians at a pixel. For scenes partly in memory, loads missing chunks (256 Gaussians each) and draws again. */
 #include "drawing.h"
 
 #include <inttypes.h>
@@ -80,7 +80,7 @@ static int make_room(const renderer *r, picture *out, int width, int height)
     return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
-/* Returns the fraction bits with which all depths of the world fit into 32 bits. */
+/* Returns the number of fraction bits with which all depths of the world fit into 32 bits. */
 static int choose_depth_bits(const world *w, const fxs_view *view)
 {
     double farthest = 1;
@@ -165,7 +165,7 @@ static int is_stopped(const fxs_options *options)
     return options->stop.call && options->stop.call(options->stop.argument);
 }
 
-/* Loads all missing chunks of the last frame. *came is the number of loaded chunks. */
+/* Loads all chunks (256 Gaussians each) that the last frame lacked. *came gets the number of loaded chunks. */
 static int read_wanted(const world *w, const fxs_options *options, uint32_t *came, fxs_message *why)
 {
     char label[] = "reading";
@@ -187,7 +187,7 @@ static int read_wanted(const world *w, const fxs_options *options, uint32_t *cam
     return error;
 }
 
-/* Counts chunks that a frame needs and that are not in memory. */
+/* Counts the chunks (256 Gaussians each) that a frame needs but that are not in memory. */
 typedef struct wanting {
     const world *w;
     const fxs_options *options;
@@ -201,15 +201,15 @@ static void want(void *argument, const fxs_scene *scene, uint32_t chunk, int the
     FXS_SHARED_WRITE(g->missing, FXS_SHARED_READ(g->missing) + !there);
 }
 
-/* Aborts a frame that misses a chunk, since its pixels would be discarded. */
+/* Stops a frame that needs a chunk (256 Gaussians) that is not in memory, since its pixels would be discarded. */
 static int stop(void *argument)
 {
     const wanting *g = argument;
     return FXS_SHARED_READ(g->missing) || is_stopped(g->options);
 }
 
-/* Renders a scene partly in memory. If r->shows_part is 0, loads missing chunks and renders again. Fails after TRIES
-   attempts without progress. */
+/* Renders scenes that are only partly in memory. If r->shows_part is 0, loads missing chunks (256 Gaussians each) and
+   renders again. Fails after TRIES attempts without progress. */
 static int draw_in_part(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     wanting g = {.w = w, .options = &request->options};

@@ -1,11 +1,11 @@
-/* The renderer of a command, and the pictures that it renders. */
+/* The renderer of a subcommand, and the pictures that it renders. */
 #ifndef DRAWING_H
 #define DRAWING_H
 
 #include <fixsplat/backend.h>
 #include "frame_options.h"
 
-/* Optional render targets. */
+/* Flags of the optional render targets. */
 enum { DRAW_MEAN_DEPTH = 1, DRAW_MEDIAN_DEPTH = 2, DRAW_IDS = 4 };
 
 /* A rendered picture. A stereo picture has the left eye in its left half. */
@@ -21,20 +21,20 @@ void picture_free(picture *p);
 
 typedef struct renderer {
     const fxs_backend *backend;
-    void *self;                             /* state of the back end; null: closed */
+    void *self;                             /* private state of the back end; null: closed */
     double stereo;                          /* distance of the eyes in scene units; 0: mono */
     size_t max_memory;
     enum fxs_format format;
-    int draws;                              /* DRAW_*; at most one kind of depth */
+    int draws;                              /* flags DRAW_* of render targets; at most one kind of depth */
     int mirrored;                           /* 1: the right eye's field of view mirrors the left one's */
     int has_scissor, scissor[4];            /* part of the picture to draw: x, y, width, height */
-    int shows_part;                         /* paged worlds: 1 draws with the chunks that are loaded; 0 waits until
-                                               none is missing */
-    int lost;                               /* with shows_part: a chunk of the last picture cannot be read; */
-    fxs_message why_lost;                   /* the reason */
+    int shows_part;    /* for scenes partly in memory: 1 draws what is loaded; 0 waits until no part is missing */
+    int lost;                               /* 1: a missing part of the last picture could not be read */
+    fxs_message why_lost;                   /* reason why the part could not be read */
 } renderer;
 
-/* Opens the first device of the back end that the options name. Set `format`, `draws` and the scissor afterwards. */
+/* Opens the first device of the back end that the options name. Set `format`, `draws` and the scissor after this
+   call. */
 int renderer_open(renderer *r, const frame_options *options);
 
 /* True if the renderer supports paged scenes, which are partly in memory. */
@@ -47,7 +47,7 @@ void renderer_forget(renderer *r, const world *w);
 
 int renderer_camera(const renderer *r, const fxs_view *view, fxs_camera *camera);
 
-/* Renders into *out, which grows as needed. `stats` may be null. */
+/* Renders a view into *out, whose buffers grow as needed. `stats` may be null. */
 int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats);
 

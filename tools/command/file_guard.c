@@ -15,8 +15,8 @@
 typedef struct file {
     uint64_t device, inode;                 /* device and inode of the file, or of a missing file's folder */
     char *place;                            /* file name of a missing file; else null */
-    char *name;                             /* path of the output as given */
-    int is_given;                           /* 1: named on the command line; 0: opened by the library */
+    char *name;                             /* path of the file as given by the user */
+    int is_given;                           /* 1: the command line names the file; 0: the library opened it */
 } file;
 
 typedef struct file_list {
@@ -73,7 +73,8 @@ static int find_place(file *f, const char *name, fxs_file_facts *folder)
     return found;
 }
 
-/* Identifies a file; allocates f->place. Returns 0 for a device or a missing folder. */
+/* Identifies a file by device and inode, or a missing file by its folder and name. Allocates f->place. Returns 0 for a
+   device or a missing folder. */
 static int find_file(file *f, const char *name, FILE *standard)
 {
     fxs_file_facts facts;

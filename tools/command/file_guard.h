@@ -2,10 +2,10 @@
 #ifndef FILE_GUARD_H
 #define FILE_GUARD_H
 
-/* Starts to watch files. Call first in main. */
+/* Starts to record which files the program reads and writes. Call first in main. */
 void files_begin(void);
 
-/* Register an input or output file. "-" is standard input or output; null is ignored. */
+/* These functions register an input file and an output file. "-" is standard input or output; null is ignored. */
 void files_read(const char *name);
 void files_write(const char *name);
 
@@ -18,7 +18,7 @@ void files_force(enum files_force force);
 
 int files_check(void);
 
-/* Forgets the registered outputs, so that the command can read them. */
+/* Forgets the registered output files, so that the command may read them. */
 void files_done(void);
 
 #endif

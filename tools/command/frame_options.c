@@ -1,5 +1,5 @@
-/* Option tables shared by several commands, with checks between options. Chooses back end, devices and instruction
-   sets. */
+/* Option tables that several subcommands share, with checks between options. Chooses the back end, devices and
+   instruction sets. */
 #include "frame_options.h"
 
 #include <math.h>
@@ -245,7 +245,7 @@ int frame_options_check(const frame_options *options)
 }
 
 #ifdef FXS_WITH_KERNELS
-/* Returns the flag of an instruction set's name: 0 for "c", all bits for "all", -1 if unknown. */
+/* Returns the flag bit of an instruction set: 0 for "c", all bits for "all", -1 for an unknown name. */
 static long cpu_flag(const char *name, size_t length)
 {
     if (length == 1 && *name == 'c')

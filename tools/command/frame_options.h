@@ -1,4 +1,4 @@
-/* Options of cameras, scenes and rendering that several commands share. */
+/* Options for cameras, scenes and rendering that several subcommands share. */
 #ifndef FRAME_OPTIONS_H
 #define FRAME_OPTIONS_H
 
@@ -11,7 +11,7 @@
 
 typedef struct frame_options {
     const char *cameras, *view;
-    int orbit, frames;                      /* numbers of frames of an orbit and of a path through the views */
+    int orbit, frames;                      /* number of frames of an orbit, and of a path through the views */
     point_option eye, look, up;
     int auto_up;                            /* 1: finds the up direction in the scene */
     int framed;                             /* 1: the camera frames the whole scene */
@@ -22,7 +22,7 @@ typedef struct frame_options {
     int panorama;
     int width, height;
     int has_tangents;
-    double tangents[4];                     /* left, right, up, down; stereo: of the left eye */
+    double tangents[4];    /* tangents of the view's edges: left, right, up, down; with stereo, of the left eye */
     double stereo;                          /* distance of the two eyes, scene units; 0: mono */
     fxs_options render;
     const char *cpu, *backend;
@@ -34,7 +34,7 @@ typedef struct frame_options {
     world_options world;
 } frame_options;
 
-/* Option rows by topic. FRAME_TABLES lists all of them. */
+/* Option tables, one for each topic. FRAME_TABLES lists all of them. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
 extern const option_row pool_rows[];
@@ -52,10 +52,10 @@ void frame_options_default(frame_options *options);
 
 int frame_options_check(const frame_options *options);
 
-/* Finds the back end that the options name, and its options for a device. */
+/* Finds the back end that the options name. *how gets the back end's options for a device. */
 int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how);
 
-/* Returns the number of devices that the options ask for. */
+/* Stores the numbers of the devices that the options ask for, and returns how many there are. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
 #endif

@@ -18,9 +18,9 @@
 #include "src/base/os_calls.h"
 #include "file_guard.h"
 
-#define LARGE ((size_t)64 << 20)    /* smallest .fxs file to be paged, in bytes */
+#define LARGE ((size_t)64 << 20)    /* bytes from which an .fxs file may be paged (kept partly in memory) */
 
-enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* capacity of an automatic memory pool */
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };     /* a memory pool holds the chunks of 4 pictures, and 64 more */
 
 static int is_standard_input(const char *path)
 {
@@ -32,7 +32,7 @@ static const char *shown(const char *path)
     return is_standard_input(path) ? "standard input" : path;
 }
 
-/* Notes the dropped Gaussians, and their share of the scene from 0.3 % on. */
+/* Prints a note about dropped Gaussians, with their share of the scene if it is at least 0.3 %. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
     const uint64_t dropped = d->not_finite + d->rotation;
@@ -213,7 +213,7 @@ static int open_file(const char *path, const fxs_scene_file_options *options, fx
                : fxs_scene_file_open(path, options, file, info, message);
 }
 
-/* In a list of several files, a file with a single level of detail ignores --lod. */
+/* Returns the level of detail to read. In a list of several files, a file with a single level ignores --lod. */
 static int level_of(const char *path, const load_options *o, const fxs_scene_file_options *options)
 {
     fxs_scene_file_options finest = *options;
@@ -254,7 +254,8 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-/* Returns the size in bytes of a memory pool for the chunks of several pictures. 0: map the whole file instead. */
+/* Returns the size in bytes of a memory pool for the chunks (256 Gaussians each) of several pictures. 0: the whole file
+   is mapped instead. */
 static size_t pool_for(const fxs_opened *opened, uint32_t budget)
 {
     const fxs_scene *scene = opened->scene;

@@ -1,4 +1,4 @@
-/* Loads the scene files of a command. */
+/* Loads the scene files of a subcommand. */
 #ifndef SCENE_H
 #define SCENE_H
 
@@ -17,36 +17,37 @@ int is_packed(const loaded_scene *loaded);
 
 typedef struct load_options {
     int lod;                                /* number of the level of detail to read; 0: finest */
-    const char *lods;                       /* level of detail for each file; null: `lod` for all */
-    int is_one_of_several;                  /* 1: a file with a single level ignores `lod` */
+    const char *lods;                       /* list of levels of detail, one for each file; null: `lod` for all files */
+    int is_one_of_several;                  /* 1: if a file has a single level of detail, `lod` is ignored */
     enum fxs_axes axes;
     uint32_t threads;                       /* threads of the import; 0: one per processor */
     enum fxs_profile profile;
     int tree;                               /* 1: packs a scene with a tree of levels of detail */
-    int pages;                              /* 1: an .fxs may be paged, with only parts in memory */
-    size_t pool;                            /* memory of a paged scene in bytes; 0: not given */
-    uint32_t budget;                        /* Gaussians per picture; 0: does not page by size */
-    void (*arrived)(void *argument);        /* callback when parts of a paged scene have been loaded */
+    int pages;                              /* 1: an .fxs file may be paged, which keeps only parts in memory */
+    size_t pool;                            /* bytes of memory for a paged scene (partly in memory); 0: not given */
+    uint32_t budget;                        /* most Gaussians per picture; 0: size alone does not make a scene paged */
+    void (*arrived)(void *argument);        /* called when parts of a paged scene (partly in memory) have been loaded */
     void *arrived_argument;
-    const fxs_scene_filter *filter;         /* filter of the Gaussians, except of an .fxs; may be null */
+    const fxs_scene_filter *filter;         /* filter that drops Gaussians, unused for an .fxs; may be null */
     uint64_t decimate_count;                /* number of Gaussians to reduce a scene to; 0: no reduction */
     double decimate_share;                  /* share of Gaussians to reduce a scene to; 0: no reduction */
     uint64_t max_gaussians;
     size_t import_memory;
     int again;
-    fxs_progress progress;                  /* without `call`: shows a bar on stderr */
+    fxs_progress progress;                  /* progress callback; if its `call` is null, stderr shows a bar */
 } load_options;
 
-/* Returns the progress callback of the options, or else a progress bar after `label`. */
+/* Returns the progress callback of the options. If they have none, returns a progress bar that begins with `label`. */
 fxs_progress progress_of(const load_options *options, char *label);
 
-/* Copies the options for file i of `count`, with the level of detail for the file. */
+/* Copies the options for file i of `count` files. The copy has the level of detail that the options give for this
+   file. */
 int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);
 
-/* Opens a scene for rendering. On failure nothing is to be freed. */
+/* Opens a scene for rendering. After a failure, the caller has nothing to free. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
-/* Loads a scene from a file of open_scene or open_merged, and closes the file. */
+/* Loads a scene from a file that open_scene or open_merged has opened, and closes the file. */
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 
@@ -57,7 +58,7 @@ void note_packed(const char *path, const fxs_pack_report *report);
 /* Opens a scene file to read its Gaussians as floats. Close *file with fxs_scene_file_close. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 
-/* open_scene calls these two steps. filter_scene closes the file on failure. */
+/* These functions are the two steps of open_scene. filter_scene closes the file on failure. */
 int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
 

@@ -1,4 +1,5 @@
-/* Loads the scenes of a command and places them by --scene or --place. Merges several scenes into one. */
+/* Loads the scenes of a subcommand and places them by the options --scene or --place. Merges several scenes into
+   one. */
 #include "load_world.h"
 
 #include <inttypes.h>
@@ -22,7 +23,8 @@ int take_scenes(world_options *o, const char *name, int count, char *const *scen
     return 0;
 }
 
-/* Returns 2 if `name` is the scene's path, 1 if `name` ends the path after a slash, else 0. */
+/* Compares a name with a scene's path. Returns 2 if they are equal, 1 if the name ends the path after a slash, else
+   0. */
 static int is_called(const char *scene, const char *name, size_t length)
 {
     const size_t size = strlen(scene);
@@ -31,7 +33,7 @@ static int is_called(const char *scene, const char *name, size_t length)
     return size == length ? 2 : scene[size - length - 1] == '/';
 }
 
-/* Returns the number of the scene that --place names before its colon. -1: not found or ambiguous. */
+/* Returns the number of the scene that a value of option --place names before the colon. -1: not found or ambiguous. */
 static int find_scene(const world_options *o, const char *place, size_t length)
 {
     char name[16];
@@ -255,7 +257,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     return filter_scene(name, load, *file, info);
 }
 
-/* True for a world of one visible, unplaced and uncropped file. */
+/* True if the world is one scene file, visible, uncropped and in its original place. */
 static int is_plain(const fxs_world *placed)
 {
     return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&

@@ -12,10 +12,10 @@
 #define WINDOW 11
 #define SIGMA 1.5
 
-/* Local means of two images that SSIM needs. */
+/* Local means that SSIM needs: of image A, of image B, of their squares, and of their product. */
 enum { A, B, SQUARES, PRODUCT, MAPS };
 
-/* Computes Gaussian weights of sum 1 over at most WINDOW pixels. Returns their number. */
+/* Computes the Gaussian window of SSIM: weights with the sum 1 over at most WINDOW pixels. Returns their number. */
 static int window(int side, double weights[WINDOW])
 {
     int taps = side < WINDOW ? side : WINDOW;
@@ -46,7 +46,8 @@ static void fill_maps(const uint8_t *a, const uint8_t *b, size_t width, double *
     }
 }
 
-/* Sums SSIM over a row of windows from four local means. are_whole marks the windows that count; null: all. */
+/* Sums up SSIM over a row of windows, from four local means of each window. are_whole marks the windows that count;
+   null: all windows count. */
 static double ssim_row(const double *means, size_t count, const uint8_t *are_whole)
 {
     const double c1 = 0.01 * 255 * 0.01 * 255, c2 = 0.03 * 255 * 0.03 * 255;
@@ -61,8 +62,8 @@ static double ssim_row(const double *means, size_t count, const uint8_t *are_who
     return sum;
 }
 
-/* Sums SSIM of a channel over its windows. `memory`: (WINDOW + 2) * MAPS * width doubles. Horizontally filtered rows
-   are kept in a ring buffer. */
+/* Sums up SSIM of a colour channel over all windows. `memory` has (WINDOW + 2) * MAPS * width doubles. Horizontally
+   filtered rows are kept in a ring buffer. */
 static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *are_whole, size_t width, size_t height,
                            double *memory)
 {
@@ -95,8 +96,8 @@ static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t heigh
     memset(below, 0, width * sizeof *below);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, beside = 0; x < width; x++) {
-            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* run of unmasked pixels upwards */
-            beside = below[x] >= taps_y ? beside + 1 : 0;          /* run of tall enough columns to the left */
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;   /* number of unmasked pixels upwards without a gap */
+            beside = below[x] >= taps_y ? beside + 1 : 0;    /* number of columns to the left that fit a window */
             if (y + 1 >= taps_y && x + 1 >= taps_x)
                 found += *are_whole++ = beside >= taps_x;
         }
@@ -150,9 +151,9 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
     return fxs_metrics_compare_masked(a, b, NULL, width, height, out);
 }
 
-enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* terms 1, red, green and blue, then the target colours */
+enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* columns: terms 1, red, green and blue, then the target colours */
 
-/* Sums products of colours exactly: integers below 2^53. */
+/* Sums up products of colours for a least-squares fit. The sums are exact, as integers below 2^53. */
 static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *mask, size_t pixels,
                          double sums[TERMS][COLUMNS])
 {
@@ -170,8 +171,8 @@ static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *
             sums[k][c] = (double)whole[k][c];
 }
 
-/* Solves the normal equations by Gaussian elimination. A linearly dependent term, as in a grey picture, gets the
-   factor 0. */
+/* Solves the normal equations of an affine colour map by Gaussian elimination. A linearly dependent term, as in a grey
+   picture, gets the factor 0. */
 static void solve_map(double sums[TERMS][COLUMNS], double map[TERMS][3])
 {
     double whole[TERMS];

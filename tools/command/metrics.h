@@ -16,8 +16,8 @@ struct fxs_metrics {
    -1: out of memory. */
 int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out);
 
-/* Compares two images without the pixels that are 0 in `mask`. A null mask ignores none. SSIM uses only windows
-   without ignored pixels; NaN: no such window. */
+/* Compares two images, but ignores the pixels that are 0 in `mask`. Null: no pixel is ignored. SSIM uses only windows
+   without ignored pixels; it is NaN if there is no such window. */
 int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t *mask, int width, int height,
                                struct fxs_metrics *out);
 
@@ -33,7 +33,8 @@ const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal);
 /* Formats an SSIM with six decimals, or as `none` if NaN. Returns `text`. */
 const char *fxs_metrics_ssim(char text[32], double ssim, const char *none);
 
-/* Writes the picture min(8 |a - b|, 255) with alpha 255. Returns 0, or an error code and a message. */
+/* Writes a picture of the differences of two images: min(8 |a - b|, 255) in each channel, with alpha 255. Returns 0, or
+   an error code and a message. */
 int fxs_metrics_difference(const char *path, const uint8_t *a, const uint8_t *b, int width, int height,
                            fxs_message *message);
 

@@ -7,7 +7,7 @@
 #include "src/base/sine.h"
 #include "src/gaussian/attributes.h"
 
-/* gcc needs -std=c99 or -ffp-contract=off instead of this pragma */
+/* This pragma forbids fused a * b + c. gcc needs -std=c99 or -ffp-contract=off instead. */
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF
 #endif
@@ -46,7 +46,8 @@ static double whole(double x) { return fxs_floor(x); }
 static double sine(double t) { return fxs_sine(t); }
 static double cosine(double t) { return fxs_sine(t + 0.25); }
 
-/* ln x = e ln 2 + 2 (s + s^3/3 + s^5/5 + ...), s = (m - 1)/(m + 1), x = m 2^e, sqrt(1/2) <= m < sqrt(2) */
+/* Computes the natural logarithm: ln x = e ln 2 + 2 (s + s^3/3 + s^5/5 + ...), with s = (m - 1)/(m + 1), x = m 2^e and
+   sqrt(1/2) <= m < sqrt(2). */
 static double logarithm(double x)
 {
     int e;
@@ -68,7 +69,7 @@ static double power_of_half(double t, double least, double most)
     return ldexp(1 - 0.5 * (exponent - halvings), -(int)halvings);
 }
 
-/* Finaliser of SplitMix64 (Steele, Lea, Flood 2014). */
+/* Mixes the bits of x as the finaliser of SplitMix64 does (Steele, Lea, Flood 2014). */
 static uint64_t mix(uint64_t x)
 {
     x = (x ^ (x >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
@@ -78,26 +79,28 @@ static uint64_t mix(uint64_t x)
 
 static double unit(uint64_t bits) { return (double)(int64_t)(bits >> 11) / 9007199254740992.0; }
 
-/* Returns random number k of a key, in [0, 1). */
+/* Returns the k-th random number of a key, in [0, 1). */
 static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * UINT64_C(0x9E3779B97F4A7C15))); }
 
 static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
 
 typedef struct place {
-    uint64_t index, count;   /* index of the Gaussian in its part; size of the part */
+    uint64_t index, count;   /* index of the Gaussian in its part of the scene; number of Gaussians in the part */
     uint64_t total, key;
     uint32_t seed;
     double u, v;
 } place;
 
-/* Sunflower distribution. v advances by the golden ratio (0.64 fixed point). */
+/* Spreads points evenly, like the seeds of a sunflower. u grows with the index, and v advances by the golden ratio
+   (0.64 fixed point). */
 static void spread_evenly(place *p, uint64_t index, uint64_t count)
 {
     p->u = ((double)index + 0.5) / (double)count;
     p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
 }
 
-/* Finds the part of a Gaussian. `ends` has the ends of all parts of a scene in thousandths of the count. */
+/* Finds the part of the scene that Gaussian i belongs to. `ends` has the ends of all parts, in thousandths of
+   `count`. */
 static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
 {
     int part = 0;
@@ -118,7 +121,8 @@ static double lattice(uint64_t corner)
     return (double)(int64_t)((corner ^ (corner >> 32)) * UINT64_C(0x94D049BB133111EB)) / 9223372036854775808.0;
 }
 
-/* Value noise in -1..1 with quintic interpolation. *dx and *dz are its gradient. */
+/* Computes smooth noise in -1..1: random values on a grid with quintic interpolation (value noise). *dx and *dz get the
+   noise's gradient. */
 static double noise(double x, double z, uint64_t salt, double *dx, double *dz)
 {
     const uint64_t right = UINT64_C(0xD1B54A32D192ED03), up = UINT64_C(0xABC98388FB8FAC03);
@@ -138,14 +142,16 @@ static double plain_noise(double x, double z, uint64_t salt)
     return noise(x, z, salt, &dx, &dz);
 }
 
-/* A Gaussian under construction. Its colour along the unit vector d is the sum of sh[k] Y_k(d). */
+/* A Gaussian under construction. Its colour in the viewing direction d is the sum of sh[k] Y_k(d), with spherical
+   harmonics Y_k. */
 typedef struct splat {
-    vec position, axis[3];   /* axes are orthonormal and right-handed */
+    vec position, axis[3];   /* the three axes are orthonormal and right-handed */
     double sigma[3], opacity;
     vec sh[16];
 } splat;
 
-/* The 16 real SH basis functions at the unit vector d, with the signs of KHR_gaussian_splatting. */
+/* Computes the 16 real spherical harmonics of degrees 0 to 3 at the unit vector d, with the signs of
+   KHR_gaussian_splatting. */
 static void sh_basis(vec d, double y[16])
 {
     double xx = d.x * d.x, yy = d.y * d.y, zz = d.z * d.z;
@@ -169,8 +175,8 @@ static void sh_basis(vec d, double y[16])
 
 static void add_constant(splat *s, vec colour) { s->sh[0] = add(s->sh[0], times(colour, 1 / FXS_SH_0)); }
 
-/* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem: P_l(d . a) = 4 pi /
-   (2 l + 1) sum over m of Y_lm(d) Y_lm(a). */
+/* Adds a colour that depends on the viewing direction d: colour f(d . axis), where f is the sum of p[l] P_l (Legendre
+   polynomials). By the addition theorem, P_l(d . a) = 4 pi / (2 l + 1) sum over m of Y_lm(d) Y_lm(a). */
 static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
 {
     static const double convolution[4] = { 4 * PI, 4 * PI / 3, 4 * PI / 5, 4 * PI / 7 };
@@ -184,7 +190,7 @@ static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
 static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* Legendre coefficients of a bright spot */
 static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* Legendre coefficients of 1 - x^2 */
 
-/* Lays a flat disc perpendicular to `normal`. Its first axis is nearest to `along`. */
+/* Makes a Gaussian that is a flat disc perpendicular to `normal`. Its first axis is as close to `along` as possible. */
 static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma, double opacity)
 {
     memset(s, 0, sizeof *s);
@@ -288,7 +294,7 @@ static const struct marble {
 };
 #define MARBLES (sizeof marbles / sizeof marbles[0])
 
-/* Trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t) from s = sin t and c = cos t. */
+/* Returns a point of the trefoil curve (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from s = sin t and c = cos t. */
 static vec trefoil(double s, double c)
 {
     return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
@@ -304,7 +310,8 @@ static vec knot_surface(double u, double v)
     return add(trefoil(s, c), add(times(a, radius * cosine(v)), times(b, radius * sine(v))));
 }
 
-/* Reduces *open (visible share of the sky) and *lit (share of the key light) by a ball's shadow. */
+/* Computes how a ball shades point p. Reduces *open (visible share of the sky) and *lit (visible share of the main
+   light). */
 static void occlude(vec p, vec normal, vec centre, double radius, double weight, double *open, double *lit)
 {
     vec to = sub(centre, p);
@@ -321,7 +328,7 @@ static void occlude(vec p, vec normal, vec centre, double radius, double weight,
 static void occlude_all(vec p, vec normal, double *open, double *lit)
 {
     enum { BALLS = 72 };
-    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* cosine and sine of 1/72 turn */
+    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* cosine and sine of a 72nd of a turn */
     double s = 0, c = 1;
     *open = *lit = 1;
     for (int k = 0; k < BALLS; k++) {
@@ -338,8 +345,8 @@ static void occlude_all(vec p, vec normal, double *open, double *lit)
     *open = clamp(*open, 0.12, 1);
 }
 
-/* Adds a colour that changes with the viewing angle: cos(k x + 2 pi phase), k = 2.6, x = d . normal, as a Legendre
-   series. */
+/* Adds an iridescent colour: cos(k x + 2 pi phase), with k = 2.6 and x = d . normal for viewing direction d. The cosine
+   is approximated by a Legendre series. */
 static void add_iridescence(splat *s, vec normal, double phase, double strength)
 {
     static const double even[4] = { 0.198, 0, -1.352, 0 }, odd[4] = { 0, 1.217, 0, -0.797 };
@@ -424,7 +431,8 @@ static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 static const vec sun = { -0.85, -0.42, -0.318 };
 static const vec haze = { 0.66, 0.77, 0.88 };
 
-/* Returns the height above the lake. Damped octaves on steep slopes look like erosion (after Quilez, "Elevated"). */
+/* Returns the height of the land above the lake. Octaves of noise are damped on steep slopes, which looks like erosion
+   (after Quilez, "Elevated"). */
 static double land_height(double x, double z, int octaves)
 {
     double r = sqrt(x * x + z * z), ring = smoothstep(0, 42, r + 4 * plain_noise(x * 0.11, z * 0.11, 1));
@@ -453,13 +461,13 @@ static double sun_reach(vec p)
     return smoothstep(0, 1, reach);
 }
 
-/* Returns the density of the forest. Trees grow above 0.05. */
+/* Returns the density of the forest at a point. Trees grow where it exceeds 0.05. */
 static double forest(double x, double z)
 {
     return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
 }
 
-/* Lights a colour. Returns display values, the square root of linear light. */
+/* Lights a surface colour. Returns display values, which are the square root of linear light. */
 static vec land_light(vec colour, double direct, double sky, double r)
 {
     vec light = add(times(v3(1.65, 1.38, 1.05), direct), times(v3(0.20, 0.28, 0.42), sky));
@@ -514,8 +522,8 @@ static void lay_ground(const place *p, double x, double z, double h, double sigm
     add_zonal(s, mirror(sun, normal), highlight, times(colour, 0.12 * direct));
 }
 
-/* Spreads points over a ring, sparser with distance. The radius is from + (to - from) (linear u + square u^2),
-   linear + square = 1. */
+/* Spreads points over a ring, sparser with distance from its middle. The radius is from + (to - from) (linear u +
+   square u^2), where linear + square = 1. */
 static void spread_over(const place *p, double from, double to, double linear, double square, double *x, double *z,
                         double *sigma)
 {
@@ -652,7 +660,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
 
 #define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
-#define THIN 1e-9       /* thickness (sigma) of flat discs */
+#define THIN 1e-9       /* sigma of flat discs across their plane */
 
 static const vec noon = { -0.48, -0.80, -0.36 };
 
@@ -678,7 +686,8 @@ static vec meadow_green(double x, double z, uint64_t key)
     return blend3(green, v3(0.62, 0.74, 0.80), 0.7 * smoothstep(15, 110, r));
 }
 
-/* Adds random errors to the SH, as training does. Most of each error is common to the three channels. */
+/* Adds random errors to the spherical harmonics, as training does. Most of each error is common to the three colour
+   channels. */
 static void add_error(splat *s, uint64_t key, double rms)
 {
     for (unsigned k = 1; k < 16; k++) {
@@ -858,7 +867,8 @@ static void meadow_sky(place *p, splat *s)
 
 enum { STRAYS = 256 };
 
-/* Returns the distance of an outlier. `rank` Gaussians are at least that far away, as in a captured scene. */
+/* Returns the distance of the outlier number `rank`. That many Gaussians are at least as far away, as in a captured
+   scene. */
 static double stray_distance(uint64_t rank)
 {
     static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
@@ -939,7 +949,8 @@ static void add_day_light(splat *s, vec colour, uint64_t key)
     add_error(s, key, 0.03);
 }
 
-/* Lays fibres of a board from `foot`, on both faces. u runs along the board, v across. */
+/* Lays Gaussians as fibres of a board that begins at `foot`, on both of its faces. u runs along the board, v across
+   it. */
 static void lay_board(const place *p, vec foot, vec along, vec across, double area, splat *s)
 {
     vec face = normalise(cross(along, across));
@@ -1007,7 +1018,7 @@ static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 
 #define BENCH_Y 1.2
 
-static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre coefficients of a half-space */
+static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* Legendre coefficients of light from a half-space */
 
 static const struct lobe {
     vec axis;
@@ -1021,7 +1032,8 @@ static const struct lobe {
     { { -0.80, 0.36, 0.48 }, highlight, { 0.34, 0.16, 0.14 } },
 };
 
-/* Adds reflected light. Direction d shows the light from mirror(d), so the lights are mirrored. */
+/* Adds the lights of a room that metal reflects. The viewing direction d shows the light from mirror(d), so each light
+   is added at its mirrored direction. */
 static void add_room(splat *s, vec normal, vec metal)
 {
     add_constant(s, tint(v3(0.20, 0.16, 0.13), metal));
@@ -1192,7 +1204,7 @@ static vec lay_on_house(const house *h, double face, double u, double v, double 
     return colour;
 }
 
-/* The scene tests rounding losses: opacities are a few steps of 1/255, and hundreds of Gaussians overlap. */
+/* The scene below tests rounding losses: its opacities are a few steps of 1/255, and hundreds of Gaussians overlap. */
 #define SHORE_Y 1.6
 
 static const vec lamp = { 0, -3.05, 0 };
@@ -1294,7 +1306,7 @@ static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gauss
 
 enum block { HOUSES, PARK, FIELD, WORKS };
 
-/* Returns the kind of a town block. *dx and *dz are the distances from the nearest roads. */
+/* Returns what stands on a block of the town. *dx and *dz get the distances from the nearest roads. */
 static enum block site_block(double x, double z, double *dx, double *dz)
 {
     double bx = whole((x + SITE_X / 2) / BLOCK_X), bz = whole((z + SITE_Z / 2) / BLOCK_Z);
@@ -1480,7 +1492,8 @@ static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
-/* Ten cards of Gaussians with equal depths. Every position occurs at least twice. */
+/* Makes a scene of ten flat cards, with Gaussians of equal depths on each card. Every position occurs at least
+   twice. */
 static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 {
     enum { CARDS = 10 };

@@ -1,4 +1,5 @@
-/* Loads the scene of `fixsplat publish`, packed again if its profile or levels of detail differ from the options. */
+/* Loads the scene of `fixsplat publish`. It is packed again if its compression profile or levels of detail differ from
+   the options. */
 #include "publish_scene.h"
 
 #include <stdio.h>
@@ -9,7 +10,7 @@
 #include "src/base/os_calls.h"
 #include "command.h"
 
-#define WORTH_SAYING 1.5           /* smallest reduction of the file size that is reported */
+#define WORTH_SAYING 1.5           /* least reduction factor of the file size that is reported */
 
 static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
 {

@@ -4,11 +4,12 @@
 
 #include "load_scene.h"
 
-/* Opens a scene and computes its checksums. If `profile` is 1, an .fxs is packed again in the options' profile.
-   Missing levels of detail are added. Close the scene with free_scene. */
+/* Opens a scene and computes its checksums. If `profile` is 1, an .fxs file is packed again with the compression
+   profile of the options. Missing levels of detail are added. Close the scene with free_scene. */
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile);
 
-/* Notes how much smaller --profile small would make an .fxs. `words` is the current command, ended by null. */
+/* Prints a note how much smaller the option --profile small would make an .fxs file. `words` is the current command,
+   ended by null. */
 void publish_say_gain(const loaded_scene *scene, char *const *words);
 
 #endif

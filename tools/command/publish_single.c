@@ -52,7 +52,7 @@ static int write_packed(FILE *file, const void *bytes, size_t size)
     return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-/* True for a script, WebAssembly or style that the page needs. */
+/* True if a file is a script, WebAssembly or style sheet that the page needs. */
 static int is_carried(const char *name)
 {
     static const char *const endings[] = {".js", ".wasm", ".css"};
@@ -178,8 +178,8 @@ static int print_page(FILE *file, const single_page *page, const fxs_opened *ope
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
 
-/* Writes the content of a temporary file to `out`. Unlike a temporary file, a stream in memory does not report a
-   lack of memory. */
+/* Copies the HTML page from a temporary file to `out`. A temporary file is used because a stream in memory does not
+   report a lack of memory. */
 static int write_printed(FILE *file, const char *out, size_t *bytes)
 {
     fxs_message why;

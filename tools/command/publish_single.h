@@ -10,10 +10,10 @@ typedef struct single_page {
     const char *scene;
     const char *name;
     char *const *words;
-    int has_profile;               /* 1: packs an .fxs again in the options' profile */
+    int has_profile;               /* 1: packs an .fxs file again, with the compression profile of the options */
 } single_page;
 
-/* Writes the page to `out`, whole or not at all. */
+/* Writes the HTML page to the file `out`, as a whole or not at all. */
 int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes);
 
 #endif

@@ -1,4 +1,4 @@
-/* Measures a scene's loss by rendering scene and original from several views. */
+/* Measures the loss of a scene: renders the scene and its original from several views, and compares the pictures. */
 #include "quality.h"
 
 #include <inttypes.h>
@@ -11,12 +11,12 @@
 #include "src/fit/float_scene.h"
 #include "views.h"
 
-#define FARTHEST 134000000.0        /* farthest camera, below the limit of 2^27 units */
+#define FARTHEST 134000000.0        /* farthest distance of a camera in scene units, below the limit of 2^27 */
 
 typedef struct pair {
     const world *scene;
     fxs_pool *pool;
-    fxs_float_scene *floats[2];             /* a null entry stands for a scene that is rendered packed */
+    fxs_float_scene *floats[2];             /* scene and original as floats; null: it is rendered packed */
     enum fxs_cutoff original_cutoff;
     double nudge_below;
     picture pictures[3];
@@ -108,7 +108,7 @@ static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_view 
     return status;
 }
 
-/* Chooses a view from the camera file, or turned about the scene's middle at one of three distances. */
+/* Chooses view i: from the camera file, or else turned about the scene's middle at one of three distances. */
 static fxs_view choose(quality *q, long i, const fxs_view *views, long given, const frame_options *options,
                             const world *scene)
 {
@@ -132,7 +132,7 @@ static fxs_view choose(quality *q, long i, const fxs_view *views, long given, co
     return turned;
 }
 
-/* Returns the mean of the finite PSNR; infinity if all are infinite. */
+/* Returns the mean of all finite PSNR values; infinity if all are infinite. */
 static double mean_psnr(const quality *q, int is_affine)
 {
     long different = 0;
@@ -145,7 +145,8 @@ static double mean_psnr(const quality *q, int is_affine)
     return different ? sum / (double)different : INFINITY;
 }
 
-/* Returns nudged_psnr - psnr in dB; infinity if the original was not nudged. */
+/* Returns how far a view of the scene is worse than a view of the nudged (randomly moved) original: nudged_psnr - psnr
+   in dB. Infinity: the original was not nudged. */
 static double headroom(const quality_view *v)
 {
     return isinf(v->nudged_psnr) ? INFINITY : v->nudged_psnr - v->metrics.psnr;

@@ -1,4 +1,4 @@
-/* Compares pictures of a scene with those of its original, which is drawn from floats in double precision. */
+/* Compares pictures of a scene with pictures of its original, which is drawn from floats in double precision. */
 #ifndef QUALITY_H
 #define QUALITY_H
 
@@ -10,19 +10,19 @@ typedef struct quality_view {
     long index;
     int width, height;
     struct fxs_metrics metrics;
-    double affine_psnr;             /* PSNR after an affine map of colours, valid with has_affine */
-    double nudged_psnr;             /* PSNR in dB of the randomly moved original; infinity: not measured */
+    double affine_psnr;             /* PSNR in dB after the best affine map of colours, valid if has_affine is 1 */
+    double nudged_psnr;    /* PSNR in dB of the original with randomly moved Gaussians; infinity: not measured */
 } quality_view;
 
 typedef struct quality {
     quality_view *views;
     long count;
-    double psnr, ssim;              /* mean PSNR over the differing views; mean SSIM */
+    double psnr, ssim;              /* mean PSNR over the views that are not equal; mean SSIM */
     double worst_psnr, worst_ssim;  /* lowest PSNR and SSIM of all views */
     long worst_view;
-    long nudged_view;               /* index of the view with the least nudged_psnr - psnr */
+    long nudged_view;               /* index of the view with the least difference nudged_psnr - psnr */
     int has_nudged;
-    int has_affine;                 /* 1: views show photographs */
+    int has_affine;                 /* 1: the original pictures are photographs, so affine PSNR is valid */
     double affine_psnr, worst_affine_psnr;
 } quality;
 
@@ -32,16 +32,17 @@ typedef struct float_files {
     const load_options *load;
 } float_files;
 
-/* Compares scene and original from up to `wanted` views: of the camera file, or around the scene. Scenes of `files`
-   are drawn from floats, others packed. In views below `nudge_below` dB the original is also compared with a nudged
-   copy. Nudging moves Gaussians at random by up to 1e-6 of the camera's distance. Free *q with quality_free. */
+/* Compares pictures of a scene and of its original from up to `wanted` views of the camera file or around the scene.
+   Scenes of `files` are drawn from floats, others packed. In views below `nudge_below` dB, the original is also
+   compared with a nudged copy. Nudging moves Gaussians at random by up to 1e-6 of the camera's distance. Free *q with
+   quality_free. */
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
                     enum fxs_cutoff original_cutoff, const frame_options *options, long wanted, double nudge_below);
 
 void quality_sum_up(quality *q);
 
-/* Returns a view in which the nudged original has at least a quarter of the scene's squared error, or null. In such
-   a view the order of coincident Gaussians matters more than their coding. */
+/* Returns a view in which random moves of the original's Gaussians cause at least a quarter of the scene's squared
+   error; null: no such view. There, the order of coincident Gaussians matters more than compression. */
 const quality_view *quality_nudged(const quality *q);
 
 void quality_print_text(const quality *q);

@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-/* Counts the pairs of a pixel and a Gaussian. Ignores --max-memory. */
+/* Counts the pairs of a pixel and a Gaussian that a picture evaluates and blends. Ignores the option --max-memory. */
 static int count_pairs(const render_options *o, const world *w, const fxs_camera *camera, uint64_t *evaluated,
                        uint64_t *blended)
 {

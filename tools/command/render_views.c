@@ -1,5 +1,5 @@
-/* Renders the views of `fixsplat render` in rounds. While a round is rendered, a thread encodes, writes and compares
-   the previous round. */
+/* Renders the views of `fixsplat render` in rounds of several views. While a round is rendered, a thread encodes,
+   writes and compares the previous round. */
 #include "cmd_render.h"
 
 #include <inttypes.h>
@@ -16,7 +16,7 @@
 #include "metrics.h"
 #include "views.h"
 
-/* True for a name with exactly one % conversion, %d with an optional zero-padded width. */
+/* True if a file name has exactly one % conversion, %d with an optional zero-padded width. */
 static int is_pattern(const char *name)
 {
     const char *percent = strchr(name, '%');
@@ -53,7 +53,8 @@ typedef struct drawn_view {
 
 enum { DRAWN_MOST = 64 };
 
-/* A round has a picture for each thread. Its pictures are written while the next round is rendered. */
+/* A round of rendered views, with a picture for each thread. Its pictures are written while the next round is
+   rendered. */
 typedef struct drawn_round {
     drawn_view *drawn;
     long first, count;
@@ -68,13 +69,13 @@ typedef struct batch {
     const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
     long view_count;
     renderer renderers[DEVICES_MOST];
-    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* cube faces of a panorama */
+    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* for each device, pictures of the cube faces of a panorama */
     int devices;
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
     long round_most;
     enum fxs_image_format encoding;
-    fxs_film *film;                         /* film output; null: a file for each view */
+    fxs_film *film;                         /* output of a film; null: a file for each view */
     int failed;
     int unexpected;                         /* 1: a view differs from its expected picture */
 } batch;
@@ -84,7 +85,7 @@ typedef struct round_of_batch {
     drawn_round *round;
 } round_of_batch;
 
-/* Joins the faces of a panorama in jobs of 16 rows. */
+/* A panorama that jobs of 16 rows assemble from its cube faces. */
 typedef struct panorama {
     picture *out;
     uint8_t *faces[FXS_PANORAMA_FACES];
@@ -132,7 +133,7 @@ static int draw_panorama(batch *b, int device, long number, picture *out)
     return 0;
 }
 
-/* Warps a picture through a lens in jobs of 16 rows. */
+/* A picture that jobs of 16 rows warp through a lens. */
 typedef struct bent {
     fxs_lens_warp warp;
     const uint8_t *straight;
@@ -301,7 +302,7 @@ static void write_view(void *argument, uint32_t i)
         compare_with_hash(o, d);
 }
 
-/* After a failed frame, no later frame of a film is written. */
+/* Encodes and writes the pictures of a round. After a failed frame, no later frame of a film is written. */
 static void *write_round(void *argument)
 {
     round_of_batch *r = argument;
@@ -317,7 +318,7 @@ static void *write_round(void *argument)
     return 0;
 }
 
-/* Prints a view's results. Call in ascending order of views. */
+/* Prints the results of a rendered view. Call in ascending order of views. */
 static int report_view(batch *b, const drawn_view *d, const fxs_view *view)
 {
     const render_options *o = b->o;
@@ -346,7 +347,7 @@ static void draw_round(batch *b, drawn_round *round, long first)
     for (long i = 0; i < round->count; i++)
         round->drawn[i].status = EXIT_FAILED;
     if (b->devices == 1)
-        draw_views(&argument, 0);               /* the GL context belongs to this thread */
+        draw_views(&argument, 0);               /* drawn by this thread, to which the OpenGL context belongs */
     else
         fxs_pool_run(b->pool, draw_views, &argument, (uint32_t)(round->count < b->devices ? round->count : b->devices));
     for (long i = 0; i < round->count; i++)

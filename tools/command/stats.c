@@ -1,4 +1,5 @@
-/* Statistics of a scene's attributes: reads all Gaussians into columns, sorts each column, and counts a histogram. */
+/* Computes statistics of a scene's attributes. Reads all Gaussians into columns, sorts each column, and counts a
+   histogram. */
 #include "stats.h"
 
 #include <inttypes.h>
@@ -11,7 +12,7 @@
 #include "command.h"
 
 
-enum { OF_ALL = 10 };                       /* attributes without SH above degree 0; each degree adds one */
+enum { OF_ALL = 10 };    /* number of attributes with SH of degree 0 only; each further degree adds one */
 
 static const char *const names[STATS_MOST] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "opacity", "red", "green",
                                               "blue", "sh_1", "sh_2", "sh_3"};
@@ -42,7 +43,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Measures the finite values of an attribute, and sorts them in place. */
+/* Computes statistics of an attribute's finite values, and sorts these values in place. */
 static void measure(attribute_stats *a, float *values, uint64_t count)
 {
     double sum = 0;

@@ -8,9 +8,9 @@ enum { STATS_BINS = 40, STATS_MOST = 13 };
 
 typedef struct attribute_stats {
     const char *name;
-    uint64_t count, not_finite;             /* numbers of finite values and of other values */
+    uint64_t count, not_finite;             /* number of finite values, and number of other values */
     double least, median, mean, most;
-    uint64_t bins[STATS_BINS];              /* histogram with bins of equal width from `least` to `most` */
+    uint64_t bins[STATS_BINS];    /* histogram of the finite values, with bins of equal width from `least` to `most` */
 } attribute_stats;
 
 typedef struct scene_stats {
@@ -18,7 +18,7 @@ typedef struct scene_stats {
     int count;
 } scene_stats;
 
-/* Reads a scene file to its end. Returns 0, or an error code and a message. */
+/* Computes statistics of a scene file, which is read to its end. Returns 0, or an error code and a message. */
 int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_message *message);
 
 void stats_print_text(const scene_stats *s);

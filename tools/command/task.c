@@ -26,7 +26,7 @@ void task_show(task *t, uint64_t done, uint64_t all)
     const double seconds = (double)(now - t->start) * 1e-9;
     if (is_quiet() || (t->shown && now - t->shown < (is_line ? 200000000u : 10000000000u)))
         return;
-    done = all && done > all ? all : done;         /* clamped, since the external program may count further */
+    done = all && done > all ? all : done;         /* clamped to `all`, since the external program may count further */
     if (done && all)
         snprintf(left, sizeof left, ", some %.0f s left", seconds / (double)done * (double)(all - done));
     snprintf(text, sizeof text, all ? "%s: %" PRIu64 " of %" PRIu64 "%s" : "%s: %" PRIu64, t->doing, done, all, left);

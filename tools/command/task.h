@@ -22,25 +22,27 @@ struct task {
     void *argument;
     char line[TASK_LINE];
     size_t length;
-    uint64_t start, shown;         /* start of the step and last shown progress in nanoseconds */
+    uint64_t start, shown;         /* start time of the step, and time of the last shown progress, in nanoseconds */
 };
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));
 
-/* Shows progress and, unless `all` is 0, the remaining time. */
+/* Shows that `done` of `all` units of a step are done, and the remaining time. If `all` is 0, the total is unknown. */
 void task_show(task *t, uint64_t done, uint64_t all);
 
-/* Runs a program from PATH. `arguments` begin with the program's name and end with null. Its errors go to the log.
-   Its output goes to `take` or, if null, to the log and t->look. Returns like fxs_program_run. */
+/* Runs a program found in PATH. `arguments` begin with the program's name and end with null. The program's error
+   messages go to the log. Its output goes to `take` or, if that is null, to the log and to t->look. Returns the result
+   of fxs_program_run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
 
-/* True if a program did not finish: missing, not executable, or ended by a signal. */
+/* True if `status` says that a program did not finish: it was missing, not executable, or ended by a signal. */
 int task_is_cut(int status);
 
-/* Writes "apt install" and the package if the system has apt, else `otherwise`. Returns `words`. */
+/* Writes how to install a package: "apt install" and its name if the system has apt, else `otherwise`. Returns
+   `words`. */
 const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise);
 
-/* Prints why a program failed, from the status of task_run. Returns the exit status. */
+/* Prints why a program failed, from its status, a result of task_run. Returns the exit status. */
 int task_failed(const task *t, const char *program, int status);
 
 /* Joins two paths. A path that is too long becomes empty. */

@@ -1,5 +1,5 @@
-/* Sorts the nodes of a scene's level-of-detail tree into levels by the number of leaves below. Sums up sizes and
-   errors of each level. */
+/* Sorts the nodes of a scene's level-of-detail tree into levels, by the number of leaves below each node. Sums up sizes
+   and errors of each level. */
 #include "tree_levels.h"
 
 #include <inttypes.h>
@@ -17,7 +17,8 @@ static uint32_t gaussians_in(const fxs_scene *scene, uint32_t chunk)
     return count;
 }
 
-/* Returns the smallest k with 2^k >= leaves, clamped because a damaged tree may count leaves repeatedly. */
+/* Returns the level of a tree node, the smallest k with 2^k >= leaves. It is clamped, because a damaged tree may count
+   leaves repeatedly. */
 static int level_of(uint64_t leaves)
 {
     int level = 0;
@@ -31,7 +32,8 @@ static uint64_t add_up(uint64_t a, uint64_t b)
     return a < UINT64_MAX - b ? a + b : UINT64_MAX;
 }
 
-/* Counts the leaves below each node, in descending order of node numbers, since children have higher numbers. */
+/* Counts the leaves below each tree node. Nodes are visited in descending order of their numbers, since children have
+   higher numbers. */
 static int count_leaves(const fxs_scene *scene, uint64_t *leaves)
 {
     for (uint32_t i = scene->chunk_count - 1; i-- > 0;) {
@@ -58,7 +60,7 @@ static void add_node(scene_levels *l, const fxs_scene *scene, uint32_t i, uint64
     s->chunks++;
     s->gaussians += gaussians_in(scene, scene->chunk_count + i);
     s->error += exp2(node.gain_q8 / 256.0);
-    s->size += node.size_q8 / 256.0;                       /* sum of binary logarithms until the mean is computed */
+    s->size += node.size_q8 / 256.0;                       /* sum of base-2 logarithms, until the mean is computed */
     l->count = level + 1 > l->count ? level + 1 : l->count;
 }
 

@@ -6,12 +6,12 @@
 
 enum { LEVELS_MOST = 64 };
 
-/* A level of the tree. Level 0 has the leaves, level k the nodes with 2^(k-1) + 1 to 2^k leaves. */
+/* A level of the tree. Level 0 has the leaves, level k the nodes above 2^(k-1) + 1 to 2^k leaves. */
 typedef struct scene_level {
     uint32_t chunks;
     uint64_t gaussians;
-    double error;                  /* squared error that the nodes' children remove, colours^2 units^2 */
-    double size;                   /* geometric mean of the sigma of omitted details, scene units */
+    double error;                  /* squared error that drawing the children would remove, colours^2 units^2 */
+    double size;                   /* geometric mean of the sigmas of omitted details, scene units */
 } scene_level;
 
 typedef struct scene_levels {

@@ -16,7 +16,7 @@
 
 enum { VIEWS_MOST = 100000 };
 
-/* Parses a number from 0 to count - 1. Returns the text after the number; null: invalid. */
+/* Parses the number of a view, from 0 to count - 1. Returns the text after the number; null: invalid. */
 static const char *take_view(const char *text, long count, long *number)
 {
     char *end;
@@ -33,7 +33,7 @@ static const char *take_part(const char *text, long count, long *first, long *la
     return text && !strncmp(text, "..", 2) ? take_view(text + 2, count, last) : text;
 }
 
-/* Returns the length of the list; 0: invalid text; -1: out of memory. */
+/* Parses a list of view numbers and ranges. Returns its length; 0: invalid text; -1: out of memory. */
 static long take_list(const char *text, long count, long **chosen)
 {
     long found = 0, first, last;
@@ -59,7 +59,7 @@ int names_several(const char *view)
                                              !view[strspn(view, "0123456789,.")]));
 }
 
-/* Compares names; a \ in the view's name matches a / in `name`. */
+/* True if a view has this name. A \ in the view's name also matches a / in `name`. */
 static int has_slashes_as(const char *view, const char *name)
 {
     while (*view && (*view == *name || (*view == '\\' && *name == '/'))) {
@@ -94,8 +94,8 @@ static long take_one(const frame_options *options, const fxs_view *views, long c
     return 1;
 }
 
-/* Allocates the numbers of the views that --view names, and returns their count. On failure returns -1, and *chosen
-   is null. */
+/* Allocates the numbers of the views that option --view names, and returns their count. On failure returns -1, and
+   *chosen is null. */
 static long views_of_list(const frame_options *options, const fxs_view *views, long count, long **chosen)
 {
     const int several = names_several(options->view);
@@ -134,7 +134,7 @@ static void pass_through(const frame_options *o, fxs_view *keys, long count, fxs
         fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
 }
 
-/* Replaces the views by the frames of an orbit, or of a path through the views, and returns their number. On failure
+/* Replaces the views by the frames of a film: an orbit, or a path through the views. Returns their number. On failure
    returns -1, and *views is null. */
 static long frames_of_film(const frame_options *options, const world *w, fxs_view **views, long count)
 {
@@ -165,7 +165,7 @@ static int height_of(const frame_options *options)
     return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
-/* Keeps the views that --view names, in new arrays. Returns their number; -1: failure. */
+/* Keeps only the views that option --view names, in new arrays. Returns their number; -1: failure. */
 static long keep_named(const frame_options *options, fxs_view **views, fxs_lens **lenses, long count)
 {
     long *chosen;
@@ -222,7 +222,7 @@ static long views_of_file(const frame_options *options, fxs_view **views, fxs_le
     return count;
 }
 
-/* Finds the look-at point: --look, else level ahead for a panorama, else the scene's middle. */
+/* Finds the look-at point: the value of --look, else a point level ahead for a panorama, else the scene's middle. */
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
     const double *up = options->up.at;
@@ -249,7 +249,8 @@ static int has_start(const frame_options *o, const world *w, fxs_view *view)
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
-/* Chooses the first view of a world that is wholly in memory. `is_up` 0: also finds the up direction. */
+/* Chooses the first view of a world (placed scenes) that is wholly in memory. If is_up is 0, also finds the up
+   direction. */
 static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_view *view,
                         fxs_message *message)
 {
@@ -265,8 +266,8 @@ static int choose_first(frame_options *o, const world *w, int is_up, const fxs_o
     return error;
 }
 
-/* A paged world is only partly in memory. The choice of a view needs whole scenes, so their files are mapped
-   meanwhile. */
+/* Chooses a view of a paged world, which is only partly in memory. The choice needs whole scenes, so their files are
+   mapped meanwhile. */
 static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
@@ -296,8 +297,8 @@ static int is_of_server(const world *w)
     return 0;
 }
 
-/* Uses the start view, else the view that shows most of the scene. A scene from a server is framed by its bounds, to
-   avoid reading all of it. */
+/* Chooses the start view of a scene, else the view that shows most of it. A scene from a server is framed by its
+   bounds, to avoid reading all of it. */
 static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_view *view, fxs_message *message)
 {
     if (!has_start(o, w, view) && is_of_server(w)) {

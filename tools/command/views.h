@@ -5,7 +5,7 @@
 #include "frame_options.h"
 #include "src/camera/lens.h"
 
-/* True if a value of --view names several views, such as "all" or 0,8,40..20. */
+/* True if a value of option --view names several views, such as "all" or 0,8,40..20. */
 int names_several(const char *view);
 
 /* Allocates the views that the options ask for and returns their number. An up direction found in the scene is
@@ -13,7 +13,8 @@ int names_several(const char *view);
    prints the reason and returns -1. */
 long choose_views(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses);
 
-/* Returns the number of the view that --view names, 0 by default. On failure prints the reason and returns -1. */
+/* Returns the number of the view that option --view names, 0 by default. On failure prints the reason and returns
+   -1. */
 long find_view(const frame_options *options, const fxs_view *views, long count);
 
 #endif

@@ -1,4 +1,4 @@
-/* fixsplat fit: its options. */
+/* Command-line options of `fixsplat fit`. */
 #include "cmd_fit.h"
 
 #include <stdlib.h>
@@ -248,7 +248,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     return status ? status : finish_options(c);
 }
 
-/* Checks that the outputs can be written, before hours of work. */
+/* Checks that all output files can be written, before hours of work. */
 static int check_outputs(fit_command *c)
 {
     int wrong = c->measure ? 0 : result_check(c->out);

@@ -11,13 +11,13 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* folder of reconstructed cameras, or null */
+    char *found;                    /* folder of cameras found by structure from motion, or null */
     uint32_t frames;
     int quality;
     int cameras_only, crops;
     char *saved;                    /* path of the saved fit, OUT.fit */
-    int saves_itself;               /* 1: --resume names the fit's own save, OUT.fit */
-    uint32_t block, blocks;         /* number of a block, and number of blocks; 0: no blocks */
+    int saves_itself;               /* 1: --resume names OUT.fit, where this fit saves itself */
+    uint32_t block, blocks;         /* number of the block to fit, and number of all blocks; 0: no blocks */
     uint64_t save_every, metrics_every;   /* steps between saves, and between measurements; 0: never */
     int preview;
     uint64_t port;
@@ -28,7 +28,8 @@ typedef struct fit_command {
 
 extern const char *const fit_recipes[];
 
-/* Fits a scene to the photographs or to those of a block. With --measure, measures a scene instead. */
+/* Fits a scene to all photographs, or to the photographs of a block (part of the scene). With --measure, measures a
+   scene instead. */
 int fit_photos(fit_command *c);
 
 /* Runs the remaining steps of a fit. A signal saves the fit and ends the program. */
@@ -37,12 +38,12 @@ int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos,
 /* Saves the fit in OUT.fit, and prints `why` and the command that resumes the fit. */
 int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);
 
-/* Writes the scene, measures it and prints the result. A scene that cannot be written is saved as OUT.fit. `block`
-   may be null. */
+/* Writes the fitted scene, measures it and prints the result. A scene that cannot be written is saved as OUT.fit.
+   `block` may be null. */
 int fit_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
             const fit_progress *progress);
 
-/* Writes the Gaussians of a coarse fit that lie outside of all blocks. */
+/* Writes the Gaussians of a coarse fit that lie outside of all blocks (parts of the scene). */
 int fit_write_outside(const fit_command *c, const fxs_fit_block *block);
 
 void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q);

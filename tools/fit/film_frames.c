@@ -1,5 +1,5 @@
-/* Extracts sharp frames from a film with ffmpeg. A first pass scores every frame by its Laplacian at 256x256 pixels.
-   A second pass writes the sharpest frame of each of equal stretches. */
+/* Extracts sharp frames from a film with ffmpeg. A first pass measures the sharpness of every frame by its Laplacian,
+   at 256x256 pixels. A second pass writes the sharpest frame of each of equal stretches of the film. */
 #include "film_frames.h"
 
 #include <errno.h>
@@ -35,7 +35,8 @@ int film_is_named(const char *path)
     return 0;
 }
 
-/* Sums the squares of the Laplacian 4 p - left - right - above - below; less than 2^16 (4 255)^2 < 2^36. */
+/* Measures the sharpness of a grey picture: the sum of squares of the Laplacian 4 p - left - right - above - below. The
+   sum is less than 2^16 (4 255)^2 < 2^36. */
 static uint64_t sharpness_of(const unsigned char *grey)
 {
     uint64_t sum = 0;
@@ -77,8 +78,8 @@ static void take_frames(void *argument, const char *data, size_t size)
     }
 }
 
-/* Protects a file name from ffmpeg. "file:" keeps ffmpeg from reading a:b as a protocol and -a as an option. % is
-   doubled in a pattern. */
+/* Makes a file name safe for ffmpeg. The prefix "file:" keeps ffmpeg from reading a:b as a protocol and -a as an
+   option. In a file name pattern, % is doubled. */
 static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_pattern)
 {
     size_t length = (size_t)sprintf(name, "file:");
@@ -182,7 +183,7 @@ static int make_frames(const frames *f, const char *film, const char *filter, co
     char part[TASK_PATH];
     if (snprintf(part, sizeof part, "%s.part", folder) >= TASK_PATH)
         *part = 0;
-    remove_folder(part);           /* a stopped command may have left frames */
+    remove_folder(part);           /* an interrupted command may have left frames in this folder */
     int status = make_folder(part);
     status = status ? status : write_frames(f, film, filter, part, count);
     if (!status && fxs_file_rename(part, folder))
@@ -199,7 +200,7 @@ int film_frames(task *t, const char *film, size_t wanted, const char *folder)
         return fail(EXIT_FAILED, "out of memory");
     f->t = t;
     int status = look_at_film(f, film);
-    /* default: a tenth of the film's frames, clamped to 60..300 */
+    /* The default number of frames is a tenth of the film's frames, clamped to 60..300. */
     wanted = wanted ? wanted : f->count / 10 < 60 ? 60 : f->count / 10 > 300 ? 300 : f->count / 10;
     wanted = wanted < f->count ? wanted : f->count;
     char *filter = status ? 0 : select_frames(f, wanted);

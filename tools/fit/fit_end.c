@@ -1,4 +1,4 @@
-/* The end of `fixsplat fit`: crops, writes and measures the scene, and prints tables, JSON or a verdict. */
+/* Ends `fixsplat fit`: crops, writes and measures the scene, and prints tables, JSON or a verdict. */
 #include <fixsplat/internal/fit_more.h>
 
 #include "cmd_fit.h"
@@ -11,7 +11,7 @@
 #include "src/base/os_calls.h"
 #include "fit_result.h"
 
-/* Least mean PSNR in dB of held-out photographs for each verdict. */
+/* Verdicts on a fitted scene, each with the least mean PSNR in dB of held-out (not fitted) photographs. */
 static const struct {
     double least;
     const char *words;
@@ -22,10 +22,11 @@ static const struct {
     {-INFINITY, "Poor: from new places it does not look like the photographs"}
 };
 
-/* Differences of PSNR in dB above which a sentence names the cause. */
+/* Differences of PSNR in dB above which a printed sentence names the cause of errors. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
-#define LEAST_OF_EXPOSED 22        /* least PSNR in dB, after the affine map, at which exposure may be the cause */
+#define LEAST_OF_EXPOSED 22        /* least PSNR in dB, after an affine map of colours, for which exposure is named as
+                                      the cause */
 
 static const char *words_for(double psnr)
 {
@@ -35,8 +36,8 @@ static const char *words_for(double psnr)
     return verdicts[i].words;
 }
 
-/* Prints how good the scene is, and what would help. `fitted`: mean PSNR of fitted photographs in dB; 0: none was
-   held out. */
+/* Prints how good the fitted scene is, and what would improve it. `fitted`: mean PSNR in dB of photographs used in the
+   fit; 0: no photograph was held out. */
 static void print_sentences(const quality *measured, double fitted, int has_exposures)
 {
     char psnr[32], other[32];
@@ -163,7 +164,7 @@ void fit_print_measured(const fit_command *c, const fxs_photos *photos, const wo
     quality_print_text(q);
 }
 
-/* Crops the scene to its subject. `whole` gets the uncropped scene, packed for measuring. */
+/* Crops the fitted scene to its subject. `whole` gets the uncropped scene, packed for measuring. */
 static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
 {
     fxs_fit_subject s;

@@ -136,7 +136,7 @@ static void say_sky(const fit_command *c, const fxs_fit *fit)
         note("%s: no sky added: points lie wherever a photograph looks", c->in);
 }
 
-/* Uses the fit's cut-off and background for rendering, since a resumed fit has its own. */
+/* Renders with the cut-off (where Gaussians end) and the background of the fit, since a resumed fit has its own. */
 static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *o = fxs_fit_options_of(fit);
@@ -150,7 +150,7 @@ static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_bloc
     fit_progress progress;
     if (c->compare)
         result_tell_pictures(photos, c->compare);
-    int status = files_check();     /* checked again, since the photographs' names are known now */
+    int status = files_check();     /* outputs are checked again, since the photographs' names are known now */
     if (!status)
         status = open_fit(c, photos, block, &fit);
     if (!status) {
@@ -207,7 +207,7 @@ static int measure_scene(fit_command *c)
     return status;
 }
 
-/* Fits a block as if its photographs and points were the whole set. */
+/* Fits a block (part of the scene) as if its photographs and points were all that exist. */
 static int fit_block(fit_command *c)
 {
     fxs_fit_block block;
@@ -247,7 +247,7 @@ static int find_cameras(fit_command *c)
         return status;
     c->in = c->found;
     if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* masks of the reconstructed folder replace the given masks */
+        c->reading.masks = 0;      /* masks in the reconstructed folder replace the masks of the options */
     c->reading.invert_masks = 0;
     return 0;
 }

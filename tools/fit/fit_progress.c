@@ -1,4 +1,4 @@
-/* Progress of a fit: running means of loss and pace, the line on stderr, and the log. */
+/* Shows the progress of a fit: running means of loss and speed, a line on stderr, and a log file. */
 #include "fit_progress.h"
 
 #include <errno.h>
@@ -82,7 +82,8 @@ void fit_log_begin(fit_log *log, int goes_on, uint32_t steps)
     log->every = (steps + 99) / 100;
     if (!log->file)
         return;
-    if (!goes_on && fxs_stream_empty(log->file) && errno != EINVAL)    /* EINVAL: the log is a terminal or a pipe */
+    if (!goes_on && fxs_stream_empty(log->file) && errno != EINVAL)    /* EINVAL: a terminal or a pipe, which cannot be
+                                                                          emptied */
         give_up(log);
     else if (fseek(log->file, 0, SEEK_END) || ftell(log->file) <= 0)
         if (fputs("step\tseconds\tgaussians\tloss\tpsnr\taffine_psnr\tssim\n", log->file) < 0 || fflush(log->file))

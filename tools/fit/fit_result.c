@@ -50,7 +50,8 @@ static int copy(fxs_scene_writer *writer, fxs_scene_file *file, fxs_message *mes
     return 0;
 }
 
-/* Converts a block's bounds. A block excludes its upper bounds, a filter includes them. */
+/* Converts the bounds of a block (part of the scene) to a filter. A block excludes its upper bounds, but a filter
+   includes them. */
 static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
 {
     for (int k = 0; k < 3; k++) {
@@ -59,7 +60,7 @@ static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
     }
 }
 
-/* Keeps drawable Gaussians only, so that all written numbers are finite. */
+/* Keeps only Gaussians that can be drawn, so that all written numbers are finite. */
 static int keep_drawable(fxs_scene_file *file, const fxs_fit_block *block, fxs_scene_file_info *info,
                          fxs_message *message)
 {
@@ -194,7 +195,7 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare)
     }
 }
 
-/* Writes the photograph and the rendered picture side by side. Ignored pixels are darkened. */
+/* Writes a photograph and its rendered picture side by side. Pixels that the mask ignores are darkened. */
 static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, uint8_t *photograph)
 {
     const fxs_view *view = &photo->view;

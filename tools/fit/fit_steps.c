@@ -22,7 +22,8 @@ static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t ste
         return;
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat fit", why, step, steps);
-    for (char **word = c->argv + 1; *word; word++)   /* argv[0] may be a path instead of the command's name */
+    for (char **word = c->argv + 1; *word; word++)   /* without argv[0], which may be a path instead of the command's
+                                                        name */
         write_shell_word(stderr, *word);
     if (!c->saves_itself) {
         fputs(" --resume", stderr);
@@ -44,14 +45,15 @@ static int is_measured(const fit_command *c, const fit_progress *p, uint32_t ste
     return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
 }
 
-/* A report makes a device wait, so reports are limited to five a second, the log, measurements and the last step. */
+/* True if a step shall report its loss. A report makes a device wait, so there are at most five a second, and those for
+   the log, for measurements and for the last step. */
 static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
 {
     return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
            fit_log_wants(c->log, step) || is_measured(c, p, step);
 }
 
-/* After a failed step the fit is not saved. The last save remains. */
+/* Handles a failed step. The fit is not saved then, so that the last save remains. */
 static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made, const fxs_message *why)
 {
     char needed[64];
@@ -61,7 +63,7 @@ static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made,
     return EXIT_FAILED;
 }
 
-/* Packs and measures the current scene. A failure does not stop the fit. */
+/* Packs and measures the current scene of a running fit. A failure does not stop the fit. */
 static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fit_progress *p)
 {
     fxs_photos posed = *photos;
@@ -88,7 +90,7 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     fxs_packed_scene_free(&packed);
 }
 
-/* Runs steps until the end or a signal. After a failed save the fit continues. */
+/* Runs the steps of a fit until the end or a signal. After a failed save the fit continues. */
 static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
 {
     fxs_fit_report report;

@@ -120,7 +120,7 @@ static int make_mixed(task *t, const photographs *p, const char *from, const cha
     char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
     const char **names = malloc(p->count * sizeof *names);
-    fxs_file_unlink(to);       /* `to` may be a link to the user's own folder */
+    fxs_file_unlink(to);       /* an earlier `to` may be a link to the user's own folder */
     int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < p->count && !status; i++) {
         if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
@@ -189,7 +189,7 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
     return error;
 }
 
-/* COLMAP reads a list of names, one a line, and strips blanks at their ends. */
+/* COLMAP reads a list of file names, one a line, and strips blanks at the ends of names. */
 static int check_name(const char *name, const char *path, fxs_message *why)
 {
     return strchr(" \t\v\f\r", *name) || strchr(name, '\n')

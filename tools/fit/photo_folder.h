@@ -7,7 +7,7 @@
 
 typedef struct photographs {
     char **names;                  /* file names in ascending order */
-    size_t *lenses;                /* number of each photograph's lens; null before photographs_look */
+    size_t *lenses;                /* number of the lens of each photograph; null before photographs_look */
     size_t count, room, lens_count;
 } photographs;
 
@@ -15,13 +15,13 @@ typedef struct photographs {
 int photographs_list(photographs *p, const char *folder);
 void photographs_free(photographs *p);
 
-/* Makes `to` a link to the folder `from`. If `from` has HEIF photographs, or folders cannot be linked, makes a
-   folder of links instead. HEIF photographs are converted to NAME.heic.jpg. A failed conversion is an error, or with
-   skip_bad a note. */
+/* Makes `to` a link to the folder `from`. If `from` has HEIF photographs, or folders cannot be linked, makes a folder
+   of links to photographs instead. HEIF photographs are converted to NAME.heic.jpg. A failed conversion is an error, or
+   only a printed note with skip_bad. */
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
 
-/* Finds the mask of a photograph like fxs_photo_mask_in. NAME.heic.jpg may also use the mask of NAME.heic. Returns 1
-   if found, else 0. */
+/* Finds the mask file of a photograph as fxs_photo_mask_in does. A converted NAME.heic.jpg may also use the mask of
+   NAME.heic. Returns 1 if found, else 0. */
 int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PATH]);
 
 typedef struct photograph_look {

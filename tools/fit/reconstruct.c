@@ -1,6 +1,6 @@
-/* Structure from motion for `fixsplat fit`. Prepares frames or photographs in the folder OUT.cameras. Runs COLMAP
-   for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model. An interrupted run is
-   continued. */
+/* Finds the cameras for `fixsplat fit` by structure from motion. Prepares frames or photographs in the folder
+   OUT.cameras. Runs COLMAP for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model (set of
+   cameras). An interrupted run is continued. */
 #define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "reconstruct.h"
@@ -20,7 +20,8 @@
 #include "film_frames.h"
 #include "photo_folder.h"
 
-/* LEAST: fewest photographs. ALL_PHOTOGRAPHS, ALL_FRAMES: largest sets in which all pairs are matched. */
+/* LEAST: fewest photographs that are accepted. ALL_PHOTOGRAPHS, ALL_FRAMES: largest sets of photographs or film frames
+   in which all pairs are matched. */
 enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
 
 typedef struct work {
@@ -28,13 +29,13 @@ typedef struct work {
     task t;
     int is_film;
     char source[TASK_PATH];
-    char masked[TASK_PATH];        /* folder of the user's masks, or empty; `masks` has links to the masks */
+    char masked[TASK_PATH];        /* folder of the user's masks, or empty; folder `masks` has links to them */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
     uint64_t looked_at;
-    uint32_t points;               /* points of the model; mean error in pixels; 0: unknown */
+    uint32_t points;               /* number of 3D points found, and their mean error in pixels; 0: unknown */
     double error;
 } work;
 
@@ -293,7 +294,7 @@ static uint64_t size_of_model(const char *models, const char *name)
     return read == 8 ? count : 0;
 }
 
-/* Reads the model's files, because on a full disk a mapper may truncate them and still exit with 0. */
+/* Reads the files of COLMAP's model to their end. On a full disk, a mapper may truncate them and still exit with 0. */
 static int check_model(const work *w, const char *model)
 {
     char path[TASK_PATH];
@@ -334,12 +335,12 @@ static int find_cameras(work *w)
     join_path(models, w->folder, "models");
     int status = find_features(w);
     status = status ? status : find_matches(w);
-    remove_models(models);         /* a stopped mapper may have left camera models */
+    remove_models(models);         /* a stopped mapper may have left its models */
     status = status ? status : make_folder(models);
     if (status)
         return status;
     status = map_cameras(w, models);
-    /* COLMAP's mapper also fails, and leaves no model, if no pair is good enough to start from. */
+    /* COLMAP's mapper also fails, and leaves no model, if no pair of photographs is good enough to start from. */
     status = task_is_cut(status) || (status && size_of_model(models, "0"))
                  ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
     remove_models(models);
@@ -516,7 +517,7 @@ int reconstruct(const reconstruct_options *options, char **folder)
     memset(&w, 0, sizeof w);
     w.options = options;
     w.is_film = film_is_named(options->in);
-    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP loads Qt even without a window */
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP loads Qt even if it opens no window */
     int status = open_folder(&w);
     join_path(found, w.folder, "sparse/0");
     const int are_placed = !status && is_folder(found);

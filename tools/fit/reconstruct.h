@@ -10,14 +10,14 @@ typedef struct reconstruct_options {
     uint32_t frames;               /* number of frames to take of a film; 0: automatic */
     uint32_t threads;
     int skip_bad;
-    const char *masks;             /* folder of masks; empty: none; null: IN/masks if it exists */
-    int invert_masks;              /* 1: masks are white where a photograph is ignored */
+    const char *masks;             /* folder of masks; empty: no masks; null: folder IN/masks if it exists */
+    int invert_masks;              /* 1: white pixels of a mask are ignored, not black ones */
 } reconstruct_options;
 
-/* True if the input is a film, or a folder without cameras. */
+/* True if cameras must be reconstructed: the input is a film, or a folder without cameras. */
 int reconstruct_is_needed(const char *in);
 
-/* True if the folder or its subfolder images has photographs. */
+/* True if the folder, or its subfolder named images, has photographs. */
 int reconstruct_is_photographs(const char *folder);
 
 /* Makes the folder OUT.cameras in COLMAP's layout (images, masks, sparse/0). An unfinished OUT.cameras of the same

@@ -1,8 +1,8 @@
 #!/bin/sh
-# bench.sh [PART...]: measures, and writes the parts of a document between their marker lines. Default parts: tables,
-# gles, sizes, limits, stereo, levels. On a failure or an interrupt the document is unchanged.
-# Parts on request, half an hour each: fit and fit_stages (options FIT_STEPS, FIT_SIZE, FIT_CPUS), cuts, budgets, steps
-# and boards (options CAPTURED: scenes; KEPT: folder of intermediate files).
+# bench.sh [PART...]: runs benchmarks and writes their results to a document, each part between its marker lines.
+# Default parts: tables, gles, sizes, limits, stereo, levels. On a failure or an interrupt the document is unchanged.
+# More parts, half an hour each: fit and fit_stages (options FIT_STEPS, FIT_SIZE, FIT_CPUS), cuts, budgets, steps and
+# boards (options CAPTURED: scenes; KEPT: folder of intermediate files).
 # B: build folder; SCENES: folder of scenes; PHOTOS: folder of photographs; DOCUMENT: docs/measured.md, or a copy.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
@@ -16,7 +16,7 @@ two=2
 
 field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
 
-# row LABEL OPTION...: prints a table row with the stages' times of a bench run.
+# row LABEL OPTION...: runs a benchmark and prints a table row with the times of its stages.
 row() {
     label=$1
     shift
@@ -210,8 +210,8 @@ sizes() {
     FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|' | grep -v 'pixel stage alone'
 }
 
-# Prints render times of one eye and both eyes. Takes the fastest of alternating runs, because a busy machine only slows
-# them.
+# Prints the times to render one eye and both eyes. Each is the fastest of alternating runs, because other programs can
+# only slow a run.
 stereo_row() {
     name=$1 file=$2 apart=$3
     shift 3
@@ -238,8 +238,8 @@ stereo() {
     fi
 }
 
-# Rows for a scene and its decimated versions; PSNR "equal" for the full one. Runs alternate and the fastest counts, as
-# in stereo_row.
+# Prints table rows for a scene and its decimated versions, with PSNR "equal" for the full scene. Runs alternate and the
+# fastest counts, because other programs can only slow a run.
 level_rows() {
     name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
     for share in $shares; do
@@ -277,7 +277,7 @@ budgets() { detail budgets; }
 steps() { detail steps; }
 boards() { detail boards; }
 
-# Times the stages of a fit's step over 40 steps on one thread, after FIT_STEPS steps.
+# Times the stages of a fit step, over 40 steps on one thread. The fit has made FIT_STEPS steps before.
 fit_stages() {
     steps=${FIT_STEPS:-3000}
     set -- fit "$PHOTOS/snowmiku" -o "$work/stages.ply" --resolution "${FIT_SIZE:-600}"
@@ -338,7 +338,7 @@ stamp() {
         "$(${CC:-cc} --version | head -n 1)"
 }
 
-# measure PART: prints the text of a part. Fails if a number is missing, which leaves two spaces in a table cell.
+# measure PART: prints a part of the document. Fails if a number is missing, which leaves two spaces in a table cell.
 measure() {
     case $1 in
     tables | gles | sizes | limits | stereo | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;

@@ -110,7 +110,7 @@ words() {
 }
 case $FIXSPLAT in */*) FIXSPLAT=$(whole "$FIXSPLAT") ;; esac
 work=$(cd -- "$work" && pwd) || exit 1
-# A resumed fit needs a recipe that does not adapt to the number of steps.
+# A resumed fit needs a recipe (set of fit settings) that does not adapt to the number of steps.
 case " $* " in
     *" --recipe"* | *" --quality"*) ;;
     *) set -- --recipe reference "$@" ;;
@@ -118,14 +118,14 @@ esac
 fit=$(words "$FIXSPLAT" fit "$(whole "$photos")" "$@")
 parts=$(seq 0 "$blocks" | sed "s/.*/part-&.ply/" | tr '\n' ' ')
 
-# Refuses results of jobs with other options.
+# Refuses a work folder with results of jobs that had other options.
 settings="blocks $blocks, coarse fit $coarse_steps steps at $coarse_resolution, $steps steps,$fit"
 if [ -e "$work/settings" ] && [ "$(cat "$work/settings")" != "$settings" ]; then
     stop "$work: the jobs there are of other options: $(cat "$work/settings"); remove it, or choose another --work"
 fi
 printf '%s\n' "$settings" >"$work/settings.new" && mv "$work/settings.new" "$work/settings" || exit 1
 
-# The last --resolution on the command line takes effect.
+# If the command line has --resolution twice, the last one takes effect.
 cat >"$work/coarse.sh" <<END
 #!/bin/sh
 cd $(words "$work") || exit 1
@@ -133,7 +133,7 @@ cd $(words "$work") || exit 1
 END
 cat >"$work/block.sh" <<END
 #!/bin/sh
-# The block, from 0 on: what lies outside of all others.
+# Fits the block of a given number. Block 0 is what lies outside of all other blocks.
 cd $(words "$work") || exit 1
 part=part-\${1:-\$SLURM_ARRAY_TASK_ID}
 [ -e \$part.ply ] || exec $fit -o \$part.ply --coarse coarse.fit --block \${part#part-}/$blocks --steps $steps
@@ -168,8 +168,8 @@ by_parallel() {
     (FIXSPLAT_QUIET=1 "$work/merge.sh" >"$work/merge.log" 2>&1)
 }
 
-# submit NAME OPTION... SCRIPT: submits a job and prints its number. Slurm expands % and \ in an output's name but not
-# in a folder's.
+# submit NAME OPTION... SCRIPT: submits a Slurm job and prints its number. Slurm expands % and \ in the name of an
+# output file, but not in its folder's name.
 submit() {
     name=$1
     shift

@@ -10,13 +10,14 @@ backends="auto $("$program" help backends | awk '/^  / { print $1 }')"
 work=$(mktemp) || exit 1
 trap 'rm -f "$work"' EXIT
 
-# A line per option, separated by tabs: command, name, letter, value, choices, help.
+# Writes a line for each option of the program, with tab-separated fields: command, name, letter, value, choices, help.
 "$program" help --table | awk -F '\t' -v OFS='\t' -v backends="$(echo $backends)" '
     $4 ~ /^\[/ { $4 = "" }
     $2 == "backend" && $5 == "" { $5 = backends }
     { print }' >"$work"
 
-# options COMMAND: prints the option names. values, branches BEFORE AFTER: print case branches for bash and zsh.
+# options COMMAND: prints the names of a command's options. values and branches BEFORE AFTER: print branches of a
+# shell's case statement, for bash and zsh.
 options() { awk -F '\t' -v c="$1" '$1 == c { print "--" $2; if ($3 != "") print "-" $3 }' "$work"; }
 values() { awk -F '\t' -v before="$1" -v after="$2" '$5 != "" { printf "    \"%s --%s\") %s%s%s ;;\n", $1, $2, before, $5, after }' "$work"; }
 branches() { for command in $commands; do echo "    $command) $1$(echo $(options "$command"))$2 ;;"; done; }

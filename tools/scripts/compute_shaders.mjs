@@ -1,6 +1,7 @@
-// node tools/scripts/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in
-// GLSL ES 3.10 without unneeded white space (stored in kernels/compute/generated); and STAGE.wgsl, complete for WebGPU, if FOLDER is another one. Sources:
-// kernels/compute/*.wgsl and src/include/fixsplat/internal/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
+// node tools/scripts/compute_shaders.mjs MODULES FOLDER: makes the compute shaders from kernels/compute/*.wgsl and
+// src/include/fixsplat/internal/pixel.h, with naga-wasm (npm) in MODULES/node_modules. Writes FOLDER/ENTRY.comp, each
+// entry point in GLSL ES 3.10 without unneeded white space. The repository stores these files in
+// kernels/compute/generated. In another FOLDER, also writes STAGE.wgsl, which is complete for WebGPU.
 import { writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
@@ -10,7 +11,7 @@ const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
 
-// Removes functions that main does not reach.
+// Removes functions that main never calls, directly or indirectly.
 function reachable(text)
 {
     const functions = [...text.matchAll(/^(?!const|struct|layout)\w+ (\w+)\([^\n]*\) \{\n[^]*?^\}\n/gm)];
@@ -26,8 +27,8 @@ function reachable(text)
     return functions.reduce((rest, one) => needed.has(one[1]) ? rest : rest.replace(one[0], ""), text);
 }
 
-// Joins a block of naga's lines to one expression. A `type name = value;` is substituted at its use, assignments are
-// joined by commas.
+// Joins a block of lines from naga (the shader translator) to one expression. A variable of a line `type name = value;`
+// is replaced by its value. Assignments are joined by commas.
 function oneLine(lines, last = "")
 {
     const values = new Map(), done = [];
@@ -41,7 +42,7 @@ function oneLine(lines, last = "")
     return last ? whole(last) : done.join(", ");
 }
 
-// Rewrites naga's endless loops as for loops, which drivers can unroll.
+// Rewrites endless loops from naga (the shader translator) as for loops, which drivers can unroll.
 function loops(glsl)
 {
     return glsl
@@ -51,8 +52,8 @@ function loops(glsl)
                  (_, start, rest, before, test) => `${start}${oneLine(before, test)}; ${rest}`);
 }
 
-// Adapts naga's output. Adds the bindings that GLSL ES requires. Removes the zeroing of workgroup memory. Replaces
-// read-modify-write atomics by plain loads and stores, which threads need not wait for.
+// Adapts GLSL code from naga (the shader translator). Adds the bindings that GLSL ES requires. Removes the zeroing of
+// workgroup memory. Replaces read-modify-write atomics by plain loads and stores, which threads need not wait for.
 function glslText(wgsl, entry)
 {
     const module = parseWgsl(wgsl), info = validate(module);

@@ -1,7 +1,7 @@
 #!/bin/sh
-# cutoffs.sh SCENE[@PHOTOS]...: prints a Markdown table of two cut-off radii for each scene. Every eighth photograph in
-# PHOTOS/images is compared with the rendered scene. B: build folder. VIEWS: views per scene (8). SIZE: size of timed
-# frames.
+# cutoffs.sh SCENE[@PHOTOS]...: prints a Markdown table that compares two cut-off radii (where Gaussians end) for each
+# scene. Every eighth photograph in PHOTOS/images is compared with the rendered scene. B: build folder. VIEWS: views per
+# scene (default 8). SIZE: picture size of timed frames.
 set -eu
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d)

@@ -1,8 +1,8 @@
 #!/bin/sh
-# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi: preprocessed, without inline
-# functions, and with an enum for each integer #define. -c: prints a C source that contains the declarations as text.
-# Each #define is read from an appended line "NAME" = NAME; in which the preprocessor replaces the unquoted name by its
-# value.
+# declarations.sh [-c] HEADER...: prints the declarations of public headers for cffi (Python's interface to C):
+# preprocessed, without inline functions, and with an enum for each integer #define. -c: prints a C source file that
+# contains the declarations as text. Each #define is read from an appended line "NAME" = NAME; in which the preprocessor
+# replaces the unquoted name by its value.
 as_c=
 [ "$1" != -c ] || { as_c=yes; shift; }
 text=$({
@@ -11,14 +11,14 @@ text=$({
 } | ${CC:-cc} -E -std=c99 -DFXS_API= '-DFXS_DEPRECATED(instead)=' -Isrc/include -x c -) || exit 1
 
 declarations() { printf '%s\n' "$text" | awk '
-    { sub(/\r$/, "") }                       # line ending of Windows compilers
+    { sub(/\r$/, "") }                       # removes the carriage return of Windows compilers
     /^#/ { of_headers = $3 ~ /include\/fixsplat\//; of_values = $3 == "\"<stdin>\""; next }
     of_values { values = values $0; next }
     !of_headers || NF == 0 { next }
     /^static inline/ { body = 1 }
-    /^typedef char .*\[sizeof/ { size = 1 }    # skips compile-time checks
+    /^typedef char .*\[sizeof/ { size = 1 }    # skips assertions at compile time
     !body && !size { gsub(/__attribute__\(\(format\([^()]*\)\)\)/, ""); print }
-    body && (/^}/ || /^static inline.*}/) { body = 0 }   # FXS_INIT expands to one line
+    body && (/^}/ || /^static inline.*}/) { body = 0 }   # an inline function of FXS_INIT is one line
     size && /;/ { size = 0 }
     END {
         count = split(values, value, ";")

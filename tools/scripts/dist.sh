@@ -1,7 +1,7 @@
 #!/bin/sh
-# dist.sh OUT BUILD: builds a release of the last commit in the folder OUT: sources, a tarball and a wheel per
-# processor, a zip and a wheel for Windows, Debian packages, the npm packages, SHA256SUMS. The build is reproducible.
-# Environment: NVCC PYTHON WEB_SOURCES.
+# dist.sh OUT BUILD: builds a release of the last commit in the folder OUT. A release has sources, a tarball and a wheel
+# per processor, a zip and a wheel for Windows, Debian packages, the npm packages, and SHA256SUMS. The build is
+# reproducible. Environment variables: NVCC, PYTHON, WEB_SOURCES.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
@@ -41,7 +41,7 @@ npm_packages() {
 # needs FILE: prints the shared libraries of a program, except glibc's.
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
 
-# complete ARCHIVE LIBRARIES...: adds the libraries' objects to a static library.
+# complete ARCHIVE LIBRARY...: adds the object files of other static libraries to the static library ARCHIVE.
 complete() {
     archive=$1
     {
@@ -60,7 +60,7 @@ complete() {
     mv "$archive.new" "$archive"
 }
 
-# relocate FOLDER LIBS: makes the pkg-config and CMake files relative to their folder.
+# relocate FOLDER LIBS: makes paths in the pkg-config and CMake files relative to their own folder.
 relocate() {
     sed -i -e 's|^prefix=.*|prefix=${pcfiledir}/../..|' -e 's|^libdir=.*|libdir=${prefix}/lib|' \
         -e "s|^Libs.private:.*|Libs.private: $2|" "$1"/lib/pkgconfig/*.pc
@@ -72,7 +72,8 @@ documents() {
     documents=$folder/share/doc/fixsplat
     mkdir -p "$documents/licences"
     cp -r LICENSE NEWS.md README.md CONTRIBUTING.md SECURITY.md docs "$documents"
-    # Adapts links to headers and to the page. Links to sources become plain text.
+    # Adapts links in the documentation. Links to headers and to the viewer's page get their installed paths. Links to
+    # source files become plain text.
     find "$documents" -name '*.md' -exec sed -i -E \
         -e 's#\]\(((\.\./)*)src/include/#](\1../../../include/#g' \
         -e 's#\]\(((\.\./)*)port/web/#](\1../../fixsplat/web/#g' \
@@ -89,7 +90,7 @@ linux() {
     folder=$build/tarball/$name-linux-$arch
     rm -rf "$folder"
     nvcc=$NVCC headers="-isystem $libraries/include" linked="-L$libraries/lib"
-    # The window's program links Debian's shared libraries.
+    # The program of the viewer's window links Debian's shared libraries.
     [ $arch = "$here" ] || {
         nvcc=none window=$libraries/window/usr
         sh tools/scripts/arm_libraries.sh "$libraries/window" libsdl2-dev libsdl2-2.0-0 libsdl2-ttf-dev libsdl2-ttf-2.0-0
@@ -117,7 +118,8 @@ linux() {
         [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
     done
     pack "$folder" "$out/$name-linux-$arch.tar.gz"
-    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # requires glibc of Debian 12 or later
+    # The tag of the wheel requires glibc 2.36, as in Debian 12, or later.
+    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch
 }
 
 wheel() {
@@ -131,7 +133,7 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# needs_on_windows FILE: prints the shared libraries of mingw-w64 that a program needs.
+# needs_on_windows FILE: prints the shared libraries of mingw-w64 that a Windows program needs.
 needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
 
 windows() {

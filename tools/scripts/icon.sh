@@ -13,8 +13,8 @@ bytes() {
     done
 }
 
-# Prints the icon's directory: width, height (0: 256), colours, planes, bits per pixel, length and offset of the
-# picture.
+# Prints the directory of an icon file. An entry has width, height (0: 256), colours, planes, bits per pixel, and length
+# and offset of the picture.
 rows() {
     at=$((6 + 16 * $#))
     for size; do

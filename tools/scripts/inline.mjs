@@ -1,7 +1,7 @@
-// Turns files of the npm packages into JavaScript modules.
+// Prints JavaScript modules made of files of the npm packages.
 // inline.mjs style STYLE.css: a module with the text of a style sheet.
-// inline.mjs files ASSETS NAME=FILE...: a module that gives scripts as text and WebAssembly as gzip in base64 to the
-// function setAssets of the module ASSETS.
+// inline.mjs files ASSETS NAME=FILE...: a module that passes files to the function setAssets of the module ASSETS,
+// scripts as text and WebAssembly as gzip in base64.
 import { readFileSync } from 'node:fs'
 import { gzipSync } from 'node:zlib'
 

@@ -1,16 +1,17 @@
 #!/bin/sh
-# libraries.sh FOLDER MACHINE: builds the static libraries for `make dist` and `make windows` in FOLDER/include and
-# FOLDER/lib, with the compiler MACHINE-gcc. The sources are Debian's; Debian's own archives lack -fPIC or have more
-# dependencies. apt checks the signatures, and its state is unchanged. A failed library is reported, and the others
-# remain usable.
+# libraries.sh FOLDER MACHINE: builds the static libraries that `make dist` and `make windows` link, with the compiler
+# MACHINE-gcc. Results go to FOLDER/include and FOLDER/lib. The sources are Debian's; Debian's own static libraries lack
+# -fPIC or have more dependencies. apt checks the signatures, and its state is unchanged. A failed library is reported,
+# and the others remain usable.
 folder=${1:?folder} machine=${2:?machine}
-unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # meant for other targets
+# Clears variables that are meant for another target.
+unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS
 names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
     *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb
-               # libraries of the window program; Linux uses shared libraries instead
+               # The window program needs these libraries; on Linux, it uses shared libraries instead.
                names="$names freetype libsdl2 libsdl2-ttf"
                packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
@@ -41,8 +42,8 @@ list_sources() {
             'Created-By: Packages' | sort -ru >"$work/sources.list" && apt apt-get update
 }
 
-# fetch SOURCE: fetches the newest complete version. For qrencode the original source is enough, because Debian does not
-# patch the library.
+# fetch SOURCE: fetches the newest version of a Debian source package that is complete. For qrencode the original source
+# is enough, because Debian does not patch the library.
 fetch() {
     for version in $(apt apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -ruV); do
         apt apt-get source --only-source "$1=$version" && return
@@ -127,7 +128,7 @@ build_libsdl2_ttf() {
         -c SDL_ttf.c && $machine-ar rcs "$there/lib/libSDL2_ttf.a" SDL_ttf.o && cp SDL_ttf.h "$there/include/SDL2/")
 }
 
-# Links Debian's headers that do not depend on the processor.
+# Links folders of Debian's headers that do not depend on the processor.
 link_headers() {
     for header in $headers; do
         [ ! -d "/usr/include/$header" ] || ln -sfn "/usr/include/$header" "$there/include/${header##*/}" || return

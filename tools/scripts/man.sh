@@ -12,7 +12,7 @@ pages="fixsplat $(printf 'fixsplat-%s ' $commands)"
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 
-# help2man names a page after the program that it runs, hence a script of that name.
+# help2man names a manual page after the program that it runs, so a script of that name runs the program.
 page() {
     printf '#!/bin/sh\nexec "%s" %s "$@"\n' "$program" "$3" >"$work/$1"
     chmod +x "$work/$1"

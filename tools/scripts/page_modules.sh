@@ -1,6 +1,6 @@
 #!/bin/sh
-# page_modules.sh FOLDER [SOURCE [part]]: installs the npm modules of the package-lock.json in SOURCE (tests/web),
-# without install scripts. With `part`, leaves out devDependencies.
+# page_modules.sh FOLDER [SOURCE [part]]: installs the npm modules that SOURCE/package-lock.json lists (default SOURCE:
+# tests/web), without their install scripts. With `part`, leaves out devDependencies.
 folder=$1 source=${2:-tests/web} part=${3:+--omit=dev}
 stamp=$folder/package-lock.json${part:+.part}
 command -v npm >/dev/null || { echo "setup: no npm here, so tests of the page, and some of convert, are skipped"; exit 0; }

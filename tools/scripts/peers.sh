@@ -1,7 +1,7 @@
 #!/bin/sh
 # peers.sh [ROUNDS [SCENE...]]: compares fixsplat's page with the newest PlayCanvas and Spark viewers of npm, in
 # headless Chromium without a GPU. Prints a table; pictures go to B/peers/pictures. VIEWERS="fixsplat Spark" selects
-# some. B: build folder; SCENES: folder of scenes.
+# viewers. B: build folder; SCENES: folder of scenes.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes}
 cores=

@@ -1,13 +1,13 @@
 #!/bin/sh
-# probe.sh BUILD: finds the target and the optional libraries of the compiler $CC, and writes BUILD/probe.mk for the
-# Makefile. BUILD/with/NAME changes when a library appears, disappears or has new headers. Probes again only if
-# compiler, flags, packages or search folders changed. Environment: CC CPPFLAGS CFLAGS LDFLAGS NVCC.
+# probe.sh BUILD: finds the target of the compiler $CC and the optional libraries, and writes BUILD/probe.mk for the
+# Makefile. BUILD/with/NAME changes when library NAME appears, disappears or has new headers. Probes again only if
+# compiler, flags, packages or search folders changed. Environment variables: CC, CPPFLAGS, CFLAGS, LDFLAGS, NVCC.
 build=${1:?build folder}
 mkdir -p "$build/with" "$build/tests" || exit 1
 
 libraries=$(sed -n 's/^LIBRARY_\([A-Z]*\) := /\1 /p' make/sources.mk)
 
-# The flags are evaluated like a recipe of make, since they may contain quotes.
+# The shell evaluates the compiler flags as in a recipe of make, since they may contain quotes.
 compile() { eval "$CC $CPPFLAGS $CFLAGS" '"$@"'; }
 link() { eval "$CC $CPPFLAGS $CFLAGS $LDFLAGS" '"$@"'; }
 search_folders() {
@@ -31,7 +31,8 @@ key() {
 state=$(key 2>/dev/null)
 [ -e "$build/probe.mk" ] && printf '%s\n' "$state" | cmp -s - "$build/probe.key" && exit
 
-# found NAME HEADERS YES: writes BUILD/with/NAME only if its content changes.
+# found NAME HEADERS YES: notes that library NAME was found, or not found if YES is empty. Writes BUILD/with/NAME, a
+# checksum of HEADERS, only if its content changes.
 found() {
     [ "$3" ] && echo "FOUND += $1" && set -- "$1" "$(cat $2 </dev/null 2>/dev/null | cksum)"
     echo "$2" | cmp -s - "$build/with/$1" || echo "$2" >"$build/with/$1"
@@ -60,7 +61,8 @@ probe() {
         compile -std=c99 $singles -E -x c "$source.h" >/dev/null && echo "SINGLES := $singles" && break
     done
 
-    # Libraries for another processor than CC's do not link. CUB includes C++ streams, hence libstdc++.
+    # CUDA's libraries do not link if they are for another processor than that of CC. The library CUB includes C++
+    # streams, hence libstdc++.
     cuda=$([ "$nvcc" ] && "$nvcc" --dryrun -x cu /dev/null 2>&1 | sed -n 's/"//g; s/.*LIBRARIES= *//p')
     cuda="$cuda -lcudart_static -lstdc++ -lpthread -ldl -lrt"
     if [ "$nvcc" ] && [ -d kernels/cuda ] && eval "link '$source' -o '$object' $cuda" 2>/dev/null; then

@@ -11,7 +11,7 @@ root=
 [ "$(id -u)" = 0 ] || root=sudo
 echo "setup: installing$missing"
 apt() { $root env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
-# apt-get does not wait for the lock of `update`.
+# apt-get does not wait for the lock that `apt-get update` needs, so the script tries again.
 tries=0
 until said=$(apt update 2>&1); do
     case $said in *"Could not get lock"*) ;; *) tries=60 ;; esac

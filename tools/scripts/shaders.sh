@@ -1,6 +1,6 @@
 #!/bin/sh
-# shaders.sh FILE...: prints shaders as character arrays for C, without comments and indentation. Those of kernels/gles
-# are built around src/include/fixsplat/internal/pixel.h.
+# shaders.sh FILE...: prints the text of shaders as C character arrays, without comments and indentation. Shaders of
+# kernels/gles are built around src/include/fixsplat/internal/pixel.h.
 for file; do
     echo "static const char $(basename "$file" | tr . _)[] = {"
     sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \

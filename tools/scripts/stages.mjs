@@ -1,6 +1,6 @@
 // Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/internal/pixel.h.
-// node tools/scripts/stages.mjs FILE writes the module stages.js of the npm package: the parts' texts without comments, and the
-// names of each stage's parts.
+// node tools/scripts/stages.mjs FILE writes the module stages.js of the npm package: the texts of all shader parts
+// without comments, and for each rendering stage the names of its parts.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 

@@ -14,7 +14,8 @@ apt() {
         -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
 }
 
-# Reverse order prefers a Debian suite to its security updates if both have the same version.
+# Sources are listed in reverse order, so that a Debian suite precedes its security updates if both have the same
+# version.
 fetch() {
     mkdir -p "$work/lists/partial" "$work/none" &&
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
@@ -33,7 +34,7 @@ name_errors() {
     echo '};'
 }
 
-# A removed FOLDER/versions marks an interrupted replacement.
+# Replaces the sources in FOLDER. A missing file FOLDER/versions marks an interrupted replacement.
 take() {
     rm -f ../versions
     for name in $names; do

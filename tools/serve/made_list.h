@@ -12,7 +12,7 @@ typedef struct made_list {
 /* Records a path that does not exist yet. Call before making the file or folder. */
 void made_list_add(made_list *list, const char *path);
 
-/* Records a folder and its parent folders like made_list_add. */
+/* Records a folder and its parent folders that do not exist yet, like made_list_add. */
 void made_list_add_folders(made_list *list, const char *path);
 
 /* Removes the recorded files and folders in reverse order. A folder with other files stays. */

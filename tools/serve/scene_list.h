@@ -1,4 +1,4 @@
-/* The list of scenes on a page: files, and the scenes of folders. */
+/* The list of scenes that a web page shows: single scene files, and all scenes in folders. */
 #ifndef SCENE_LIST_H
 #define SCENE_LIST_H
 
@@ -17,8 +17,8 @@ typedef struct scene_list {
     size_t count, room;
 } scene_list;
 
-/* Adds a scene, or all scenes of a folder in ascending order of name. A folder with a tileset.json or the like is
-   itself a scene. */
+/* Adds a scene file, or all scenes of a folder in ascending order of name. A folder that has a tileset.json or a
+   similar file is itself a scene. */
 int scene_list_add(scene_list *list, const char *path);
 
 /* True if scene_list_add would add the scenes inside of the folder. */

@@ -1,4 +1,5 @@
-/* fixsplat-web: the web server behind `fixsplat view --web` and `fixsplat fit --preview`, with the same arguments. */
+/* fixsplat-web: the web server program that `fixsplat view --web` and `fixsplat fit --preview` start, with the same
+   arguments. */
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -135,7 +136,7 @@ static int add_list(site *s, int scenes)
     return status ? status : add_start(s, "/list.html");
 }
 
-/* True for a scene that the command line names, rather than its folder. Such scenes are read before serving. */
+/* True if the command line names the scene itself, rather than its folder. Such scenes are read before serving. */
 static int is_named(const world_options *given, const char *path)
 {
     for (int i = 0; i < given->scene_count; i++)
@@ -190,7 +191,7 @@ static int fill_site(site *s, const frame_options *o)
 }
 
 typedef struct told {
-    char near[128], far[128];               /* first local and first public web address; empty: none */
+    char near[128], far[128];               /* first local and first public web address of the server; empty: none */
 } told;
 
 static void tell(void *self, const char *address, int is_local)
@@ -245,7 +246,8 @@ static int serve(site *s, const view_options *o)
     return status;
 }
 
-/* True if an argument is --preview or an abbreviation. argv[0] is not used, because emulators change it. */
+/* True if an argument is --preview or an abbreviation of it. argv[0] does not tell the program's name, because
+   emulators change it. */
 static int is_fit(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {

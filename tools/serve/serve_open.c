@@ -9,7 +9,7 @@
 #ifdef FXS_WITH_QRENCODE
 #include <qrencode.h>
 
-enum { MARGIN = 4 };                        /* width of the quiet zone in modules (ISO/IEC 18004) */
+enum { MARGIN = 4 };                        /* width of the QR code's blank margin in modules (ISO/IEC 18004) */
 
 static int is_dark(const QRcode *code, int x, int y)
 {

@@ -23,15 +23,15 @@
 
 #define SECOND ((uint64_t)1000000000)
 enum {
-    SCENE_SECONDS = 3,              /* least time between two packed scenes */
-    SHARE = 40,                     /* packing and measuring take at most 1/SHARE of the time each */
+    SCENE_SECONDS = 3,              /* least number of seconds between two packed scenes */
+    SHARE = 40,                     /* packing takes at most 1/SHARE of the time, and so does measuring */
     POINTS = 20,
-    MEASURED_MOST = 4,              /* most photographs that measure a point of the quality curve */
-    PAGE_SECONDS = 3,               /* a page without requests for that long is closed */
-    GOODBYE_SECONDS = 5             /* longest wait at the end for a page to load the last scene */
+    MEASURED_MOST = 4,              /* most photographs that are measured for a point of the quality curve */
+    PAGE_SECONDS = 3,               /* a page without requests for that many seconds counts as closed */
+    GOODBYE_SECONDS = 5             /* most seconds to wait at the end until a page has loaded the last scene */
 };
 
-/* A served file that is replaced from time to time. */
+/* A file that the server sends, and that is replaced from time to time. */
 typedef struct live_file {
     int descriptor;
     uint32_t asked;
@@ -50,20 +50,20 @@ static struct preview {
     fxs_http_site site;
     fxs_http_file files[FILES];
     char folder[PAGE_PATH];
-    pthread_mutex_t lock;           /* the lock guards `live` */
+    pthread_mutex_t lock;           /* lock that guards the array `live` */
     live_file live[FILES];
 
     const char *out, *state;
     int has_failed;
     int is_written;
-    const fxs_photos *photos;       /* photographs stay valid until the final scene is written */
+    const fxs_photos *photos;       /* the fit's photographs, valid until the final scene is written */
     int held_out;
     frame_options frame;
-    fxs_photos few;                 /* photographs measured for each point of the quality curve */
+    fxs_photos few;                 /* photographs that are measured for each point of the quality curve */
     fit_now now;
-    uint64_t began, told, packed;   /* times of the start, last numbers and last scene in nanoseconds */
+    uint64_t began, told, packed;   /* times of the fit's start, last numbers and last scene in nanoseconds */
     uint64_t spent_on_scenes, spent_on_points;
-    uint32_t version;               /* version of the scene, from 1; 0: no scene yet */
+    uint32_t version;               /* number of the scene's version, from 1; 0: no scene yet */
     uint32_t measured;
     point *points;
     size_t point_count, point_room;
@@ -82,7 +82,8 @@ static int open_live(void *file)
     return descriptor;
 }
 
-/* Replaces a served file and takes ownership of the descriptor. A descriptor of -1 reports errno. */
+/* Replaces a file that the server sends, and takes ownership of its descriptor. If the descriptor is -1, prints an
+   error for errno. */
 static void give(struct preview *p, int which, int descriptor)
 {
     live_file *live = &p->live[which];
@@ -170,7 +171,7 @@ static void tell_views(struct preview *p)
     give(p, VIEWS, keep_written(file));
 }
 
-/* Sets the start view to the first held-out photograph, or else the first photograph. */
+/* Sets a scene's start view to the camera of the first held-out photograph, or else of the first photograph. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
@@ -232,8 +233,8 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->spent_on_points += fxs_clock(0) - start;
 }
 
-/* True if a point of the quality curve is due: at the first scene, at the final scene, and between if the time share
-   allows. */
+/* True if a point of the quality curve shall be measured now: at the first scene, at the final scene, and between if
+   the time share allows. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;
@@ -242,7 +243,8 @@ static int wants_point(const struct preview *p)
     return (p->few.held_out || p->few.fit) && (!p->point_count || is_due || p->is_written);
 }
 
-/* Serves the packed scene and, if due, measures `measured`. `start` is the time when packing began. */
+/* Serves the packed scene. If a point of the quality curve is due, measures the scene `measured`. `start` is the time
+   when packing began. */
 static void show(struct preview *p, fxs_packed_scene *packed, fxs_packed_scene *measured, uint64_t start)
 {
     give_scene(p, packed);

@@ -15,16 +15,16 @@
 #include "serve.h"
 
 #define SECOND ((uint64_t)1000000000)
-#define SETTLED (SECOND * 3 / 4)            /* a scene file unchanged for that long is complete */
-#define LOOKS (5 * SECOND)                  /* a page with a request within that time is open */
-#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes of packed scenes that no page shows */
-enum { SMALL = 64 };                        /* bytes per Gaussian; smaller scene files are sent unpacked */
+#define SETTLED (SECOND * 3 / 4)            /* a scene file is complete if unchanged for that many nanoseconds */
+#define LOOKS (5 * SECOND)    /* a page is open if its last request is at most that many nanoseconds ago */
+#define KEPT_MOST ((uint64_t)1 << 30)       /* most bytes of packed scenes that are kept although no page shows them */
+enum { SMALL = 64 };                        /* a scene file with fewer bytes per Gaussian is sent unpacked */
 enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
 
-/* Versions of a scene alternate between two addresses, so that a page can continue to read its version. */
+/* Versions of a scene alternate between two web addresses, so that a page can finish reading the previous version. */
 enum { VERSIONS = 2, FILES = SCENE_FILES };
 
-/* Special values of a descriptor. AS_IT_LIES: opens the scene's file by name for each request. */
+/* Special values of a file descriptor. NONE: no file. AS_IT_LIES: opens the scene's file by name for each request. */
 enum { NONE = -1, AS_IT_LIES = -2 };
 
 enum scene_state { WAITS, PACKS, READY, FAILED, GONE };
@@ -34,17 +34,17 @@ typedef struct served_scene {
     served_scenes *all;
     const char *given;
     char *path;
-    char *names[FILES];                     /* web addresses of the versions, the facts and the picture */
+    char *names[FILES];                     /* web addresses of the scene's versions, of its facts and of its picture */
     int number, is_twice;
-    fxs_file_facts taken, seen;             /* size, time and inode when the file was served and last checked */
+    fxs_file_facts taken, seen;  /* size, time and inode of the file when it was served, and when it was last checked */
     uint64_t seen_at;
 
-    /* Fields guarded by the lock: */
+    /* The lock of the list of scenes guards the fields below. */
     enum scene_state state;
     int descriptors[VERSIONS];
     int picture;
     uint64_t kept;
-    uint32_t version;                       /* version of the scene, from 1; 0: none yet */
+    uint32_t version;                       /* number of the scene's version, from 1; 0: none yet */
     double done;
     uint64_t asked_at;                      /* time of the last request for the scene; 0: never */
     char words[256];
@@ -55,7 +55,7 @@ struct served_scenes {
     served_scene *scenes;
     int count;
     pthread_mutex_t lock;
-    uint64_t listed_at;                     /* time of the last request for the list; 0: never */
+    uint64_t listed_at;                     /* time of the last request for the list of scenes; 0: never */
 };
 
 static int slot_of(const served_scene *s)
@@ -120,7 +120,8 @@ static int open_again(const served_scene *s, int descriptor)
          : descriptor == AS_IT_LIES ? fxs_descriptor_open(s->path) : fxs_descriptor_again(descriptor);
 }
 
-/* Opens a version of a scene, or the current version if that is gone. Marks a scene without a version as wanted. */
+/* Opens a version of a scene, or the current version if the wanted one is gone. If a scene has no version yet, marks it
+   as wanted. */
 static int open_version(served_scene *s, int slot)
 {
     pthread_mutex_lock(&s->all->lock);
@@ -165,7 +166,7 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
     *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
 }
 
-/* Returns -1 if the path cannot be a scene: missing, a link or a FIFO. */
+/* Returns -1 if the path cannot be a scene, because it is missing, a link or a FIFO. */
 static int look_at_file(const char *path, fxs_file_facts *facts)
 {
     const enum fxs_file_kind kind = fxs_file_look_at_name(path, facts);
@@ -242,7 +243,7 @@ static int picture_of(const served_scene *s, const loaded_scene *scene)
     return descriptor;
 }
 
-/* Closes and replaces a descriptor. Call with the lock held if the descriptor belongs to a scene. */
+/* Closes a file descriptor and replaces it by another. Call with the lock held if the descriptor belongs to a scene. */
 static void replace(int *descriptor, int by)
 {
     if (*descriptor >= 0)
@@ -267,7 +268,7 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
     return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
 }
 
-/* Loads a scene for the server, even if it is sent unpacked, to find errors. */
+/* Loads a scene for the server. A scene that is sent unpacked is loaded too, to find errors. */
 static int take_file(served_scene *s, taken *t)
 {
     load_options o;
@@ -309,7 +310,8 @@ static void drop(served_scene *s)
     s->state = WAITS;
 }
 
-/* Frees packed scenes that no page shows, the least recently requested first, until at most KEPT_MOST bytes remain. */
+/* Frees packed scenes that no page shows, the least recently requested first, until at most KEPT_MOST bytes are
+   left. */
 static void make_room(served_scenes *all)
 {
     const uint64_t now = fxs_clock(0);
@@ -389,7 +391,7 @@ static int take_first(served_scene *s)
     return fail(EXIT_FAILED, "%s: there is no such file", s->given);
 }
 
-/* Interest of open pages in a scene: none, listed but without a picture, or shown. */
+/* What open pages want of a scene: nothing, a small picture for the list of scenes, or the scene itself. */
 enum interest { NOBODY, LISTED, SHOWN };
 
 static enum interest interest_in(served_scene *s, enum scene_state *state)

@@ -19,7 +19,8 @@
 enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
        FILM_NS = 1000000000 / FILM_RATE };
 
-/* Shows a view. The pivot is the --look point, or else the point ahead that is nearest to the scene's middle. */
+/* Shows a view of the camera file or of the options. The pivot (centre of orbits) is the --look point, or else the
+   point ahead that is nearest to the scene's middle. */
 static void show_view(viewer *v, long index)
 {
     const double *low = v->world.inner_low, *high = v->world.inner_high;
@@ -64,7 +65,7 @@ static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
     }
 }
 
-/* Samples the scene at every n-th chunk. Each chunk has 256 Gaussians, so the sample is even. */
+/* Samples the scene by taking one point of every n-th chunk. Each chunk has 256 Gaussians, so the sample is even. */
 static void find_points(viewer *v)
 {
     uint64_t chunks = 0, number = 0;
@@ -84,7 +85,8 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Returns the distance within which the nearest twentieth of the scene lies, clamped to 0.01 to 2 scene radii. */
+/* Returns the distance from the camera within which the nearest twentieth of the scene lies. It is clamped to 0.01 to 2
+   scene radii. */
 static double reach(const viewer *v)
 {
     double distances[NEAR_POINTS];
@@ -155,7 +157,7 @@ static void start_loading(viewer *v)
     fxs_worker_do(v->loader, load, v);
 }
 
-/* Opens a dropped file in place of the current scenes, or after the scene that is being opened. */
+/* Opens a dropped file in place of the current scenes. If another scene is being opened, opens the file after that. */
 static void drop(viewer *v, const char *path)
 {
     char **place = v->loading.on ? &v->loading.next : &v->loading.path;
@@ -181,8 +183,8 @@ static void end_loading(viewer *v)
     free(next);
 }
 
-/* Installs loaded scenes. After a failed drop the current scenes remain. A failure at the start ends the program,
-   unless its terminal would vanish with the message. */
+/* Shows the scenes that were loaded. If a dropped file could not be loaded, the current scenes remain. A failure at the
+   start ends the program, unless its terminal would vanish with the message. */
 static void collect_loaded(viewer *v)
 {
     if (!v->loading.on || v->installing || fxs_worker_busy(v->loader))
@@ -308,7 +310,8 @@ static void toggle_measure(viewer *v, int key)
         snprintf(v->note, sizeof v->note, "measure: click one end");
 }
 
-/* Starts to record the camera's path. The next call writes the film, and the third call cancels the writing. */
+/* Handles the film key. The first press starts to record the camera's path, the second writes the film, and a third
+   cancels the writing. */
 static void toggle_film(viewer *v, int key)
 {
     (void)key;
@@ -344,7 +347,8 @@ int viewer_has_levels(const viewer *v)
     return 0;
 }
 
-/* Half of each memory pool is left for prefetched and recently visible chunks. */
+/* Returns the largest budget (Gaussians per frame). Half of each memory pool is left for prefetched and recently
+   visible chunks (256 Gaussians each). */
 uint32_t viewer_budget_most(const viewer *v)
 {
     uint64_t most = 0;
@@ -354,7 +358,7 @@ uint32_t viewer_budget_most(const viewer *v)
     return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
 }
 
-/* The largest budget of Gaussians stands for no budget, unless scenes are partly in memory. */
+/* Sets the budget (Gaussians per frame). The largest budget stands for no limit, unless scenes are partly in memory. */
 static void set_budget(viewer *v, double gaussians)
 {
     const uint32_t most = viewer_budget_most(v);
@@ -385,7 +389,8 @@ static void toggle_levels(viewer *v, int key)
     v->changed = 1;
 }
 
-/* The budget of Gaussians changes by a factor of 0.8 to 1.25 per frame, and grows only if it limits the frame. */
+/* Adapts the budget (Gaussians per frame) to the time of the last frame. It changes by a factor of 0.8 to 1.25, and
+   grows only if it limits the frame. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
 {
     const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
@@ -446,7 +451,8 @@ static int point_at_handle(viewer *v, const fxs_window_event *event)
     return v->dragged;
 }
 
-/* A drag across the window's height is half a turn. Looking and panning keep the scene under the pointer. */
+/* Handles pointer motion. A drag across the window's height is half a turn. Looking and panning keep the scene under
+   the pointer. */
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
@@ -585,7 +591,7 @@ static void move(viewer *v, int milliseconds)
     v->clock = now;
     if (v->moving)
         v->moved = now;
-    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* the camera is out of range */
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* goes back if the camera is out of range */
         v->view = view;
         v->distance = distance;
     }
@@ -607,7 +613,7 @@ static void take_arrived(viewer *v)
         v->changed = 1;
 }
 
-/* True if the last frame was reduced and the camera has rested for STILL_MS. */
+/* True if the last frame was drawn in a reduced size and the camera has rested for STILL_MS milliseconds. */
 static int is_still(const viewer *v)
 {
     return v->coarse && v->clock >= v->moved + STILL_MS * 1000000;
@@ -702,7 +708,7 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
-    world_close(&v->world);                             /* before the window: the world's threads wake it */
+    world_close(&v->world);                             /* closed before the window, which threads of the world wake */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

@@ -1,5 +1,5 @@
-/* State of the window of `fixsplat view`. Three threads: the window's (viewer.c, viewer_crop.c, viewer_panels.c),
-   the renderer's (viewer_frame.c), and a loader of scenes. */
+/* State of the window of `fixsplat view`. There are three threads: the window's (viewer.c, viewer_crop.c,
+   viewer_panels.c), the renderer's (viewer_frame.c), and one that loads scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
@@ -40,10 +40,10 @@ typedef struct request {
 
 enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024, BUDGET_LEAST = 4096 };
 
-/* A scene being opened by the loader's thread. The results are valid once that thread is idle. */
+/* A scene that the loader's thread is opening. The results are valid once that thread is idle. */
 typedef struct loading {
     int on;
-    char *path, *next;                      /* path of a dropped file or null; path of the file after it */
+    char *path, *next;                      /* path of a dropped file, or null; path of the file to open next */
     char why[256];
     frame_options options;
     world world;
@@ -55,14 +55,14 @@ typedef struct loading {
 
 struct viewer {
     frame_options options;
-    const char *screenshot;                 /* output path; null: fixsplat-001.png and so on */
+    const char *screenshot;                 /* output path of screenshots; null: fixsplat-001.png and so on */
     fxs_window *window;
     fxs_words *words;
     fxs_worker *drawer, *loader;
 
     request requests[REQUESTS_MOST];
-    int request_count, given;               /* number of queued requests; 1: the first is in progress */
-    renderer renderer;                      /* owned by the renderer's thread while requests wait */
+    int request_count, given;               /* number of queued requests; `given` 1: the first is in progress */
+    renderer renderer;                      /* the renderer's thread owns it while requests are queued */
     frame_options opened;
     int cropped;
     picture drawn;
@@ -70,27 +70,27 @@ struct viewer {
     fxs_view seen;                     /* view of the last frame; width 0: no frame yet */
 
     loading loading;
-    int installing;                         /* 1: loaded scenes will replace the current scenes */
+    int installing;                         /* 1: the loaded scenes are about to replace the current ones */
     fxs_recent recent;
     int recent_marked;                      /* index of the recent scene under the pointer; -1: none */
-    char *path;                             /* path of the scene; null: no scene */
+    char *path;                             /* path of the shown scene; null: no scene */
     world world;
     fxs_view *views;
-    long view_count, index;                 /* number of views; view that the camera started from */
+    long view_count, index;                 /* number of views; index of the view that the camera started from */
     double (*points)[3];
     int point_count;
 
     fxs_view view;
     double up[3];
-    double distance;                        /* distance from the camera to its pivot, scene units */
+    double distance;                        /* distance from the camera to its pivot (centre of orbits), scene units */
     double radius, speed;                   /* radius of the scene in units; relative speed of flight */
 
     int changed, moving, exposed;
     int flying, coarse;
-    int divisor;                            /* reduction of the picture's size while the camera moves */
+    int divisor;                            /* divisor of the picture's size while the camera moves */
     enum viewer_picture shown;
-    uint64_t clock, moved;                  /* times of the last step and the last motion in nanoseconds */
-    uint64_t hint;                          /* time when the hint disappears in nanoseconds; 0: no hint */
+    uint64_t clock, moved;                  /* times of the last step and of the last camera motion in nanoseconds */
+    uint64_t hint;                          /* time when the hint text disappears in nanoseconds; 0: no hint */
 
     enum viewer_film film;
     fxs_view *way;                     /* recorded path of the camera, at most FILM_MOST views */
@@ -98,18 +98,18 @@ struct viewer {
     uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 
     crop_box crop;
-    int face, dragged;                      /* face under the pointer or CROP_NONE; 1: being dragged */
+    int face, dragged;                      /* crop box face under the pointer or CROP_NONE; 1: the face is dragged */
     int crop_written;
 
     int graph, help, rate, light, quit, status;
-    int measuring, ends;                    /* 1: measures distances; number of picked ends */
+    int measuring, ends;                    /* 1: clicks measure a distance; number of its ends picked so far */
     double end[2][3];
     fxs_frame_times times;
-    uint32_t gaussians, missing;            /* Gaussians of the last frame; missing parts of the scene */
-    int arrived;                            /* 1: missing parts were loaded; set by another thread */
+    uint32_t gaussians, missing;    /* number of Gaussians in the last frame; number of missing parts of the scene */
+    int arrived;                            /* 1: missing parts of the scene were loaded; set by another thread */
     int lost;
     double rate_wanted;                     /* wanted frames per second; 0: fixed budget of Gaussians */
-    uint64_t slider;                        /* time when the slider disappears in nanoseconds; 0: hidden */
+    uint64_t slider;                        /* time when the budget slider disappears in nanoseconds; 0: hidden */
     char note[256];
 };
 
@@ -128,7 +128,7 @@ int viewer_busy(const viewer *v);
 void ask_open(viewer *v);
 void ask_frame(viewer *v);
 
-/* Aborts a full-size frame when the camera begins to move. */
+/* Aborts a frame of full size when the camera begins to move. */
 void stop_frame(viewer *v);
 void ask_screenshot(viewer *v);
 void ask_backend(viewer *v);
@@ -141,7 +141,7 @@ int ask_install(viewer *v);
 /* Finishes the request that the renderer's thread has completed, and starts the next request. */
 void viewer_collect(viewer *v);
 
-/* Returns the number of eyes: 1, or 2 side by side in the window. */
+/* Returns the number of eyes drawn: 1, or 2 side by side in the window. */
 int eyes_of(const viewer *v);
 
 enum { CROP_FACES = 6, CROP_NONE = -1 };
@@ -150,19 +150,19 @@ void crop_begin(viewer *v);
 
 void crop_toggle(viewer *v);
 
-/* Returns the middle of a face of the crop box. The axis is face / 2. Even faces are low sides, odd faces high
-   sides. */
+/* Computes the middle of a face of the crop box. The axis of a face is face / 2. Even faces are low sides, odd faces
+   high sides. */
 void crop_handle(const crop_box *crop, int face, double point[3]);
 
 int crop_face_at(const viewer *v, double x, double y);
 
-/* Moves the handle of v->face as near as possible to the window position x, y. */
+/* Moves the crop box face v->face, so that its handle comes as near as possible to the window position x, y. */
 void crop_drag(viewer *v, double x, double y);
 
-/* Crops all objects by the box. Runs on the renderer's thread. */
+/* Crops all objects of the world by the box. Runs on the renderer's thread. */
 void crop_world(world *w, const crop_box *crop);
 
-/* Replaces the current scenes by the loaded scenes. No frame may be in progress. */
+/* Replaces the current scenes of the window by the loaded scenes. No frame may be in progress. */
 void viewer_install(viewer *v);
 
 int viewer_has_levels(const viewer *v);

@@ -7,7 +7,7 @@
 
 #include "viewer.h"
 
-/* Rounds a side of the crop box, so that few digits print it exactly. */
+/* Rounds the coordinate of a crop box side, so that few digits print it exactly. */
 static double crop_side(double x)
 {
     return fabs(x) < 4096 ? (double)(float)x : floor(x * 1024 + 0.5) / 1024;
@@ -65,8 +65,8 @@ void crop_toggle(viewer *v)
     v->exposed = 1;
 }
 
-/* Converts a box in the world to the units of an object: w_i = s r_k o_k + t_i, with scale s, rotation r and
-   translation t. */
+/* Converts a crop box from world units to the units of an object. A point o of the object is in the world at w_i = s
+   r_k o_k + t_i, with scale s, rotation r and translation t. */
 static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
 {
     fxs_world_crop box = {.outside = 0};
@@ -112,7 +112,8 @@ static void crop_placement(fxs_placement *p, const crop_box *crop)
         p->visible = 0;
 }
 
-/* Starts from the original placements of the objects, so repeated crops do not accumulate. */
+/* Crops all objects by the box. Each call starts from the objects' original placements, so repeated crops do not
+   accumulate. */
 void crop_world(world *w, const crop_box *crop)
 {
     fxs_message message;
@@ -145,7 +146,7 @@ int crop_face_at(const viewer *v, double x, double y)
     return found;
 }
 
-/* Computes the ray of a window position in the last frame: origin `from`, direction `along`. */
+/* Computes the ray through a window position in the last frame: origin `from`, direction `along`. */
 static void find_ray(const viewer *v, double x, double y, double from[3], double along[3])
 {
     const fxs_view *view = &v->seen;
@@ -166,8 +167,9 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Finds the point t on the axis e through the handle h that is nearest to the ray o + s d: t = (b (d w) / d^2 - e w)
-   / (1 - b^2 / d^2), with b = e d and w = h - o. Returns 0 if axis and ray are nearly parallel. */
+/* Finds where a handle of the crop box moves on its axis: the point at t on axis e through handle h that is nearest to
+   the pointer's ray o + s d. t = (b (d w) / d^2 - e w) / (1 - b^2 / d^2), with b = e d and w = h - o. Returns 0 if axis
+   and ray are nearly parallel. */
 static int nearest_on_axis(const double h[3], int axis, const double o[3], const double d[3], double *t)
 {
     const double w[3] = {h[0] - o[0], h[1] - o[1], h[2] - o[2]}, b = d[axis], square = dot(d, d);

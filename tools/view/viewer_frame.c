@@ -175,7 +175,7 @@ static void render(viewer *v, request *r)
 
 static void take_frame(viewer *v, request *r)
 {
-    if (r->status && fxs_worker_stopped(v->drawer))     /* a newer frame has stopped this one */
+    if (r->status && fxs_worker_stopped(v->drawer))     /* a newer request has stopped this frame */
         return;
     if (r->status) {
         tell(v, "not rendered: see the terminal");
@@ -218,7 +218,7 @@ void stop_frame(viewer *v)
         fxs_worker_stop(v->drawer);
 }
 
-/* Finds the first free name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
+/* Finds the first free file name of STEM-001 to STEM-999. Returns 0, or nonzero and a message. */
 static int name_file(request *r, const char *stem, const char *ending)
 {
     for (int i = 1; i < 1000; i++) {
@@ -268,7 +268,7 @@ static void print_scenes(const world_options *o)
         print_named(" --place", o->places[i]);
 }
 
-/* True if the view is unchanged from the camera file's. */
+/* True if a view is the same as in the camera file. */
 static int is_of_file(const viewer *v, const fxs_view *view)
 {
     const fxs_view *start = &v->views[v->index];
@@ -290,8 +290,8 @@ static void print_camera(const viewer *v, const fxs_view *view)
         printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
 }
 
-/* Prints the command that renders the picture again. The pictures are equal if pixels are square and the principal
-   point is central. */
+/* Prints the command line that renders the current picture again. The pictures are
+   equal if pixels are square and the principal point is central. */
 static void print_command(const viewer *v, const fxs_view *view, const fxs_options *render_options,
                           const char *path)
 {
@@ -403,7 +403,7 @@ void ask_film(viewer *v)
         v->film = FILM_WRITTEN;
 }
 
-/* Returns the file ending of the source if its format can be written, else .ply. */
+/* Returns the file ending for a cropped scene: that of the source if its format can be written, else .ply. */
 static const char *cropped_ending(const viewer *v)
 {
     const fxs_scene_format *format = v->world.placed.file_count == 1 ? fxs_scene_format_of(v->path, 1) : 0;
@@ -506,7 +506,8 @@ static double units(int64_t q32)
     return (double)q32 / 4294967296.0;
 }
 
-/* Moves the picked point to the middle of the picture, at constant depth. The point becomes the pivot. */
+/* Moves the camera sideways, so that the picked point is in the middle of the picture at the same depth. The point
+   becomes the pivot (centre of orbits). */
 static void take_focus(viewer *v, request *r)
 {
     double seen[3] = {0, 0, 0};

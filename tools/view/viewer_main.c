@@ -1,4 +1,4 @@
-/* fixsplat-view: the program behind `fixsplat view`, with the same arguments. */
+/* fixsplat-view: the separate program that opens the window of `fixsplat view`, with the same arguments. */
 #include <fixsplat/system.h>
 #include <fixsplat/internal/output.h>
 #include "src/base/os_calls.h"
@@ -16,7 +16,7 @@ int main(int argc, char **argv)
         status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
     if (status)
         return status;
-    fxs_output_remove_at_signals();   /* the window handles other signals as a request to close */
+    fxs_output_remove_at_signals();   /* a signal that ends the program removes its temporary files */
     while (!v.quit)
         viewer_step(&v, -1);
     viewer_close(&v);

@@ -1,4 +1,4 @@
-/* Draws text, panels and marks over the frame in the window. */
+/* Draws text, panels and marks over the rendered frame in the window. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,12 +8,12 @@
 #include "tools/command/cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: smallest font size in pixels */
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: least font size in pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
     int count;
-    int width, height, scale;               /* size of the window in pixels; pixels per point */
+    int width, height, scale;               /* size of the window in pixels; pixels per point (unit of sizes) */
     const fxs_theme *theme;
     fxs_words *words;
 } panels;
@@ -27,7 +27,7 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
 
 enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM };
 
-/* Adds a line of text on a panel, in the largest font size that fits. */
+/* Adds a panel with a line of text, in the largest font size that fits. */
 static void add_words(panels *p, enum place place, const char *text)
 {
     const int pad = 10 * p->scale, edge = 12 * p->scale, room = p->width - 2 * (pad + edge);
@@ -242,8 +242,8 @@ static void add_measure(panels *p, const viewer *v)
         fxs_draw_line(&panel->picture, ends[i], ends[i], dot, 0xffb020ff);
 }
 
-/* Clips a line in camera coordinates to the near plane and the four sides of the view. Inside is n p + d >= 0.
-   Returns 0 if nothing is left. */
+/* Clips a line in camera coordinates to the near plane and the four sides of the view. A point p is inside a plane if n
+   p + d >= 0. Returns 0 if nothing is left. */
 static int clip(const fxs_view *view, double near, double from[3], double to[3])
 {
     const int parallel = view->projection == FXS_ORTHOGRAPHIC;

@@ -16,7 +16,7 @@
 #define __host__
 #define __device__
 #define __global__
-#define __shared__ static          /* blocks run one after another, so one copy is enough */
+#define __shared__ static          /* emulated blocks run one after another, so one copy of shared memory is enough */
 #define __grid_constant__
 #define __noinline__ __attribute__((noinline))
 #define __launch_bounds__(...)
@@ -58,10 +58,12 @@ namespace emulated {
 enum { SHARED_BYTES = 256 << 10 };
 extern unsigned char shared[SHARED_BYTES];             /* shared memory of the running block; starts with garbage */
 
-/* Waits until all lanes of the mask have called meet. Returns the value of each lane. */
+/* Emulates a warp operation: waits until all lanes in the mask `lanes` have called meet. Returns the argument `own` of
+ * each lane. */
 const uint64_t *meet(uint32_t lanes, uint64_t own);
 
-/* Waits for `threads` threads of the block; 0: all running threads. Returns the sum of their values. */
+/* Emulates a barrier: waits until `threads` threads of the block have called meet_block; 0: all running threads.
+ * Returns the sum of their arguments `own`. */
 uint32_t meet_block(uint32_t barrier, uint32_t threads, uint32_t own);
 
 inline uint32_t lane()

@@ -49,8 +49,8 @@ struct block_meeting {
 coroutine threads[THREADS_MOST];
 jmp_buf scheduler;
 uint32_t now, alive;
-bool has_moved;                            /* 1: a thread has moved in the current round */
-lanes_meeting warps[THREADS_MOST / 32];     /* one meeting per warp */
+bool has_moved;                            /* true: some thread has made progress in the current round */
+lanes_meeting warps[THREADS_MOST / 32];     /* state of the warp operation that the lanes of each warp wait for */
 std::map<uint32_t, lanes_meeting> parts_of_warps[THREADS_MOST / 32];
 block_meeting barriers[BARRIERS];
 const std::function<void()> *body;
@@ -182,7 +182,7 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 struct event {
-    uint64_t recorded, done, time;         /* records queued, records executed, time of the last record */
+    uint64_t recorded, done, time;   /* number of records queued, number of records executed, time of the last record */
 };
 
 struct operation {
@@ -201,7 +201,7 @@ stream default_stream;
 std::vector<stream *> streams = {&default_stream};
 uint64_t chance = 1, steps;
 
-/* Runs the next operation of a random stream. Returns false if every stream is blocked. */
+/* Runs the next operation of a randomly chosen CUDA stream. Returns false if every stream is blocked. */
 bool take_step()
 {
     std::vector<stream *> ready;
@@ -500,7 +500,7 @@ const char *cudaGetErrorString(cudaError_t)
     return "emulated error";
 }
 
-/* `volatile` keeps the compiler from computing before the rounding mode is set. */
+/* `result` is volatile, so that the compiler does not compute it before the rounding mode is set. */
 template <class Operation>
 static float rounded_down(Operation operation)
 {

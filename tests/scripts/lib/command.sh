@@ -1,4 +1,4 @@
-# Sourced after check.sh by scripts that run the command. Sets $fixsplat, $scenes, $helper and $work.
+# Sourced after check.sh by scripts that run the command fixsplat. Sets $fixsplat, $scenes, $helper and $work.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -10,7 +10,7 @@ mkdir logs
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
-# Sets $status, and writes logs/out and logs/err.
+# run ARGUMENT...: runs the command fixsplat. Sets $status, and writes its output to logs/out and logs/err.
 run() {
     "$fixsplat" "$@" >logs/out 2>logs/err
     status=$?
@@ -23,8 +23,8 @@ succeeds() {
     if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
 }
 
-# fails NAME STATUS WORDS ARGUMENT...: exit status STATUS, and one line on stderr that matches the regular expression
-# WORDS.
+# fails NAME STATUS WORDS ARGUMENT...: the command must end with exit status STATUS, and print one line on stderr that
+# matches the regular expression WORDS.
 fails() {
     name=$1 wanted=$2 words=$3
     shift 3

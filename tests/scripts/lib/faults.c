@@ -23,7 +23,7 @@ void *__libc_memalign(size_t alignment, size_t size);
 static long calls, fails_at;
 static int fails_ever;
 
-static uintptr_t webp_start, webp_end;     /* address range of libwebp's code; 0: not loaded */
+static uintptr_t webp_start, webp_end;     /* address range of libwebp's code; 0: libwebp is not loaded */
 
 static int find_webp(struct dl_phdr_info *object, size_t size, void *unused)
 {
@@ -88,7 +88,7 @@ static int counted_main(int argc, char **argv, char **environment)
     return own_main(argc, argv, environment);
 }
 
-/* Replaces main, to skip the allocations of library constructors. */
+/* Starts the program with a different main, so that allocations in library constructors are not counted. */
 int __libc_start_main(main_function *program, int argc, char **argv, void (*init)(void), void (*fini)(void),
                       void (*linker_fini)(void), void *stack_end)
 {

@@ -45,7 +45,8 @@ static int peak(char **command)
     return status != 0;
 }
 
-/* Restores the signal's default action, since background jobs of a shell ignore SIGINT. */
+/* Runs a command and ends it by a signal. The signal's default action is restored first, since background jobs of a
+   shell ignore SIGINT. */
 static int end_by(int number, char **command)
 {
     int status, ended = 0;

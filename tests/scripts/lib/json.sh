@@ -1,5 +1,5 @@
 
-# keys FILE KEY...: the file must be one JSON object with these keys. a.b is b inside of a.
+# keys FILE KEY...: checks that the file is one JSON object that has these keys. KEY a.b means key b in object a.
 keys() {
     file=$1
     shift

@@ -1,5 +1,6 @@
 
-# make_photographs COUNT: renders a knot from COUNT views around it, 64x48, into a COLMAP folder `set`.
+# make_photographs COUNT: renders a procedural scene, a knot, from COUNT views around it. The pictures of 64x48 pixels
+# and the cameras form a COLMAP folder `set`.
 make_photographs() {
     "$fixsplat" make-scene knot --count 3000 -o knot.ply || exit 1
     mkdir -p set/sparse/0 set/images

@@ -65,7 +65,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             del headers["Content-Range"]
         if way == "longer":
             body += b"and more"
-        if way == "slow":                                        # sends two bytes per second
+        if way == "slow":                                        # sends the body at two bytes per second
             self.send_response(206)
             for name, value in {**headers, "Content-Length": str(len(body))}.items():
                 self.send_header(name, value)
@@ -88,5 +88,6 @@ class Server(socketserver.ThreadingMixIn, http.server.HTTPServer):
 
 server = Server(("127.0.0.1", 0), Handler)
 print(server.server_port, flush=True)
-threading.Thread(target=lambda: (sys.stdin.read(), server.shutdown())).start()   # stops when standard input ends
+# The server stops when standard input ends.
+threading.Thread(target=lambda: (sys.stdin.read(), server.shutdown())).start()
 server.serve_forever()

@@ -16,7 +16,7 @@ slurm_lacks() {
     [ "$(id -u)" = 0 ] || echo "Slurm's daemons are started by root"
 }
 
-# Credentials expire early, because a requeued task waits for the expiry.
+# Slurm's credentials expire early here, because a task that is queued again waits until they have expired.
 slurm_write() {
     node=$(hostname -s)
     cat >"$slurm_folder/slurm.conf" <<END

@@ -5,7 +5,8 @@ variants=
 
 links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
 
-# variant NAME COMMAND [EMULATOR]: adds a program, built as $work/NAME. % in COMMAND stands for that path.
+# variant NAME COMMAND [EMULATOR]: adds a test program, which COMMAND builds as $work/NAME. In COMMAND, % stands for
+# that path.
 variant() {
     echo "$2" | sed "s|%|$work/$1|g" >"$work/$1.build"
     echo "$3 $work/$1" >"$work/$1.run"

@@ -27,7 +27,7 @@ needs() {
     exit
 }
 
-# builds GOAL...: makes the package and other goals. A lock lets only one script build at once.
+# builds GOAL...: makes the npm package and other make goals. A lock lets only one script build at a time.
 builds() {
     said=$(flock "$B/web.lock" make -s B="$B" web "$@" 2>&1 | grep -v '^built without')
     [ -z "$said" ] || { echo "$said"; return 1; }
