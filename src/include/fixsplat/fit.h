@@ -1,7 +1,8 @@
 /* Fits a scene to photographs. The same photographs, options and seed give the same scene, byte for byte, with any
  * number of threads, compiler and processor.
  *
- *     fxs_photos_options how = {0};
+ *     fxs_photos_options how;
+ *     fxs_photos_options_init(&how);
  *     fxs_photos photos;
  *     fxs_photos_read("garden", &how, &photos, &message);
  *     fxs_fit_options options;

@@ -460,9 +460,9 @@ static inline void fxs_request_init(fxs_request *request, const fxs_object *obje
    from fxs_object_init gives the picture of the scene itself. Gaussians whose centre is not beyond the near plane are
    culled.
    `memory`: `memory_bytes` bytes, aligned to 64. Its content does not matter before the call and is undefined after.
-   The size that fxs_frame_bytes returns is always enough. FXS_ERR_MEMORY has two causes; in both, stats->memory.least
+   The size that fxs_request_bytes returns is always enough. FXS_ERR_MEMORY has two causes; in both, stats->memory.least
    is a sufficient size for this number of threads:
-   - `memory_bytes` is below the `least` of fxs_frame_bytes. stats has that value, although this view may need more.
+   - `memory_bytes` is below the `least` of fxs_request_bytes. stats has that value, although this view may need more.
    - A tile row of this view does not fit and cannot be drawn in slices, because of depths, ids, an occluder or the back
      end. stats has the exact size.
    stats->memory.least is 0 if `memory` is misaligned or no size_t is enough.
@@ -480,8 +480,17 @@ static inline void fxs_request_init(fxs_request *request, const fxs_object *obje
 FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                        fxs_stats *stats);
 
-/* Returns the working memory of a request in bytes, as fxs_frame_bytes does, for one eye or two. With a budget, the
-   memory is in proportion to the budget, not to the scenes. *memory, the memory by use, may be null. */
+/* Returns the working memory of a request in bytes: memory->total. With it the frame is rendered in one pass, for every
+   camera and placement: the memory holds a splat (a projected Gaussian) for every Gaussian of every object, or with a
+   budget for as many as the budget allows. With less, but at least memory->least, the picture has the same bytes and
+   takes longer. (`least` is about 45 KB with one thread, or 200 KB a thread with several; plus 24 bytes a chunk of 256
+   Gaussians, the objects and the tiles.)
+     Bands   An extra pass projects every Gaussian and counts the splats on each row of tiles. Then the frame is rendered
+             in bands, each with as many rows as fit: 88 bytes for each Gaussian that touches the band.
+     Slices  A row of tiles that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones.
+             The time grows with the square of the number of slices. Slices support colour and coverage only; a back end
+             needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
+   *memory may be null. Returns 0 if an argument is out of range or the memory exceeds a size_t. */
 FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
 
 /* The Gaussian at a pixel, as found by fxs_pick. */

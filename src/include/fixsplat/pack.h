@@ -41,7 +41,7 @@ typedef struct fxs_packed_scene {
     const fxs_allocator *allocator;
 } fxs_packed_scene;
 
-/* Options of fxs_pack. All fields 0: default profile, one thread, no progress, malloc, no tree. */
+/* Options of fxs_pack. The defaults: default profile, one thread, no progress, malloc, no tree. */
 typedef struct fxs_pack_options {
     uint32_t size;
     enum fxs_profile profile;

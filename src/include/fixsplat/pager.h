@@ -4,7 +4,7 @@
  *
  *     fxs_pager_open_file("city.fxs", NULL, &pager, &message);
  *     fxs_object_init(&object, fxs_pager_scene(pager));
- *     options.want = fxs_pager_want, options.want_argument = pager;
+ *     options.want = (fxs_want){fxs_pager_want, pager};
  *     for each frame: fxs_render(...); fxs_pager_turn(pager, &state, &message);
  *
  * A reader thread loads the chunks that frames wanted, most important first, and verifies each chunk's checksum. Frames

@@ -34,7 +34,7 @@ typedef struct fxs_opened {
     fxs_pager *pager;                  /* pager that streams the scene; null if it was opened without one */
 } fxs_opened;
 
-/* Options for opening a scene. All fields 0: finest level, default profile, one thread per processor, no progress,
+/* Options for opening a scene. The defaults: finest level, default profile, one thread per processor, no progress,
    memory from malloc. Opening a file that must be packed reports two passes: file->progress while it is opened (some
    formats), then `progress` while it is packed. */
 typedef struct fxs_open_options {

@@ -82,7 +82,7 @@ typedef struct fxs_start {
    FXS_AXES_RUB: right, up, back; FXS_AXES_RDF: right, down, front, as in a .ply. */
 enum fxs_axes { FXS_AXES_OF_FILE, FXS_AXES_RUB, FXS_AXES_RDF };
 
-/* Options for reading a scene file. All fields 0: finest level, axes as the file says, malloc and free, no progress,
+/* Options for reading a scene file. The defaults: finest level, axes as the file says, malloc and free, no progress,
    default limits. */
 typedef struct fxs_scene_file_options {
     uint32_t size;

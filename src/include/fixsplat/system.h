@@ -50,8 +50,7 @@ FXS_API void fxs_map_close(fxs_mapping *mapping);
 
 /* ---- Threads ----------------------------------------------------------------------------------------------------- */
 
-/* A pool of POSIX threads that runs the library's jobs, for fxs_config: config.run = fxs_pool_run, config.pool = the
-   pool. */
+/* A pool of POSIX threads that runs the library's jobs, for fxs_workers: {fxs_pool_run, pool, threads}. */
 
 typedef struct fxs_pool fxs_pool;
 

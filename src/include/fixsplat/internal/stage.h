@@ -301,19 +301,9 @@ typedef struct fxs_kernels {
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
 
-/* Computes the working memory of a frame of the given size. With `total` bytes the frame is rendered in one pass, for
-   every camera, placement and set of targets: the memory holds a splat for every Gaussian of every object. With less,
-   but at least `least`, the picture has the same bytes and takes longer. (`least` is about 45 KB with one thread, or
-   200 KB a thread with several; plus 24 bytes a chunk, the objects and the tiles.)
-     Bands   An extra pass projects every Gaussian and counts the splats on each tile row. Then the frame is rendered in
-             bands, each with as many tile rows as fit: 88 bytes for each Gaussian that touches the band.
-     Slices  A tile row that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones. The
-             time grows with the square of the number of slices. Slices support colour and coverage only; a back end
-             needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
-   *memory may be null. Returns total; 0 if an argument is out of range or the memory exceeds a size_t. */
+/* Returns the working memory in bytes of a frame with one eye and without a budget, as fxs_request_bytes does. */
 FXS_EXPERIMENTAL size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count,
-                                        int32_t width,
-                               int32_t height, fxs_frame_memory *memory);
+                                        int32_t width, int32_t height, fxs_frame_memory *memory);
 
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
