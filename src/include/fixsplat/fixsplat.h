@@ -485,8 +485,8 @@ FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, v
    budget for as many as the budget allows. With less, but at least memory->least, the picture has the same bytes and
    takes longer. (`least` is about 45 KB with one thread, or 200 KB a thread with several; plus 24 bytes a chunk of 256
    Gaussians, the objects and the tiles.)
-     Bands   An extra pass projects every Gaussian and counts the splats on each row of tiles. Then the frame is rendered
-             in bands, each with as many rows as fit: 88 bytes for each Gaussian that touches the band.
+     Bands   An extra pass projects every Gaussian and counts the splats on each row of tiles. Then the frame is
+             rendered in bands, each with as many rows as fit: 88 bytes for each Gaussian that touches the band.
      Slices  A row of tiles that does not fit alone is drawn in slices: the nearest splats that fit, then the next ones.
              The time grows with the square of the number of slices. Slices support colour and coverage only; a back end
              needs `draw_blended`. Otherwise the frame ends with FXS_ERR_MEMORY.
