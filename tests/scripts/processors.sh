@@ -13,7 +13,7 @@ golden="$library $(echo src/scene/edit src/scene/make src/camera src/image | sed
     tools/command/metrics.c $(ls port/backend/*.c port/posix/*.c | grep -v 'backend/fit_engines\|posix/\(files\|open\|output\)\.c')"
 cameras=$(for name in camera camera_bundler camera_colmap camera_csv camera_file camera_json camera_metashape camera_write \
     colmap_text lens lens_warp path view_list; do echo "src/camera/$name.c"; done)
-photos="tests/test_photo_bytes.c src/base/*.c $cameras src/image/image_file.c src/image/photograph.c \
+photos="tests/test_photo_bytes.c src/base/*.c $(echo $cameras) src/image/image_file.c src/image/photograph.c \
     src/core/sized.c src/core/view.c src/scene/read/ply_*.c src/fit/photos/*.c port/posix/files.c port/posix/output.c port/posix/pool.c"
 files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"
 
