@@ -7,7 +7,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include "src/base/os_calls.h"
-#include "beside.h"
+#include "programs.h"
 #include "drawing.h"
 #include "tools/serve/page_folder.h"
 #include "task.h"

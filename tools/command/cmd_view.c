@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include <fixsplat/image.h>
-#include "beside.h"
+#include "programs.h"
 #include "cmd_view.h"
 #include "views.h"
 
@@ -145,7 +145,7 @@ static int run(int argc, char **argv)
 {
     view_options o;
     int status = view_options_take(&o, argc, argv);
-    return status ? status : run_beside(o.web ? &server_program : &window_program, scene_name(&o), argv);
+    return status ? status : run_separate(o.web ? &server_program : &window_program, scene_name(&o), argv);
 }
 
 const command command_view = {

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/system.h>
-#include "tools/command/beside.h"
+#include "tools/command/programs.h"
 #include "tools/command/file_guard.h"
 #include "fit_result.h"
 #include "tools/command/task.h"
@@ -286,7 +286,7 @@ int fit_run(int argc, char **argv, const fit_watcher *watcher)
     int status = read_options(&c, argc, argv);
     c.log = &log;
     if (!status && c.preview && !watcher)
-        return run_beside(&server_program, "--preview", argv);
+        return run_separate(&server_program, "--preview", argv);
     c.watcher = c.preview ? watcher : 0;
     status = status ? status : check_outputs(&c);
     if (!status && c.watcher)

@@ -1,4 +1,4 @@
-/* Exposures of photographs on a device (src/fit/stages/exposure.h), with the CPU's order of floating-point operations. */
+/* Exposures of photographs on a device (src/fit/stages/exposure.h), in the CPU's order of operations. */
 #ifndef FXS_CUDA_FIT_EXPOSURE_CUH
 #define FXS_CUDA_FIT_EXPOSURE_CUH
 

@@ -1,4 +1,4 @@
-#include "beside.h"
+#include "programs.h"
 
 #include <errno.h>
 #include <string.h>
@@ -7,14 +7,14 @@
 #include "command.h"
 
 #ifdef FXS_WITH_SDL
-const beside_program window_program = {"-view", "SDL2"};
+const separate_program window_program = {"-view", "SDL2"};
 #else
-const beside_program window_program = {"", "SDL2"};
+const separate_program window_program = {"", "SDL2"};
 #endif
 #ifdef FXS_WITH_MICROHTTPD
-const beside_program server_program = {"-web", "libmicrohttpd"};
+const separate_program server_program = {"-web", "libmicrohttpd"};
 #else
-const beside_program server_program = {"", "libmicrohttpd"};
+const separate_program server_program = {"", "libmicrohttpd"};
 #endif
 
 #ifdef _WIN32
@@ -23,7 +23,7 @@ const beside_program server_program = {"", "libmicrohttpd"};
 #define EXE ""
 #endif
 
-int run_beside(const beside_program *program, const char *shown, char **argv)
+int run_separate(const separate_program *program, const char *shown, char **argv)
 {
     char path[4096];
     if (!*program->ending)
