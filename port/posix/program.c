@@ -95,21 +95,35 @@ static int start(const char *const *arguments, int output, int log, const sigset
     return error;
 }
 
-/* Starts a guard process. When this process ends, even by SIGKILL, the guard kills the started program and its
-   children. */
-static pid_t start_guard(const int life[2], pid_t group)
+static void close_pipe(const int ends[2])
+{
+    close(ends[0]);
+    close(ends[1]);
+}
+
+static int read_all(int from, void *out, size_t size)
+{
+    ssize_t n;
+    do
+        n = read(from, out, size);
+    while (n < 0 && errno == EINTR);
+    return n == (ssize_t)size;
+}
+
+/* Starts a guard process, before the program that it guards, so that no slow start of the guard leaves the program
+   alone. The guard reads the program's process group from the pipe `life`. When this process ends, even by SIGKILL, the
+   guard kills that group. A byte in the pipe ends the guard. */
+static pid_t start_guard(const int life[2], const int output[2])
 {
     char byte;
-    ssize_t size;
+    pid_t group;
     const pid_t guard = fork();
     if (guard)
         return guard;
     setpgid(0, 0);
     close(life[1]);
-    do
-        size = read(life[0], &byte, 1);
-    while (size < 0 && errno == EINTR);
-    if (size < 1)
+    close_pipe(output);            /* so that the program's output ends with the program */
+    if (read_all(life[0], &group, sizeof group) && !read_all(life[0], &byte, 1))
         kill(-group, SIGKILL);
     _exit(0);
 }
@@ -170,12 +184,6 @@ static int make_pipe(int ends[2])
     return 0;
 }
 
-static void close_pipe(const int ends[2])
-{
-    close(ends[0]);
-    close(ends[1]);
-}
-
 static int attend(pid_t child, pid_t guard, const int life[2], int from, fxs_program_said_fn *said, void *argument)
 {
     struct sigaction before;
@@ -206,14 +214,17 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
        program. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t guard = start_guard(life, ends);
     const int error = start(arguments, ends[1], fileno(log), &before, &child);
+    const int guarded = guard > 0 && !error && write(life[1], &child, sizeof child) == sizeof child;
     close(ends[1]);
-    const pid_t guard = error ? -1 : start_guard(life, child);
     pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)
-        status = attend(child, guard, life, ends[0], said, argument);
+        status = attend(child, guarded ? guard : -1, life, ends[0], said, argument);
     close(ends[0]);
     close_pipe(life);
+    if (guard > 0 && !guarded)
+        wait_for(guard);
     errno = error ? error : errno;
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
