@@ -1,4 +1,4 @@
-/* The high-level interface: opens a scene file of any format and renders it with any back end. docs/library.md has an
+/* The high-level interface: opens a scene file of any format and renders it with any back end. README.md has an
  * example program.
  *
  * Functions return 0, or an FXS_ERR_* and a message; `message` must not be null. Any other null pointer is
