@@ -187,6 +187,7 @@ typedef struct fxs_object {
     uint32_t id;                   /* number of the object, chosen by the caller, for id targets and fxs_pick */
     const fxs_crop *crops;         /* crop boxes of the object; null: none */
     uint32_t crop_count;           /* number of crop boxes, 0 to FXS_MAX_CROPS */
+    uint32_t unused;               /* 0: room for a field of a later version */
 } fxs_object;
 
 /* Initialises an object: its scene lies at the origin of the world, unscaled, visible, with id 0 and without crops. */
@@ -270,6 +271,7 @@ typedef struct fxs_options {
     int show_levels;               /* debug view of the levels of detail: 1 gives each Gaussian the colour of its
                                       chunk's level, with the Gaussian's own brightness; leaves are white. Processor
                                       only; other back ends ignore it */
+    uint32_t unused;               /* 0: room for a field of a later version */
 } fxs_options;
 
 /* Initialises rendering options: Mahalanobis cut-off, SH degree 3, black background, no stop callback, no budget. */

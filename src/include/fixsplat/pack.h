@@ -52,6 +52,7 @@ typedef struct fxs_pack_options {
     int tree;                 /* 1: adds a tree of levels of detail over the chunks, if the scene has two chunks or
                                  more. The packed scene becomes about twice as large. Building the tree takes 6 MB, 2 MB
                                  a thread and 120 bytes a chunk more */
+    uint32_t unused;               /* 0: room for a field of a later version */
 } fxs_pack_options;
 FXS_INIT(fxs_pack_options)
 

@@ -314,6 +314,7 @@ typedef struct fxs_scene_filter {
        least one shape of that kind. The caller owns the array, which must stay valid until the file is closed. */
     const fxs_filter_shape *shapes;
     uint32_t shape_count;
+    uint32_t unused;               /* 0: room for a field of a later version */
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {
