@@ -62,9 +62,9 @@ int fxs_request_is_whole(const fxs_request *request)
 int fxs_request_read(fxs_request *all, const fxs_request *given)
 {
     const size_t head = offsetof(fxs_request, targets);
-    const unsigned char *at = (const unsigned char *)given + head;
     if (!given)
         return FXS_ERR_ARGUMENT;
+    const unsigned char *at = (const unsigned char *)given + head;
     const uint32_t size = size_of(given), step = size > head ? size_of(at) : 0;
     fxs_request_init(all, 0, 0);
     if (!step || size < head + 2 * (size_t)step)
@@ -75,7 +75,10 @@ int fxs_request_read(fxs_request *all, const fxs_request *given)
     error = error || size_of(at + step) != step ? FXS_ERR_STRUCT
             : fxs_sized_read(&all->targets[1], sizeof all->targets[1], at + step);
     at += 2 * (size_t)step;
-    return error || size == head + 2 * (size_t)step ? error : fxs_sized_read(&all->options, sizeof all->options, at);
+    const size_t left = size - head - 2 * (size_t)step;
+    return error || !left ? error
+           : left < sizeof size || left < size_of(at) ? FXS_ERR_STRUCT
+           : fxs_sized_read(&all->options, sizeof all->options, at);
 }
 
 int fxs_object_read(fxs_object *all, const fxs_object *objects, uint32_t i)
