@@ -15,7 +15,8 @@
  * Structs: a struct that a program fills in for the library begins with `size`, its size in bytes. Call the struct's
  * init function first; it sets `size` and the defaults. Then set the fields you need. Later versions append fields. The
  * library reads no further than `size` says, and uses the defaults for fields behind it. A size of 0 is FXS_ERR_STRUCT.
- * Structs that the library fills in have reserved bytes instead, which are 0. */
+ * Structs that the
+ * library fills in keep their size within 1.x; some have reserved bytes, which mean nothing yet. */
 #ifndef FXS_FIXSPLAT_H
 #define FXS_FIXSPLAT_H
 
