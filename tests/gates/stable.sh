@@ -21,7 +21,7 @@ types=$(code $experimental internal/*.h | grep -oE '^\} fxs_[a-z0-9_]+;|^typedef
     grep -oE 'fxs_[a-z0-9_]+;$' | tr -d ';' | sort -u | tr '\n' '|')
 for header in $stable; do
     for included in $(sed -n 's/^#include [<"]\(fixsplat\/\)\{0,1\}\([a-z_\/]*\.h\)[>"]$/\2/p' "$header"); do
-        case " $(echo $experimental std) " in
+        case " $(echo $experimental) " in
         *" $included "*) faults="$faults $header includes $included;" ;;
         esac
         case $included in internal/*) faults="$faults $header includes $included;" ;; esac
