@@ -29,7 +29,7 @@ int fxs_print_begin(fxs_printed *printed);
 
 int fxs_print_end(fxs_printed *printed);
 
-/* ---- Names of files ----------------------------------------------------------------------------------------------- */
+/* ---- Names of files ---------------------------------------------------------------------------------------------- */
 
 enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_OTHER };
 
@@ -116,14 +116,14 @@ int fxs_folder_make(const char *path, fxs_message *message);
 /* Calls the function `each` with every name in a folder, in arbitrary order. */
 int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument);
 
-/* ---- User data and fonts ------------------------------------------------------------------------------------------ */
+/* ---- User data and fonts ----------------------------------------------------------------------------------------- */
 
 /* Stores the path of a file in the user's data folder of this program. is_written: 1 also makes missing folders. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room);
 
 int fxs_font_find(char *path, size_t room, fxs_message *message);
 
-/* ---- Shell commands in messages ----------------------------------------------------------------------------------- */
+/* ---- Shell commands in messages ---------------------------------------------------------------------------------- */
 
 /* How a shell command quotes a word: the quote around the word, an escaped quote, and the character to double before a
    quote. */
@@ -162,7 +162,7 @@ extern const char fxs_erase_line[];
 /* Returns 1 if a terminal accepts colours (ECMA-48). */
 int fxs_terminal_takes_codes(FILE *file);
 
-/* ---- File descriptors --------------------------------------------------------------------------------------------- */
+/* ---- File descriptors -------------------------------------------------------------------------------------------- */
 
 /* The file descriptors of these functions allow reads at any position from any thread. Child processes do not inherit
    them. */
