@@ -7,6 +7,7 @@
 
 #include "src/core/frame.h"
 #include "src/core/sort.h"
+#include "src/core/sized.h"
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "packed_scene.h"
@@ -1362,6 +1363,34 @@ static void test_words(void)
     CHECK(fxs_stage_name(FXS_STAGES) && fxs_stage_name((enum fxs_stage)-1));
 }
 
+/* Sizes that no version of the library has. */
+static void test_sizes_of_structs(void)
+{
+    fxs_context context;
+    fxs_object objects[2];
+    fxs_request right;
+    fxs_object_init(&objects[0], 0);
+    fxs_object_init(&objects[1], 0);
+    fxs_request_init(&right, objects, 2);
+    CHECK(fxs_context_init(&context, &(fxs_config){.size = 0}) == FXS_ERR_STRUCT);
+    CHECK(fxs_context_init(&context, &(fxs_config){.size = 65536}) == FXS_ERR_STRUCT);
+    for (int i = 0; i < 6; i++) {
+        fxs_request wrong = right, taken;
+        uint32_t *const sizes[] = {&wrong.size, &wrong.targets[0].size, &wrong.targets[1].size, &wrong.options.size};
+        *sizes[i % 4] = i < 4 ? 0 : 65535;
+        CHECK(fxs_request_read(&taken, &wrong) == (i == 4 ? 0 : FXS_ERR_STRUCT));
+    }
+    fxs_request wrong = right, taken;
+    CHECK(fxs_request_read(&taken, &right) == 0 && taken.options.sh_degree == 3);
+    wrong.options.size += 8;
+    CHECK(fxs_request_read(&taken, &wrong) == FXS_ERR_STRUCT);
+    CHECK(fxs_request_read(&taken, 0) == FXS_ERR_ARGUMENT);
+    fxs_object one;
+    CHECK(fxs_object_read(&one, objects, 1) == 0);
+    objects[1].size -= 8;
+    CHECK(fxs_object_read(&one, objects, 1) == FXS_ERR_STRUCT && one.visible == 1);
+}
+
 int main(void)
 {
     RUN(test_project_against_reference);
@@ -1396,5 +1425,6 @@ int main(void)
     RUN(test_init);
     RUN(test_words);
     RUN(test_veils);
+    RUN(test_sizes_of_structs);
     return check_report();
 }
