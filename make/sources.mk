@@ -9,13 +9,13 @@ KERNELS_wasm := kernels/simd/wasm/*.c
 # Source files of the library: for every system, for one operating system, for one processor, or for an optional
 # library.
 SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.c src/scene/write/*.c \
-                   src/scene/edit/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c src/fit/photos/*.c \
+                   src/scene/edit/*.c src/open/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c src/fit/photos/*.c \
                    src/fit/stages/*.c src/fit/refine/*.c
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
 SOURCES_PORT := port/backend/*.c port/board/*.c
 # Source files that need POSIX threads but no other POSIX functions. mingw-w64 provides these threads on Windows.
-THREADED_win32 := port/posix/open.c port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
+THREADED_win32 := port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
 STAGES_x86 := kernels/fit/fit_sse41.c kernels/fit/fit_avx2.c kernels/fit/fit_avx512.c kernels/pack/*_avx2.c
 STAGES_arm := kernels/fit/fit_neon.c
 SOURCES_GLES := kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c
@@ -74,7 +74,7 @@ FLAGS_VECTORISED := -O3 -fno-math-errno -fno-trapping-math
 # Kind SINGLES: float arithmetic without excess precision, which i686 and s390x have by default. No flags are added if
 # FLT_EVAL_METHOD is 0, else the first entry of SINGLES_BY that makes it 0. In an entry, a comma stands for a space.
 FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% \
-                 src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%
+                 src/image/photograph tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
 
 # LIBRARY_name: the header and the linker options of an optional library. A library with the option -ldl alone is

@@ -13,7 +13,7 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
-WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/base/scene_start.c src/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c within.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
@@ -21,7 +21,7 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) ker
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
-              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c scene_start.c source.c text.c zip.c) \
+              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c source.c text.c zip.c) \
               $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c) $(WEB_C)
 sources_of_import := $(WEB_IMPORT)
 sources_of_import_sog := $(WEB_IMPORT)
@@ -39,9 +39,9 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
-WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
+WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
-             import/src/base/foreign.c import/src/base/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
+             import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
 # Modules with threads link only thread-safe functions of wasi-libc. fixsplat.js creates their shared memory.

@@ -8,7 +8,7 @@
 
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/fixed.h>
-#include "src/base/tilt.h"
+#include "src/gaussian/tilt.h"
 #include "src/core/codes.h"
 
 typedef struct loose {

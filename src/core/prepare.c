@@ -1,10 +1,10 @@
 /* Projects Gaussians, computes the colours of the splats and finds their tiles. Each parallel job has a block of chunks
  * of 256 Gaussians, and its own places for splats. */
-#include "chunk.h"
-#include <fixsplat/internal/fixed.h>
-#include "memory.h"
 #include "bands.h"
+#include "chunk.h"
+#include "memory.h"
 #include "prepare.h"
+#include "show.h"
 #include "times.h"
 
 int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint32_t slot, uint32_t end_slot)
@@ -25,37 +25,13 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
-/* Returns the colour that shows a chunk's level in the level-of-detail tree, for options.show_levels. The level of a
-   node is log2 of its number of leaves. Node number n covers about chunk_count / (n + 1) leaves. */
-static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
-{
-    static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
-                                             {4, 3, 0}};
-    if (chunk < scene->chunk_count)
-        return colours_q2[0];
-    const uint32_t leaves = scene->chunk_count / (chunk - scene->chunk_count + 1);
-    return colours_q2[1 + (uint32_t)(31 - fxs_clz32(leaves | 1)) % 6];
-}
-
-/* Replaces the colours of splats by the colour of their tree level, times their brightness, (r + 2 g + b) / 4. */
-static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat *splats, uint32_t count)
-{
-    const int32_t *colour_q2 = colour_of_level_q2(&object->scene, chunk);
-    for (uint32_t i = 0; i < count; i++) {
-        int16_t *c = splats[i].colour_q13;
-        const int32_t brightness_q13 = (c[0] + 2 * c[1] + c[2]) >> 2;
-        for (int k = 0; k < 3; k++)
-            c[k] = (int16_t)(brightness_q13 * colour_q2[k] >> 2);
-    }
-}
-
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->views[number];
     const int error = fxs_object_shade(object, f->context->config.kernels, chunk - object->first_chunk,
                                        f->indices + slot, count, f->splats + slot);
     if (f->options->show_levels && !error)
-        show_level(object, chunk - object->first_chunk, f->splats + slot, count);
+        fxs_show_level(object, chunk - object->first_chunk, f->splats + slot, count);
     return error;
 }
 

@@ -8,7 +8,7 @@
 
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/packed.h>
-#include "src/base/tilt.h"
+#include "src/gaussian/tilt.h"
 #include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
 #include "src/pack/order.h"

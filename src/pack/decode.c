@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "src/base/tilt.h"
+#include "src/gaussian/tilt.h"
 #include "src/core/codes.h"
 #include "src/gaussian/attributes.h"
 

@@ -1,6 +1,6 @@
 /* Quantises the attributes of a Gaussian to codes. The loops are small, so that the compiler vectorises them. */
 #include "encode.h"
-#include "src/base/tilt.h"
+#include "src/gaussian/tilt.h"
 
 #define DEGREES 57.29577951308232
 

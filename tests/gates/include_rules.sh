@@ -9,8 +9,9 @@ rooms='
 src/core
 src/base        src/core
 src/gaussian    src/base src/core
-src/camera      src/base src/core
+src/camera      src/gaussian src/base src/core
 src/image       src/camera src/base src/core
+src/open        src/scene src/pack src/gaussian src/camera src/base src/core port/posix port/backend
 src/pack        src/gaussian src/base src/core
 src/scene       src/pack src/gaussian src/base src/core
 src/fit         src/scene src/pack src/gaussian src/image src/camera src/base src/core
@@ -29,8 +30,8 @@ tools           public
 
 public='
 src/core      fixsplat packed parts stage pixel fixed declarations
-src/base      allocator message scene start system output
-src/gaussian  pack
+src/base      allocator message scene system output
+src/gaussian  pack start
 src/camera    camera view_more
 src/image     image
 src/scene     world placements

@@ -3,7 +3,7 @@
 
 #include <fixsplat/renderer.h>
 #include <fixsplat/internal/view_more.h>
-#include "processor_internal.h"
+#include "port/backend/processor_internal.h"
 #include "src/base/try_internal.h"
 #include "src/camera/first_view.h"
 
