@@ -8,7 +8,23 @@ needs web
 # WebAssembly's relaxed SIMD needs a flag in Node 20; newer versions of Node refuse this flag.
 relax=--experimental-wasm-relaxed-simd
 node $relax -e 0 2>/dev/null || relax=
-web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "$@"; }
+trap 'kill $nodes 2>/dev/null; rm -rf "$work"' EXIT
+
+# start_node NAME PROGRAM [FLAG]: starts tests/web/PROGRAM.mjs for the requests of `ask NAME`.
+start_node() {
+    mkdir "$work/$1" && mkfifo "$work/$1/ask" "$work/$1/status" || exit 1
+    node --no-warnings --expose-gc $3 "tests/web/$2.mjs" "$package" serve "$work/$1" &
+    nodes="$nodes $!"
+}
+
+# ask NAME WORD ARGUMENT...: runs WORD in a Node process that start_node started, and prints its output.
+ask() {
+    asked=$work/$1
+    shift
+    (IFS=$(printf '\037') && printf %s "$*") >"$asked/ask"
+    status=$(timeout 300 cat "$asked/status") && cat "$asked/said" && return "$status"
+}
+web() { ask package$RELAX "$@"; }
 
 # The program test_kernels must pass with the exact products of WebAssembly SIMD, and with the relaxed products that
 # fixsplat.js inserts.
@@ -123,7 +139,7 @@ canvas_is_the_same() {
     return 1
 }
 
-reader() { node --no-warnings --expose-gc tests/web/import.mjs "$package" "$@"; }
+reader() { ask import "$@"; }
 readers() {
     mkdir "$work/formats" "$work/bombs"
     "$B/tests/test_scene_input" --write "$work/formats" >"$work/formats.txt" || return 1
@@ -154,6 +170,9 @@ both_at_most() {
 }
 
 check "builds" builds "$B/web/test_kernels.wasm"
+start_node package package
+[ -z "$relax" ] || start_node "package$relax" package "$relax"
+start_node import import
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
 for size in core.wasm:55800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \

@@ -7,6 +7,7 @@ import * as fs from 'node:fs'
 import { createServer } from 'node:http'
 import { basename, dirname, join, resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
+import { run } from './words.mjs'
 
 const { existsSync, readFileSync, readdirSync, writeFileSync } = fs
 const [folder, word, ...args] = process.argv.slice(2)
@@ -294,4 +295,4 @@ const words = {
   },
 }
 
-await words[word](...args)
+await run(words, word, args)

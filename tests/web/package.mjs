@@ -5,15 +5,22 @@ import { createServer } from 'node:http'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
 import { inflateSync } from 'node:zlib'
+import { run } from './words.mjs'
 
 const [folder, word, ...args] = process.argv.slice(2)
 const fixsplat = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const { hasRelaxed, load, pick, png, render, renderStereo } = fixsplat
 
+// FNV-1a of 64 bits in two halves: the prime is 2^40 + 0x1b3.
 function hash(pixels) {
-  let h = 0xcbf29ce484222325n
-  for (const byte of pixels) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
-  return h.toString(16).padStart(16, '0')
+  let high = 0xcbf29ce4, low = 0x84222325
+  for (const byte of pixels) {
+    const x = (low ^ byte) >>> 0
+    const product = x * 0x1b3
+    low = product >>> 0
+    high = (Math.imul(high, 0x1b3) + (x << 8) + Math.floor(product / 0x100000000)) >>> 0
+  }
+  return high.toString(16).padStart(8, '0') + low.toString(16).padStart(8, '0')
 }
 
 async function refused(source, words = /./, options) {
@@ -334,4 +341,4 @@ const words = {
   },
 }
 
-await words[word](...args)
+await run(words, word, args)
