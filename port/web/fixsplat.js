@@ -469,9 +469,9 @@ export class Scene {
   get start() {
     const [core, at] = this.inside
     if (!core.c.start_view(at)) return null
-    const [fy, ...rest] = core.get(0, 13)
+    const [fy, ...rest] = core.get(0, 14)
     const rotation = [0, 1, 2].map((i) => [3, 6, 9].map((k) => rest[k + i]))
-    return { width: 2, height: 2, fx: fy, fy, position: rest.slice(0, 3), rotation }
+    return { width: 2, height: 2, fx: fy, fy, position: rest.slice(0, 3), rotation, reach: rest[12] }
   }
 
   get packed() {

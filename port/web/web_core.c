@@ -253,14 +253,15 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
 }
 
 /* Finds the start view that a scene's file states, for a picture of 2 x 2 pixels. Returns 1, or 0 without a start view.
-   Out: focal length fy, position, rotation (world to camera, in rows). */
+   Out: focal length fy, position, rotation (world to camera, in rows), tangent of fxs_start_reach. */
 EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
 {
-    if (!fxs_view_of_start(&view, l->data, 2, 2))
+    if (!fxs_view_of_start(&view, l->data, 16, 9))
         return 0;
-    numbers[0] = view.fy;
+    numbers[0] = view.fy * 2 / 9;
     memcpy(numbers + 1, view.position, sizeof view.position);
     memcpy(numbers + 4, view.rotation, sizeof view.rotation);
+    numbers[13] = fxs_start_reach(&view, l->data);
     return 1;
 }
 

@@ -1,11 +1,14 @@
-/* Reads and writes the start view (the first camera for viewers) in the header of a packed scene. */
+/* Reads and writes the start view (the first camera for viewers) in the header of a packed scene. A narrow
+ * picture has a wider view, which shows the scene's visible part to both sides. */
 #include <math.h>
 #include <string.h>
 
 #include <fixsplat/camera.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 #include <fixsplat/internal/start.h>
+#include <fixsplat/internal/view_more.h>
 #include "camera_internal.h"
 
 int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
@@ -24,6 +27,38 @@ int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
     fxs_quaternion_of(view->rotation, start.rotation);
     fxs_start_to(data, &start);
     return 0;
+}
+
+/* A narrow picture shows no more to both sides than a picture of 16:9. */
+#define WIDEST (16.0 / 9)
+#define ROOM 1.1
+#define TANGENT_MOST 12.0
+
+/* The visible part counts as an ellipsoid in its box, ROOM times as large. c is its centre in camera space, a[i] its
+   half axis i. A plane x = m z through the camera touches it if
+   (c.x - m c.z)^2 = |u - m w|^2, with u[i] = a[i].x and w[i] = a[i].z. The reach is the larger |m| of the two. */
+double fxs_start_reach(const fxs_view *start, const void *data)
+{
+    const double most = WIDEST * start->height / 2.0 / start->fy;
+    const double *r = start->rotation;
+    double cx = 0, cz = 0, uu = 0, uw = 0, ww = 0;
+    fxs_packed_header h;
+    memcpy(&h, data, sizeof h);
+    fxs_packed_header_turn(&h);
+    for (int i = 0; i < 3; i++) {
+        const double low = ldexp((double)h.inner_low_q32[i], -32), high = ldexp((double)h.inner_high_q32[i], -32);
+        const double centre = (low + high) / 2 - start->position[i], half = ROOM * (high - low) / 2;
+        cx += r[i] * centre;
+        cz += r[6 + i] * centre;
+        uu += half * half * r[i] * r[i];
+        uw += half * half * r[i] * r[6 + i];
+        ww += half * half * r[6 + i] * r[6 + i];
+    }
+    if (!(cz > 0 && cz * cz > ww))
+        return 0;
+    const double square = cz * cz - ww, middle = cx * cz - uw;
+    const double apart = sqrt(fmax(middle * middle - square * (cx * cx - uu), 0));
+    return fmin((fabs(middle) + apart) / square, most);
 }
 
 int fxs_view_of_start(fxs_view *view, const void *data, int width, int height)
@@ -45,5 +80,8 @@ int fxs_view_of_start(fxs_view *view, const void *data, int width, int height)
     view->cx = width / 2.0;
     view->cy = height / 2.0;
     view->fx = view->fy = height / 2.0 / start.tangent;
+    const double tangent = fxs_start_reach(view, data) * height / width;
+    if (tangent > start.tangent)
+        view->fx = view->fy = height / 2.0 / fmin(tangent, TANGENT_MOST);
     return 1;
 }

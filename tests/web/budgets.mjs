@@ -207,8 +207,9 @@ const less = (name, shares, more) => {
 }
 
 const budgets = () => {
-    say('PSNR against the whole, dB, mean (worst) of the views; bytes of the chunks that are drawn, mean of the views;',
-        `user time of a frame by one thread, the median of ${ROUNDS} rounds in turns, on processors that had other work.`)
+    say('PSNR compares frames with frames of all Gaussians, in dB: mean (worst) of the views. `MB` is the size of the drawn',
+        'chunks, mean of the views. `ms` is the user time of a frame by one thread, on processors that had other work: the median',
+        `of ${ROUNDS} rounds in turns.`)
     head('scene', 'budget', 'of all', 'drawn', 'MB', 'PSNR', 'refined', 'ms')
     for (const name of ['landscape', 'captured', 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
         less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
@@ -304,9 +305,10 @@ const boards = () => {
         const rates = said.flatMap((text, i) => [(most(text, 'ns') / 1e6).toFixed(1), rate(text, BOARDS[i]).toFixed(1)])
         row(budget, both(against(whole, frames)), ...rates, least, most(said[0], 'memory'))
     }
-    say(`A knot of ${KNOT} Gaussians with levels, profile small, ${statSync(file).size} bytes, 320x240, SH degree 3,`,
-        `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
-        'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
+    say(`A knot of ${KNOT} Gaussians with levels (profile small, ${statSync(file).size} bytes, SH degree 3) makes a turn in ${STEPS} steps, at 320x240.`,
+        'The columns M7 and M55 have millions of instructions of the slowest frame, and the frames a second that follow from',
+        'them. PSNR in dB is against all Gaussians: mean (worst). `least` is the minimum of working memory in bytes; `memory` is',
+        'the working memory of a frame if all RAM is free.')
     head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
     let [low, high] = [1, 200]                      // limits for a bisection of the number of chunks of 256 Gaussians
     while (high - low > 1) {

@@ -11,7 +11,9 @@ const [site, modules, pictures, ...names] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', jpg: 'image/jpeg' }
 const lost = []
+let isHeld = () => false
 const server = createServer((request, response) => {
+  if (isHeld(request.url)) return
   const file = site + new URL(request.url, 'http://x').pathname.replace(/\/$/, '/index.html')
   if (!existsSync(file)) return lost.push(file), response.writeHead(404).end()
   response.setHeader('content-security-policy', POLICY)
@@ -35,6 +37,29 @@ try {
     console.log('ok the list')
     await keep('list')
   }
+  const of = (body) => page.evaluate(`(() => { const v = document.querySelector('fixsplat-viewer')
+    const $ = (id) => v.shadowRoot.getElementById(id), shown = (e) => e.checkVisibility(); ${body} })()`)
+  const still = () => page.waitForFunction(() => document.querySelector('fixsplat-viewer').state === 'still', { timeout: 60000 })
+  const tangent = async () => Math.tan((await of('return v.camera.fov')) * Math.PI / 360)
+  const first = names.length > 1 ? `${names[0]}.html` : ''
+  const tangents = []
+  for (const [width, height] of [[1280, 720], [390, 844]]) {
+    await page.setViewport({ width, height })
+    isHeld = (url) => url.endsWith('.fxs')
+    await open(first)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot?.querySelector('#stage > img')?.naturalWidth)
+    const seen = await of(`return [v.state, shown($('empty')), shown(v.shadowRoot.querySelector('.bar')),
+      $('loading').offsetHeight, $('stage').querySelector('img').offsetHeight]`)
+    const poster = seen.pop()
+    assert.deepEqual(seen, ['loading', false, false, 3], 'poster and progress alone')
+    isHeld = () => false
+    await open(first)
+    await still()
+    tangents.push(await tangent())
+    assert.ok(Math.abs(poster / height - tangents[0] / tangents.at(-1)) < 0.004, `poster ${poster} of ${height}`)
+  }
+  await page.setViewport({ width: 800, height: 600 })
+  console.log('ok while loading, the poster has the place of the first picture')
   for (const name of names) {
     await open(names.length > 1 ? `${name}.html` : '')
     await page.waitForFunction(() => document.querySelector('fixsplat-viewer').state === 'still', { timeout: 60000 })

@@ -15,6 +15,7 @@
 #include "publish_single.h"
 #include "tools/serve/scene_list.h"
 #include "tools/serve/scene_pages.h"
+#include "tools/serve/scene_picture.h"
 #include "task.h"
 
 typedef struct publish_options {
@@ -24,6 +25,7 @@ typedef struct publish_options {
     int single;
     char mark[TASK_PATH];          /* path of the file that marks an unfinished folder */
     scene_list list;
+    char (*frames)[POSTER_FRAME];  /* for each scene */
     size_t bytes;
     made_list made;                /* new files and folders, removed on failure */
 } publish_options;
@@ -49,8 +51,9 @@ static const option_row own_rows[] = {
     {0}
 };
 
-static int write_scene(publish_options *o, listed_scene *s)
+static int write_scene(publish_options *o, size_t number)
 {
+    const listed_scene *s = &o->list.scenes[number];
     char name[LISTED_NAME + 8], path[TASK_PATH];
     loaded_scene scene;
     fxs_message why;
@@ -62,6 +65,8 @@ static int write_scene(publish_options *o, listed_scene *s)
     if (!is_given("profile"))
         publish_say_gain(&scene, o->words);
     o->bytes += scene.opened->bytes;
+    publish_frame(o->frames[number], scene.opened, o->frame.width ? o->frame.width : PICTURE_WIDTH,
+                  o->frame.height ? o->frame.height : PICTURE_HEIGHT);
     made_list_add(&o->made, path);
     const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
     free_scene(&scene);
@@ -153,19 +158,21 @@ static int copy_page(publish_options *o, const char *package)
     return status ? status : copy_files(o, from, to_viewer);
 }
 
-static void print_scene(FILE *file, const char *title, const char *name, const char *settings)
+static void print_scene(FILE *file, const char *title, const char *name, const char *frame, const char *settings)
 {
     static const char of_scene[] =
         "<meta property=\"og:image\" content=\"%s.jpg\">\n"
         "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
         "<script type=\"module\" src=\"fixsplat/viewer/published.js\"></script>\n"
-        "<fixsplat-viewer src=\"%s.fxs\" label=\"%s\" poster=\"%s.jpg\" ";
+        "<fixsplat-viewer src=\"%s.fxs\" label=\"%s\" poster=\"%s.jpg\"";
     static const char in_scene[] =
-        ">\nThis page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
+        ">\n<img src=\"%s.jpg\" alt=\"\">\n"
+        "<p>This page needs a server of files, say: python3 -m http.server</p>\n</fixsplat-viewer>\n"
         "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
     print_page_head(file, title);
     print_html(file, of_scene, name, name, title, name);
-    fprintf(file, "%s%s", settings ? "settings=\"settings.json\"" : "background=\"#000000\"", in_scene);
+    fprintf(file, "%s%s", frame, settings ? " settings=\"settings.json\"" : " background=\"#000000\"");
+    print_html(file, in_scene, name);
 }
 
 static void print_list(FILE *file, const char *title, const scene_list *list)
@@ -189,7 +196,7 @@ static int write_page(publish_options *o, const char *name, const listed_scene *
     const int is_one = s && o->list.count > 1;
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
-        print_scene(file, title, s->name, o->settings);
+        print_scene(file, title, s->name, o->frames[s - o->list.scenes], o->settings);
     else
         print_list(file, title, &o->list);
     if (fxs_print_end(&printed))
@@ -260,10 +267,12 @@ static int publish_folder(publish_options *o, const char *package)
     int status = o->settings && o->list.count > 1
                      ? fail(EXIT_USAGE, "publish: --settings is for one scene, not %zu", o->list.count)
                      : take_site(o);
+    o->frames = calloc(o->list.count, sizeof *o->frames);
+    status = status || o->frames ? status : fail(EXIT_FAILED, "out of memory");
     status = status ? status : copy_settings(o);
     status = status ? status : copy_page(o, package);
     for (size_t i = 0; i < o->list.count && !status; i++) {
-        status = write_scene(o, &o->list.scenes[i]);
+        status = write_scene(o, i);
         status = status ? status : write_poster(o, &o->list.scenes[i]);
     }
     status = status ? status : write_pages(o);
@@ -313,6 +322,7 @@ static int run(int argc, char **argv)
         made_list_remove(&o.made);
     made_list_free(&o.made);
     scene_list_free(&o.list);
+    free(o.frames);
     return status;
 }
 

@@ -4,11 +4,15 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <fixsplat/pack.h>
+#include <fixsplat/renderer.h>
 #include <fixsplat/scene.h>
+#include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
 #include "command.h"
+#include "tools/serve/scene_picture.h"
 
 #define WORTH_SAYING 1.5           /* least reduction factor of the file size that is reported */
 
@@ -17,6 +21,26 @@ static int load_anew(loaded_scene *scene, const char *path, const load_options *
     fxs_scene_file *file;
     fxs_scene_file_info info;
     return open_scene(path, options, &file, &info) || load_stream(scene, path, options, file, &info);
+}
+
+/* Stores the first view of a scene without a start view as its start view, so that the poster and the page's first
+   picture are the same. */
+static int store_first_view(const fxs_opened *opened)
+{
+    const fxs_picture picture = {50, PICTURE_WIDTH, PICTURE_HEIGHT};
+    double box[2][3], up[3];
+    fxs_object object;
+    fxs_view view;
+    fxs_message why;
+    if (fxs_view_of_start(&view, opened->data, picture.width, picture.height))
+        return 0;
+    memcpy(box[0], opened->report->inner_low, sizeof box[0]);
+    memcpy(box[1], opened->report->inner_high, sizeof box[1]);
+    memcpy(up, opened->info->start.up, sizeof up);
+    fxs_object_init(&object, opened->scene);
+    const int error = fxs_first_view(&object, 1, box, up, &picture, &view, &why) ||
+                      fxs_view_to_start((void *)(uintptr_t)opened->data, &view, &why);
+    return error ? fail_for(&why) : 0;
 }
 
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile)
@@ -35,8 +59,13 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
         if (load_anew(scene, path, &how))
             return EXIT_FAILED;
     }
-    if (anew || !was_packed)
-        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
+    if (!anew && was_packed)
+        return 0;
+    if (store_first_view(scene->opened)) {
+        free_scene(scene);
+        return EXIT_FAILED;
+    }
+    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
     return 0;
 }
 
@@ -55,4 +84,18 @@ void publish_say_gain(const loaded_scene *scene, char *const *words)
         note("%s: taken as it is, %.1f MB in profile %s; %.1f times smaller, with less detail, by: %s --profile small",
              scene->path, (double)scene->opened->bytes * 1e-6, profile_names[own->profile], times, command.text);
     free(command.text);
+}
+
+/* tan a: vertical tangent of the start view, tan p: of the poster, reach: the horizontal tangent that every picture
+   shows. The first picture has the tangent max(tan a, reach height / width), so the poster's height is the smaller of
+   tan p / tan a times the page's height and tan p / reach times its width. */
+void publish_frame(char text[POSTER_FRAME], const fxs_opened *opened, int width, int height)
+{
+    fxs_view wide, poster;
+    text[0] = 0;
+    if (!fxs_view_of_start(&wide, opened->data, 16, 9) || !fxs_view_of_start(&poster, opened->data, width, height))
+        return;
+    const double tangent = height / 2.0 / poster.fy, reach = fxs_start_reach(&wide, opened->data);
+    snprintf(text, POSTER_FRAME, " poster-frame=\"%.4f %.4f\"", tangent * wide.fy / 4.5,
+             reach > 0.001 ? tangent / reach : 1000);
 }

@@ -8,6 +8,12 @@
    profile of the options. Missing levels of detail are added. Close the scene with free_scene. */
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile);
 
+enum { POSTER_FRAME = 40 };
+
+/* Writes the attribute poster-frame of <fixsplat-viewer> for a poster of width x height pixels that shows the scene's
+   start view. The text is empty for a scene without a start view. */
+void publish_frame(char text[POSTER_FRAME], const fxs_opened *opened, int width, int height);
+
 /* Prints a note how much smaller the option --profile small would make an .fxs file. `words` is the current command,
    ended by null. */
 void publish_say_gain(const loaded_scene *scene, char *const *words);

@@ -155,7 +155,8 @@ static int print_carried(FILE *file, const char *package)
     return status ? status : print_file(file, package, "LICENSE", "<script type=\"text/plain\" id=\"licence\">\n");
 }
 
-static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
+static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster,
+                       const char *frame)
 {
     print_page_head(file, page->title);
     print_html(file, "<style>\nhtml, body { height: 100%; margin: 0 }\n"
@@ -164,16 +165,18 @@ static int print_scene(FILE *file, const single_page *page, const fxs_opened *op
                "<fixsplat-viewer label=\"%s\" threads=\"1\" background=\"#000000\" poster=\"data:image/jpeg;base64,",
                page->title);
     write_base64(file, poster->bytes, poster->size);
-    print_html(file, "\"></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">",
+    fprintf(file, "\"%s", frame);
+    print_html(file, "></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">",
                page->name);
     const int status = write_packed(file, opened->data, opened->bytes);
     fputs("</script>\n", file);
     return status;
 }
 
-static int print_page(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
+static int print_page(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster,
+                       const char *frame)
 {
-    int status = print_scene(file, page, opened, poster);
+    int status = print_scene(file, page, opened, poster, frame);
     status = status ? status : print_carried(file, page->package);
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
@@ -196,13 +199,13 @@ static int write_printed(FILE *file, const char *out, size_t *bytes)
     return error ? fail_for(&why) : 0;
 }
 
-static int write_page(const single_page *page, const fxs_opened *opened, const fxs_encoded *poster, const char *out,
-                      size_t *bytes)
+static int write_page(const single_page *page, const fxs_opened *opened, const fxs_encoded *poster,
+                      const char *frame, const char *out, size_t *bytes)
 {
     FILE *file = fxs_stream_temporary();
     if (!file)
         return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
-    int status = print_page(file, page, opened, poster);
+    int status = print_page(file, page, opened, poster, frame);
     status = status ? status : write_printed(file, out, bytes);
     fclose(file);
     return status;
@@ -213,14 +216,16 @@ static int write_of_scene(const single_page *page, const frame_options *frame, l
 {
     const int width = frame->width ? frame->width : PICTURE_WIDTH;
     const int height = frame->width ? frame->height : PICTURE_HEIGHT;
+    char fitted[POSTER_FRAME];
     fxs_encoded poster;
     fxs_message why;
+    publish_frame(fitted, scene->opened, width, height);
     if (scene->opened->bytes > SCENE_MOST)
         return fail(EXIT_FAILED, "%s: %.0f MB packed, and one page takes %d at most: publish a folder", page->scene,
                     (double)scene->opened->bytes * 1e-6, SCENE_MOST / 1000000);
     int status = scene_picture(scene->opened, width, height, frame->render.background, frame->threads, &poster, &why)
                ? fail_for(&why) : 0;
-    status = status ? status : write_page(page, scene->opened, &poster, out, bytes);
+    status = status ? status : write_page(page, scene->opened, &poster, fitted, out, bytes);
     fxs_encoded_free(&poster);
     return status;
 }

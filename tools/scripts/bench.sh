@@ -38,7 +38,8 @@ landscape() {
 }
 
 growth() {
-    printf '### Growth with the number of Gaussians\n\nlandscape, 1280x720, milliseconds: plain C, one thread; then everything, %s threads.\n\n' $two
+    printf '### Growth with the number of Gaussians\n\nlandscape, 1280x720, milliseconds: plain C, one thread; then everything, %s threads.\n' $two
+    printf 'A row with C is plain C on one thread. A row without C uses the fastest kernels of all stages on %s threads.\n\n' $two
     head_row 'Gaussians'
     for count in 100000 300000 1000000 3000000 10000000; do
         landscape $count
@@ -68,8 +69,8 @@ scene_rows() {
 }
 
 scenes() {
-    printf '### Scenes\n\n1280x720, %s threads, milliseconds; then frames at 1920x1080, by 1 thread, by 1 thread in plain C; ' $two
-    printf 'ratios to %s threads.\n\n' $two
+    printf '### Scenes\n\nTimes are milliseconds at 1280x720 with %s threads, except in the columns `1920x1080` (%s threads), `1 thread` and\n' $two $two
+    printf '`C, 1 thread` (plain C). The columns `times` are ratios of `1 thread` and `C, 1 thread` to `frame`.\n\n'
     printf '| scene | project | shade | sort | bin | blend | resolve | frame | 1920x1080 | 1 thread | C, 1 thread | '
     printf 'times 1 thread | times C | frames a second |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
     landscape 1000000
@@ -103,7 +104,7 @@ import_row() {
 }
 
 imports() {
-    printf '### Import\n\nFrom an open file to the packed scene, the file in the page cache; milliseconds, median of three.\n\n'
+    printf '### Import\n\nA time is the median of three runs in milliseconds, from an open file in the page cache to the packed scene.\n\n'
     printf '| file | Gaussians | 1 thread | %s threads | million a second |\n|---|---|---|---|---|\n' $two
     landscape 3000000
     import_row 'landscape, .ply, degree 3' "$work/3000000.ply"
@@ -135,7 +136,8 @@ cutoff_rows() {
 }
 
 cutoffs() {
-    printf '### The cut-offs\n\n1280x720, blend in milliseconds, one thread; PSNR of the square against mahalanobis.\n\n'
+    printf '### The cut-offs\n\nThe columns `pairs` count pairs of a splat and a pixel (1280x720). The columns `blend` have milliseconds of this stage by\n'
+    printf 'one thread. PSNR compares the picture with the cut-off square with the picture with the cut-off mahalanobis.\n\n'
     printf '| scene, cut-off | tile entries | pairs evaluated | pairs blended | blend, C | blend | PSNR, dB |\n'
     printf '|---|---|---|---|---|---|---|\n'
     landscape 1000000
@@ -197,7 +199,7 @@ limit_rows() {
 }
 
 limits() {
-    printf '1280x720, one thread, milliseconds.\n\n| view, share of the memory | MB | bands | project | shade | bin | frame | times |\n'
+    printf 'Times are milliseconds at 1280x720 with one thread.\n\n| view, share of the memory | MB | bands | project | shade | bin | frame | times |\n'
     printf '|---|---|---|---|---|---|---|---|\n'
     landscape 1000000
     limit_rows 'landscape 1,000,000, all in view' "$work/1000000.ply"
@@ -206,7 +208,7 @@ limits() {
 }
 
 sizes() {
-    printf '960x640, 8-bit pictures against double precision from the floats of the file: mean (worst) of four views.\n\n'
+    printf 'The table compares 8-bit pictures (960x640) with double precision from the file'\''s floats: mean (worst) of four views.\n\n'
     FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|' | grep -v 'pixel stage alone'
 }
 
@@ -225,7 +227,8 @@ stereo_row() {
 }
 
 stereo() {
-    printf '1280x720 an eye, eyes 2 %% of the distance to the middle of the scene apart; milliseconds, the fastest of 60 frames, one thread.\n\n'
+    printf 'Each eye has 1280x720 pixels. The distance between the eyes is 2 %% of the distance to the middle of the scene. Times are\n'
+    printf 'milliseconds of the fastest of 60 frames with one thread.\n\n'
     printf '| view | one eye | two eyes | ratio |\n|---|---|---|---|\n'
     landscape 1000000
     stereo_row 'landscape 1,000,000, all in view' "$work/1000000.ply" 2.6
@@ -259,8 +262,8 @@ level_rows() {
 }
 
 levels() {
-    printf '.fxs files of the Gaussians that `convert --decimate` leaves; PSNR against the floats of the whole, mean of 8 views; milliseconds of a frame at 1280x720, '
-    printf 'the fastest of 180, %s threads, snowmiku from view 8.\n\n' $two
+    printf 'A row is an .fxs of the Gaussians that `convert --decimate` leaves. PSNR is the mean of 8 views, against the floats of\n'
+    printf 'the whole scene. `frame` is the fastest of 180 frames in ms (1280x720, %s threads, snowmiku: view 8).\n\n' $two
     printf '| scene | left | Gaussians | bytes | PSNR, dB | frame |\n|---|---|---|---|---|---|\n'
     if [ -d "$SCENES" ]; then
         level_rows snowmiku "$SCENES/snowmiku/snowmiku.ply" "--cameras $SCENES/snowmiku/cameras.json" '--view 8'

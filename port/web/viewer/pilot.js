@@ -61,14 +61,18 @@ export class Pilot {
     const home = this.home()
     if (home) return home
     const view = this.views[this.index] ?? (this.up === this.#scene.first.up ? this.#scene.start : null)
-    return view ? motion.ofView(view, this.#scene) : this.whole
+    return view ? motion.ofView(view, this.#scene, this.#aspect) : this.whole
+  }
+
+  get #aspect() {
+    const { clientWidth, clientHeight } = this.#element
+    return clientWidth / clientHeight || 1
   }
 
   get whole() {
-    const { clientWidth, clientHeight } = this.#element
     const { first } = this.#scene
     const asFound = this.up === first.up ? first : undefined
-    return motion.seeAll(this.#scene, this.up, this.fov, clientWidth / clientHeight || 1, asFound)
+    return motion.seeAll(this.#scene, this.up, this.fov, this.#aspect, asFound)
   }
 
   get radius() {

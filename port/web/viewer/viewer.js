@@ -99,7 +99,7 @@ export class Viewer extends HTMLElement {
     if (this.#isHere) return this.#readSrc()
     this.#isHere = true
     away.delete(this)
-    this.state = this.#scene ? 'loading' : 'empty'
+    this.state = this.#scene || this.#opening ? 'loading' : 'empty'
     for (const item of this.#items) item.keep()
     this.resized = new ResizeObserver(() => this.#change())
     this.resized.observe(this)
@@ -427,8 +427,12 @@ export class Viewer extends HTMLElement {
 
   #showPoster(url) {
     if (this.#scene) return
+    const image = Object.assign(new Image(), { src: url, alt: '' })
+    const [heights, widths] = (this.getAttribute('poster-frame') ?? '').split(' ').map(Number)
+    if (heights > 0 && widths > 0) image.style.height = `min(${100 * heights}%, ${100 * widths}cqw)`
+    this.#ui.stage.style.background = this.getAttribute('background') ?? ''
     this.#ui.stage.querySelector('img')?.remove()
-    this.#ui.stage.append(Object.assign(new Image(), { src: url, alt: '' }))
+    this.#ui.stage.append(image)
   }
 
   async open(source, views = [], view = null) {

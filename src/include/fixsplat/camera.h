@@ -90,7 +90,8 @@ FXS_API int fxs_view_frame_box(fxs_view *view, const double low[3], const double
 FXS_API int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the start view that is stored in an open packed scene at `data`. The
-   near plane is the renderer's default, 0.2. Returns 1, or 0 if the scene has no start view or the size is out of
+   near plane is the renderer's default, 0.2. The vertical field of view grows where a narrow picture would cut the
+   scene's visible part at its left or right, until the picture shows as much to both sides as one of 16:9. Returns 1, or 0 if the scene has no start view or the size is out of
    range. */
 FXS_API int fxs_view_of_start(fxs_view *view, const void *data, int width, int height);
 

@@ -23,6 +23,11 @@ FXS_EXPERIMENTAL int fxs_views_up(const fxs_view *views, size_t count, size_t st
    The result is the candidate nearest to the picture's up vector; without candidates, the up vector itself. */
 FXS_EXPERIMENTAL void fxs_view_up(const fxs_view *view, double up[3]);
 
+/* Returns the tangent of the angle that a scene's visible part reaches to the left or right of a start view, at most
+   16/9 of the view's vertical tangent. Returns 0 if the camera stands within the part, as in a room. `data`: the open
+   packed scene. */
+FXS_EXPERIMENTAL double fxs_start_reach(const fxs_view *start, const void *data);
+
 /* Rolls a camera until `up` points up in its picture; position and direction stay. Returns 1; returns 0 and leaves the
    camera unchanged if it looks along `up`. */
 FXS_EXPERIMENTAL int fxs_view_level(fxs_view *view, const double up[3]);
