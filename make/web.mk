@@ -154,7 +154,8 @@ $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LIC
 # Lists the file endings of readable scene formats from the table in src/scene/formats.c. There, a row of numbers that
 # begins with 1 marks a readable format.
 FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quoted[4] } \
-    /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
+    /^      1, / { n = split(endings, ending, " "); \
+        for (i = 1; i <= n; i++) if (!seen[ending[i]]++) list = list (list ? ", " : "") ending[i] } \
     /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
 $(PACKAGE) $(VIEWER_PACKAGE): src/scene/formats.c
 $(WEB)/stages.js: tools/scripts/stages.mjs src/include/fixsplat/internal/pixel.h $(wildcard kernels/compute/*.wgsl)
