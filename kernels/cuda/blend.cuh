@@ -187,8 +187,8 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Fills in the queued splat *q, except its colour. Returns true if the splat can touch a pixel of the region at pixel
-   (x, y). */
+/* Fills in *q, an entry of the queue of splats to blend, except its colour. Returns true if the splat can touch one of
+   the REGION x Rows pixels whose first is (x, y). */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {

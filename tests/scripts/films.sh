@@ -110,7 +110,7 @@ fails "-o x.gif" 2 "x.gif: expected a name ending in .png" render knot.ply -o x.
 for printed in hash stats 'pick 1,1' 'depth x.png'; do
     fails "-o - --$printed" 2 "the picture goes to standard output.*--${printed%% *}" render knot.ply -o - --$printed
 done
-succeeds "-o - --depth x.pfm" render knot.ply $small -o - --depth x.pfm --depth-range 9
+succeeds "-o - --depth x.pfm" render knot.ply $small -o - --depth x.pfm
 for option in 'o' 'depth' 'ids' 'diff'; do
     long=--output
     [ $option = o ] || long=--$option

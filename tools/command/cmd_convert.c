@@ -43,7 +43,8 @@ typedef struct convert_options {
     int refine_steps;
     int has_refine;
     const char *cameras;
-    uint32_t block, blocks;                 /* number of the block to convert, and number of all blocks; 0: no blocks */
+    uint32_t block, blocks;                 /* --block: which part of a large scene, from 1, and the number of parts;
+                                               0: the whole scene */
 } convert_options;
 
 static int take_up(const option_row *row, void *field, const char *value)

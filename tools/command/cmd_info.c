@@ -464,9 +464,6 @@ static int compare(findings *f, const info_options *o)
     const int is_as_packed = is_packed(&f->world.scenes[0]) || is_given("profile");
     if (f->world.count > 1)
         return fail(EXIT_USAGE, "--compare takes one scene");
-    if ((is_given("budget") || is_given("detail")) && !f->world.scenes[0].opened->scene->nodes)
-        return fail(EXIT_FAILED, "%s: has no levels of detail for --budget and --detail; convert --levels makes them",
-                    f->world.placed.files[0]);
     int status = place_scenes(&original, &(world_options){.scenes = (char **)&o->original, .scene_count = 1});
     if (status)
         return status;

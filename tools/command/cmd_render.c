@@ -127,6 +127,21 @@ static const option_row own_rows[] = {
     {0}
 };
 
+/* Options of own_rows that do nothing with others. */
+static const option_rule rules[] = {
+    {"bg sh-degree", 0, "output hash expect stats", "it changes colours only"},
+    {"alpha", 0, "output hash expect", "it changes the picture only"},
+    {"format", 0, "output", 0},
+    {"diff", 0, "expect", "a picture"},
+    {"depth-kind depth-range", 0, "depth", 0},
+    {"json", 0, "pick", 0},
+    {"depth ids pick stats", "panorama", 0, "it has colours only"},
+    {"stats pick", "stereo", 0, "see: fixsplat bench --stereo"},
+    {"scissor", "panorama stereo pick", 0, 0},
+    {"depth ids pick stats scissor panorama stereo ortho tangents orbit frames", "lens", 0, 0},
+    {0}
+};
+
 static int check_picture(render_options *o)
 {
     if (o->output && strcmp(o->output, "-")) {
@@ -135,7 +150,7 @@ static int check_picture(render_options *o)
             return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg, .webp, .y4m or .rgba, or "
                         "-o - | ffmpeg -i - %s for a film", o->output, o->output);
     } else if (o->output) {
-        if (o->hash || o->stats || o->has_pick || (o->depth && !(o->depth_range > 0)))
+        if (o->hash || o->stats || o->has_pick || (o->depth && ends_with(o->depth, ".png") && !(o->depth_range > 0)))
             return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and --%s prints there too",
                         o->hash ? "hash" : o->stats ? "stats" : o->has_pick ? "pick" : "depth without --depth-range");
         if (fxs_is_terminal(stdout))
@@ -143,8 +158,9 @@ static int check_picture(render_options *o)
     }
     if (o->quality && o->encoding != FXS_IMAGE_JPG && o->encoding != FXS_IMAGE_WEBP)
         return fail(EXIT_USAGE, "--quality is for .jpg and .webp");
-    if (o->diff && !o->expect)
-        return fail(EXIT_USAGE, "--diff needs --expect with a picture");
+    if (o->format == FXS_FORMAT_RGBA8_COVERAGE && (o->encoding == FXS_IMAGE_Y4M || o->encoding == FXS_IMAGE_JPG))
+        return fail(EXIT_USAGE, "--alpha: a %s has no alpha; .png, .webp, .raw and .rgba have",
+                    o->encoding == FXS_IMAGE_JPG ? ".jpg" : ".y4m");
     if (o->diff && !fxs_image_file_known(o->diff))
         return fail(EXIT_USAGE, "--diff %s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->diff);
     return 0;
@@ -157,8 +173,8 @@ static int check_depths(render_options *o)
         return fail(EXIT_USAGE, "--depth %s: expected a name ending in .png or .pfm", o->depth);
     if (o->ids && !fxs_id_file_known(o->ids))
         return fail(EXIT_USAGE, "--ids %s: expected a name ending in .png or .raw", o->ids);
-    if (!o->depth && (o->draws & depths || o->depth_range > 0))
-        return fail(EXIT_USAGE, "%s needs --depth", o->depth_range > 0 ? "--depth-range" : "--depth-kind");
+    if (o->depth_range > 0 && !ends_with(o->depth, ".png"))
+        return fail(EXIT_USAGE, "--depth-range is for a .png: a .pfm has scene units");
     if ((o->draws & depths) == depths)
         return fail(EXIT_USAGE, "--depth-kind: give one kind");
     if (o->depth && !(o->draws & depths))
@@ -173,23 +189,8 @@ static int check_drawing(const render_options *o)
 {
     const frame_options *f = &o->frame;
     const fxs_backend *backend = fxs_backend_find(f->backend);
-    if (f->panorama && (o->draws || o->has_pick || o->stats))
-        return fail(EXIT_USAGE, "--panorama has colours only: no --depth, --ids, --pick, --stats");
-    if (f->stereo > 0 && (o->stats || o->has_pick))
-        return fail(EXIT_USAGE, "%s does not go with --stereo%s", o->stats ? "--stats" : "--pick",
-                    o->stats ? "; see: fixsplat bench --stereo" : "");
-    if (o->has_scissor && (f->panorama || f->stereo > 0 || o->has_pick))
-        return fail(EXIT_USAGE, "--scissor does not go with --panorama, --stereo, --pick");
     if (o->has_scissor && f->render.cutoff == FXS_CUTOFF_SQUARE)
         return fail(EXIT_USAGE, "--scissor does not go with --cutoff square, which depends on the picture's tiles");
-    if (f->lens && !f->cameras)
-        return fail(EXIT_USAGE, "--lens needs --cameras");
-    if (f->lens && (o->draws || o->has_pick || o->stats || o->has_scissor || f->panorama || f->stereo > 0 ||
-                    f->ortho > 0 || f->has_tangents || f->orbit || f->frames))
-        return fail(EXIT_USAGE, "--lens draws the colours of views of a camera file only: no --depth, --ids, --pick, "
-                    "--stats, --scissor, --panorama, --stereo, --ortho, --tangents, --orbit, --frames");
-    if (o->json && !o->has_pick)
-        return fail(EXIT_USAGE, "--json is for --pick");
     if (o->draws && backend && !(backend->can & FXS_CAN_TRACE))
         return fail(EXIT_USAGE, "--backend %s has colours only: no --depth, --ids", backend->name);
     return 0;
@@ -201,7 +202,7 @@ static int check_outputs(render_options *o)
         !o->has_expected_hash)
         return fail(EXIT_USAGE, "render: where to? Give -o OUT.png, --depth, --ids, --pick, --hash, --expect or "
                     "--stats");
-    return check_picture(o) || check_depths(o) || check_drawing(o);
+    return check_rules(rules) || check_picture(o) || check_depths(o) || check_drawing(o);
 }
 
 static int read_options(render_options *o, int argc, char **argv)

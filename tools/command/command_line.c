@@ -200,9 +200,49 @@ static struct row_taken *find_row(int option)
 int is_given(const char *name)
 {
     const struct row_taken *t = taken;
-    while (strcmp(t->row->name, name))
+    while (t->row && strcmp(t->row->name, name))
         t++;
-    return t->given;
+    return t->row && t->given;
+}
+
+/* Finds the first option of a list that is given. Returns 0 if none is. */
+static int first_given(const char *list, char name[32])
+{
+    for (size_t length; list && *list; list += length + (list[length] == ' ')) {
+        length = strcspn(list, " ");
+        snprintf(name, 32, "%.*s", (int)length, list);
+        if (is_given(name))
+            return 1;
+    }
+    return 0;
+}
+
+/* Prints "--a", or "--a, --b or --c" for a list. */
+static void print_options(char *out, size_t room, const char *list)
+{
+    size_t used = 0;
+    for (size_t length; *list; list += length + (list[length] == ' ')) {
+        length = strcspn(list, " ");
+        const char *between = !used ? "" : strchr(list, ' ') ? ", " : " or ";
+        used += (size_t)snprintf(out + used, room - used, "%s--%.*s", between, (int)length, list);
+    }
+}
+
+int check_rules(const option_rule *rules)
+{
+    char name[32], other[32], wanted[160];
+    for (const option_rule *r = rules; r->options; r++) {
+        if (!first_given(r->options, name) || (r->unless && first_given(r->unless, other)))
+            continue;
+        const char *why = r->why ? r->why : "", *colon = r->why ? ": " : "";
+        if (r->with && first_given(r->with, other))
+            return fail(EXIT_USAGE, "--%s does not go with --%s%s%s", name, other, colon, why);
+        if (r->with)
+            continue;
+        print_options(wanted, sizeof wanted, r->unless);
+        return fail(EXIT_USAGE, "--%s needs %s%s%s", name, wanted, colon, why);
+    }
+    return 0;
 }
 
 static int wrong_word(char **argv)

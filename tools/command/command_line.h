@@ -94,7 +94,19 @@ extern const option_row common_rows[];
    option. --help and --version end the program. */
 int take_options(const command *c, void *options, int argc, char **argv);
 
+/* True if the command line has this option. */
 int is_given(const char *name);
+
+/* A rule about options of the command line. Lists of options are separated by blanks. */
+typedef struct option_rule {
+    const char *options;                    /* these options ... */
+    const char *with;                       /* ... do nothing with any of these; null: in any case, */
+    const char *unless;                     /* unless one of these is given */
+    const char *why;                        /* end of the error message; null: none */
+} option_rule;
+
+/* Refuses an option that does nothing together with the others. The last rule has null `options`. */
+int check_rules(const option_rule *rules);
 
 void print_rows(const option_row *rows);
 

@@ -220,27 +220,32 @@ void frame_options_default(frame_options *options)
     options->device_count = 1;
 }
 
+/* Options of camera_rows and frame_rows that do nothing with others. */
+static const option_rule rules[] = {
+    {"view lens", 0, "cameras", 0},
+    {"frames", 0, "view", "several views, as 8..40 or all"},
+    {"look", 0, "eye", 0},
+    {"eye look", "cameras", 0, "give one camera"},
+    {"fov", "cameras", 0, "its views have their own; --ortho and --tangents replace it"},
+    {"up auto-up", "cameras", "orbit panorama", "its views have their own up direction; convert --up turns a scene"},
+    {"auto-up", "up", 0, "give one"},
+    {"fov", "ortho", 0, "its picture has a height instead"},
+    {"fov stereo ortho tangents", "panorama", 0, "it looks all around"},
+    {"tangents", "ortho", 0, "give one"},
+    {"orbit", "frames", 0, "give one"},
+    {0}
+};
+
 int frame_options_check(const frame_options *options)
 {
-    if (options->view && !options->cameras)
-        return fail(EXIT_USAGE, "--view needs --cameras");
-    if (options->cameras && (options->eye.given || options->look.given))
-        return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
-    if (options->auto_up && options->up.given)
-        return fail(EXIT_USAGE, "--auto-up and --up: give one");
-    if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents))
-        return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, --ortho, --tangents");
-    if (options->has_tangents && options->ortho > 0)
-        return fail(EXIT_USAGE, "--tangents and --ortho: give one");
+    const fxs_backend *backend = fxs_backend_find(options->backend);
+    if (check_rules(rules))
+        return EXIT_USAGE;
+    if (is_given("device") && backend && !(backend->can & FXS_CAN_DEVICES))
+        return fail(EXIT_USAGE, "--device is for --backend cuda, not for %s", backend->name);
     if (options->panorama && options->width != 2 * options->height)
         return fail(EXIT_USAGE, "--panorama is twice as wide as high: --size %dx%d is not", options->width,
                     options->height);
-    if (options->orbit && options->frames)
-        return fail(EXIT_USAGE, "--orbit and --frames: give one");
-    if (options->frames && !options->view)
-        return fail(EXIT_USAGE, "--frames needs --view with several views, as 8..40 or all");
-    if (options->look.given && !options->eye.given)
-        return fail(EXIT_USAGE, "--look needs --eye");
     return 0;
 }
 

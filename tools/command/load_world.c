@@ -218,12 +218,33 @@ static int load_scenes(world *w, const load_options *load)
     return status ? status : place_objects(w);
 }
 
+/* Refuses options that do nothing for these scenes. */
+static int check_options(const world *w, const load_options *load)
+{
+    int has_levels = 0, is_all_packed = 1;
+    for (uint32_t i = 0; i < w->placed.file_count; i++) {
+        has_levels |= w->scenes[i].opened->scene->nodes != NULL;
+        is_all_packed &= is_packed(&w->scenes[i]);
+    }
+    if ((is_given("budget") || is_given("detail")) && !has_levels)
+        return fail(EXIT_FAILED, "%s: has no levels of detail for --budget and --detail; convert --levels makes "
+                    "them", w->placed.files[0]);
+    if (is_given("profile") && !is_given("compare") && is_all_packed)
+        return fail(EXIT_FAILED, "%s: is packed already; convert --profile packs it anew", w->placed.files[0]);
+    if (load->lod && !load->lods && w->placed.file_count == 1 && is_all_packed)
+        return fail(EXIT_FAILED, "%s: --lod is not for an .fxs: --detail and --budget choose its levels",
+                    w->placed.files[0]);
+    return 0;
+}
+
 int world_open(world *w, const world_options *options, const load_options *load)
 {
     memset(w, 0, sizeof *w);
     int status = place_scenes(&w->placed, options);
     if (!status)
         status = load_scenes(w, load);
+    if (!status)
+        status = check_options(w, load);
     if (status)
         world_close(w);
     return status;

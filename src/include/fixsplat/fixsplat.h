@@ -81,7 +81,7 @@ enum fxs_error {
                                    rendering */
     FXS_ERR_VERSION = -3,       /* the data are a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* a field of the camera is out of range: focal length not above 0, rotation not
-                                   orthonormal, position beyond +-2^28 units, or near plane */
+                                   orthonormal, position beyond +-2^28 units, or near plane not 2^-20 to 2^28 units */
     FXS_ERR_SIZE = -5,          /* the picture's width or height is outside 1..FXS_MAX_SIZE; a cropped camera's window
                                    is outside the whole picture; or two eyes have different sizes or projections */
     FXS_ERR_MEMORY = -6,        /* too little working memory, or working memory not aligned to 64; or too little device
