@@ -129,6 +129,8 @@ static const option_row own_rows[] = {
 
 /* Options of own_rows that do nothing with others. */
 static const option_rule rules[] = {
+    {"frames", 0, "view", "several views, as 8..40 or all"},
+    {"orbit", "frames", 0, "give one"},
     {"bg sh-degree", 0, "output hash expect stats", "it changes colours only"},
     {"alpha", 0, "output hash expect", "it changes the picture only"},
     {"format", 0, "output", 0},

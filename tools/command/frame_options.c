@@ -223,7 +223,6 @@ void frame_options_default(frame_options *options)
 /* Options of camera_rows and frame_rows that do nothing with others. */
 static const option_rule rules[] = {
     {"view lens", 0, "cameras", 0},
-    {"frames", 0, "view", "several views, as 8..40 or all"},
     {"look", 0, "eye", 0},
     {"eye look", "cameras", 0, "give one camera"},
     {"fov", "cameras", 0, "its views have their own; --ortho and --tangents replace it"},
@@ -232,7 +231,6 @@ static const option_rule rules[] = {
     {"fov", "ortho", 0, "its picture has a height instead"},
     {"fov stereo ortho tangents", "panorama", 0, "it looks all around"},
     {"tangents", "ortho", 0, "give one"},
-    {"orbit", "frames", 0, "give one"},
     {0}
 };
 
