@@ -310,6 +310,11 @@ export class Viewer extends HTMLElement {
   addEventListener<Name extends keyof HTMLElementEventMap>(
     name: Name, listener: (this: Viewer, event: HTMLElementEventMap[Name]) => void, options?: How): void
   addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: How): void
+  removeEventListener<Name extends keyof ViewerEvents>(
+    name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: How): void
+  removeEventListener<Name extends keyof HTMLElementEventMap>(
+    name: Name, listener: (this: Viewer, event: HTMLElementEventMap[Name]) => void, options?: How): void
+  removeEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: How): void
 }
 
 /** The attributes of <fixsplat-viewer> for frameworks such as React. `true` and '' set an attribute without a value. */

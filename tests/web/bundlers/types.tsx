@@ -1,7 +1,7 @@
 // TypeScript must report the marked errors, and no others.
 import { load, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 import * as inline from 'fixsplat/inline'
-import { type Backend, Viewer } from 'fixsplat-viewer'
+import { type Backend, Viewer, type ViewerEvents } from 'fixsplat-viewer'
 import 'fixsplat-viewer/inline'
 import 'fixsplat-viewer/react'
 import { useRef } from 'react'
@@ -30,6 +30,9 @@ export function page() {
   const viewer = document.querySelector('fixsplat-viewer')
   viewer?.addEventListener('frame', ({ detail }) => console.log(detail.milliseconds.toFixed()))
   viewer?.addEventListener('error', (event) => console.log(event.message.length))
+  const shown = ({ detail }: ViewerEvents['frame']) => console.log(detail.milliseconds.toFixed())
+  viewer?.addEventListener('frame', shown)
+  viewer?.removeEventListener('frame', shown)
   const made: Viewer = document.createElement('fixsplat-viewer')
   made.settings = { mode: 'walk', eyeHeight: 1.6 }
   made.view = '0,0,-4,0,0,0,0,-1,0,45'
