@@ -115,6 +115,12 @@ touch "$work/half/web/package/package.json"
 is "install: no page of which there is a part" "" "$(make_ -n B="$work/half" install | grep share/fixsplat)"
 is "setup: no sources for the web where none are wanted" "" "$(make_ -n B="$work/half" setup web WEB_SOURCES= | grep web_sources)"
 
+mkdir "$work/few"
+ln -s "$(command -v git)" "$(command -v uname)" "$work/few"
+said=$(PATH="$work/few" /bin/sh tools/scripts/dist.sh "$work/none" "$work/none" 2>&1)
+is "dist: programs that are missing are said at once" "1 0" "$(echo "$said" | grep -Ec '^dist: not here: .* dh .*: make setup dist$') \
+$(ls "$work/none" 2>/dev/null | wc -l)"
+
 # ---- Setup while another apt-get runs --------------------------------------------------------------------------------
 
 mkdir "$work/bin"

@@ -30,8 +30,8 @@ done
 
 # objects OPTION...: prints hashes of a picture of several objects with depths and ids, and of a panorama.
 objects() { set -- "$work/scene.ply" --place 0:0,0,0 --place 0:3,1,-2,1,2,3,4,1.5 --place 0:0,0,1 \
-    --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 201x103 "$@"
-    "$B/fixsplat" render "$@" --hash --depth "$work/depth.pfm" --ids "$work/ids.raw" --pick 100,50 &&
+    --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --size 201x103 "$@"
+    "$B/fixsplat" render "$@" --fov 36 --hash --depth "$work/depth.pfm" --ids "$work/ids.raw" --pick 100,50 &&
         cksum <"$work/depth.pfm" && cksum <"$work/ids.raw" &&
         "$B/fixsplat" render "$@" --size 200x100 --panorama --hash; }
 picture=$expected expected=$(objects --cpu c --threads 1)
