@@ -34,31 +34,38 @@ int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
 #define ROOM 1.1
 #define TANGENT_MOST 12.0
 
-/* The visible part counts as an ellipsoid in its box, ROOM times as large. c is its centre in camera space, a[i] its
-   half axis i. A plane x = m z through the camera touches it if
-   (c.x - m c.z)^2 = |u - m w|^2, with u[i] = a[i].x and w[i] = a[i].z. The reach is the larger |m| of the two. */
+/* The box counts as an ellipsoid, ROOM times as large. c is its centre in camera space, a[i] its half axis i. A plane
+   x = m z through the camera touches it if (c.x - m c.z)^2 = |u - m w|^2, with u[i] = a[i].x and w[i] = a[i].z. The
+   reach is the larger |m| of the two. */
+double fxs_view_reach(const fxs_view *view, const double low[3], const double high[3], int axis)
+{
+    const double *across = view->rotation + 3 * axis, *forward = view->rotation + 6;
+    double x = 0, z = 0, uu = 0, uw = 0, ww = 0;
+    for (int i = 0; i < 3; i++) {
+        const double centre = (low[i] + high[i]) / 2 - view->position[i], half = ROOM * (high[i] - low[i]) / 2;
+        x += across[i] * centre;
+        z += forward[i] * centre;
+        uu += half * half * across[i] * across[i];
+        uw += half * half * across[i] * forward[i];
+        ww += half * half * forward[i] * forward[i];
+    }
+    if (!(z > 0 && z * z > ww))
+        return 0;
+    const double square = z * z - ww, middle = x * z - uw;
+    return (fabs(middle) + sqrt(fmax(middle * middle - square * (x * x - uu), 0))) / square;
+}
+
 double fxs_start_reach(const fxs_view *start, const void *data)
 {
-    const double most = WIDEST * start->height / 2.0 / start->fy;
-    const double *r = start->rotation;
-    double cx = 0, cz = 0, uu = 0, uw = 0, ww = 0;
+    double low[3], high[3];
     fxs_packed_header h;
     memcpy(&h, data, sizeof h);
     fxs_packed_header_turn(&h);
     for (int i = 0; i < 3; i++) {
-        const double low = ldexp((double)h.inner_low_q32[i], -32), high = ldexp((double)h.inner_high_q32[i], -32);
-        const double centre = (low + high) / 2 - start->position[i], half = ROOM * (high - low) / 2;
-        cx += r[i] * centre;
-        cz += r[6 + i] * centre;
-        uu += half * half * r[i] * r[i];
-        uw += half * half * r[i] * r[6 + i];
-        ww += half * half * r[6 + i] * r[6 + i];
+        low[i] = ldexp((double)h.inner_low_q32[i], -32);
+        high[i] = ldexp((double)h.inner_high_q32[i], -32);
     }
-    if (!(cz > 0 && cz * cz > ww))
-        return 0;
-    const double square = cz * cz - ww, middle = cx * cz - uw;
-    const double apart = sqrt(fmax(middle * middle - square * (cx * cx - uu), 0));
-    return fmin((fabs(middle) + apart) / square, most);
+    return fmin(fxs_view_reach(start, low, high, 0), WIDEST * start->height / 2.0 / start->fy);
 }
 
 int fxs_view_of_start(fxs_view *view, const void *data, int width, int height)

@@ -14,7 +14,8 @@
 #include <fixsplat/internal/view_more.h>
 #include "src/camera/lens_file.h"
 
-enum { VIEWS_MOST = 100000 };
+enum { VIEWS_MOST = 100000, SIDES = 32 };
+#define FARTHER_MOST 8.0
 
 /* Parses the number of a view, from 0 to count - 1. Returns the text after the number; null: invalid. */
 static const char *take_view(const char *text, long count, long *number)
@@ -113,11 +114,46 @@ static long views_of_list(const frame_options *options, const fxs_view *views, l
     return -1;
 }
 
-static void turn(const frame_options *o, const world *w, const fxs_view *first, fxs_view *frames)
+/* True if the scene's visible part lies within the picture from every side of an orbit. Sets *is_outside to 0 if the
+   orbit passes through the visible part, as in a room. */
+static int is_seen_around(const world *w, const fxs_view *first, const double middle[3], const double up[3],
+                          int *is_outside)
+{
+    for (int i = 0; i < SIDES; i++) {
+        fxs_view view = *first;
+        if (i)
+            fxs_view_orbit(&view, middle, up, 6.283185307179586 * i / SIDES);
+        const double right = fxs_view_reach(&view, w->inner_low, w->inner_high, 0);
+        const double down = fxs_view_reach(&view, w->inner_low, w->inner_high, 1);
+        *is_outside &= right > 0;
+        if (right > view.width / 2.0 / view.fx || down > view.height / 2.0 / view.fy)
+            return 0;
+    }
+    return 1;
+}
+
+/* Moves the first view of an orbit away from the middle, at most FARTHER_MOST times as far, until the scene's visible
+   part lies within the picture from every side. */
+static void move_away(const world *w, fxs_view *first, const double middle[3], const double up[3])
+{
+    const fxs_view near = *first;
+    int is_outside = 1;
+    for (double times = 1; times < FARTHER_MOST && is_outside; times *= 1.02) {
+        for (int i = 0; i < 3; i++)
+            first->position[i] = middle[i] + times * (near.position[i] - middle[i]);
+        if (is_seen_around(w, first, middle, up, &is_outside))
+            return;
+    }
+    *first = near;
+}
+
+static void turn(const frame_options *o, const world *w, fxs_view *first, fxs_view *frames)
 {
     double middle[3];
     for (int i = 0; i < 3; i++)
         middle[i] = (w->inner_low[i] + w->inner_high[i]) / 2;
+    if (!o->cameras && !o->eye.given && first->projection == FXS_PERSPECTIVE)
+        move_away(w, first, middle, o->up.at);
     for (long i = 0; i < o->orbit; i++) {
         frames[i] = *first;
         if (i)

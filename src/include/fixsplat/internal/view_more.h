@@ -23,6 +23,10 @@ FXS_EXPERIMENTAL int fxs_views_up(const fxs_view *views, size_t count, size_t st
    The result is the candidate nearest to the picture's up vector; without candidates, the up vector itself. */
 FXS_EXPERIMENTAL void fxs_view_up(const fxs_view *view, double up[3]);
 
+/* Returns the tangent of the angle that the box low..high reaches to the left or right of a view (axis 0), or up or
+   down (axis 1). Returns 0 if the camera stands within or before the box. */
+FXS_EXPERIMENTAL double fxs_view_reach(const fxs_view *view, const double low[3], const double high[3], int axis);
+
 /* Returns the tangent of the angle that a scene's visible part reaches to the left or right of a start view, at most
    16/9 of the view's vertical tangent. Returns 0 if the camera stands within the part, as in a room. `data`: the open
    packed scene. */
