@@ -31,7 +31,7 @@ int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
 
 /* A narrow picture shows no more to both sides than a picture of 16:9. */
 #define WIDEST (16.0 / 9)
-#define ROOM 1.1
+#define ROOM 1.2
 #define TANGENT_MOST 12.0
 
 /* The box counts as an ellipsoid, ROOM times as large. c is its centre in camera space, a[i] its half axis i. A plane
