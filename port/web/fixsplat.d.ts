@@ -308,8 +308,8 @@ export class Scene {
   readonly first: { up: number[]; from: number[]; part: number; low: number[]; high: number[]; known: boolean }
   /** The start view that the .fxs file stores; null if the file stores none. It is a camera with the intrinsics of a
       picture of 2 x 2 pixels. `render` without a camera uses the start view. `reach` is the tangent of the angle that
-      the scene reaches to the left or right of the view. A narrow picture shows this angle too. `reach` is 0 in a
-      room. */
+      the scene reaches to the left or right of the view. A picture higher than wide shows this angle too. `reach`
+      is 0 in a room. */
   readonly start: (Pinhole & { readonly reach: number }) | null
   /** The number of started threads that draw the scene. */
   readonly threads: number

@@ -1,5 +1,5 @@
-/* Reads and writes the start view (the first camera for viewers) in the header of a packed scene. A narrow
- * picture has a wider view, which shows the scene's visible part to both sides. */
+/* Reads and writes the start view (the first camera for viewers) in the header of a packed scene. A picture
+ * higher than wide has a wider view, which shows the scene's visible part to both sides. */
 #include <math.h>
 #include <string.h>
 
@@ -29,7 +29,7 @@ int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
     return 0;
 }
 
-/* A narrow picture shows no more to both sides than a picture of 16:9. */
+/* A picture higher than wide shows no more to both sides than a picture of 16:9. */
 #define WIDEST (16.0 / 9)
 #define ROOM 1.2
 #define TANGENT_MOST 12.0
@@ -87,8 +87,8 @@ int fxs_view_of_start(fxs_view *view, const void *data, int width, int height)
     view->cx = width / 2.0;
     view->cy = height / 2.0;
     view->fx = view->fy = height / 2.0 / start.tangent;
-    const double tangent = fxs_start_reach(view, data) * height / width;
-    if (tangent > start.tangent)
-        view->fx = view->fy = height / 2.0 / fmin(tangent, TANGENT_MOST);
+    const double tall = (double)height / width, reach = fmin(fxs_start_reach(view, data), start.tangent * tall);
+    if (tall > 1 && reach * tall > start.tangent)
+        view->fx = view->fy = height / 2.0 / fmin(reach * tall, TANGENT_MOST);
     return 1;
 }

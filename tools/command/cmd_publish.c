@@ -85,6 +85,7 @@ static int write_poster(publish_options *o, const listed_scene *s)
     join_path(poster, o->site, name);
     made_list_add(&o->made, poster);
     r->frame = o->frame;
+    r->frame.load.again = 1;
     r->frame.world = (world_options){.scenes = scenes, .scene_count = 1};
     r->output = poster;
     r->encoding = FXS_IMAGE_JPG;

@@ -89,7 +89,7 @@ static const option_row own_rows[] = {
     {"fps", "N", INT(rate, 1, 1000), .help = "frames per second of a .y4m, 1 to 1000 (default 30)"},
     {"orbit", "N", INT(frame.orbit, 2, FRAMES_MOST), .basic = 1, .help =
      "render N views, 2 to 100000: a turn about the middle of the scene and the axis --up, starting at the camera. "
-     "Without --eye and --cameras, the camera is far enough away to see the whole scene from all sides"},
+     "A camera that render chooses is far enough away to see the whole scene from all sides"},
     {"frames", "N", INT(frame.frames, 2, FRAMES_MOST), .help =
      "render N views, 2 to 100000, on a smooth path through the views of --view; all have the size of the first view"},
     {"alpha", 0, take_alpha, 0, .help = "store coverage in alpha, with premultiplied colours (default: alpha is 255)"},

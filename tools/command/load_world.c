@@ -222,6 +222,8 @@ static int load_scenes(world *w, const load_options *load)
 static int check_options(const world *w, const load_options *load)
 {
     int has_levels = 0, is_all_packed = 1;
+    if (load->again)
+        return 0;
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         has_levels |= w->scenes[i].opened->scene->nodes != NULL;
         is_all_packed &= is_packed(&w->scenes[i]);

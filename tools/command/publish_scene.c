@@ -86,9 +86,8 @@ void publish_say_gain(const loaded_scene *scene, char *const *words)
     free(command.text);
 }
 
-/* tan a: vertical tangent of the start view, tan p: of the poster, reach: the horizontal tangent that every picture
-   shows. The first picture has the tangent max(tan a, reach height / width), so the poster's height is the smaller of
-   tan p / tan a times the page's height and tan p / reach times its width. */
+/* tan a: vertical tangent of the start view, tan p: of the poster, reach: the horizontal tangent of the scene. The
+   numbers are tan p / tan a and tan p / reach. */
 void publish_frame(char text[POSTER_FRAME], const fxs_opened *opened, int width, int height)
 {
     fxs_view wide, poster;

@@ -114,6 +114,24 @@ static long views_of_list(const frame_options *options, const fxs_view *views, l
     return -1;
 }
 
+static int width_of(const frame_options *options)
+{
+    return options->width ? options->width : options->panorama ? 2048 : 1280;
+}
+
+static int height_of(const frame_options *options)
+{
+    return options->height ? options->height : options->panorama ? 1024 : 720;
+}
+
+/* Computes the start view of a single scene. Returns 0 if the scene has no start view or an option asks for another
+   camera. */
+static int has_start(const frame_options *o, const world *w, fxs_view *view)
+{
+    return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
+           fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
+}
+
 /* True if the scene's visible part lies within the picture from every side of an orbit. Sets *is_outside to 0 if the
    orbit passes through the visible part, as in a room. */
 static int is_seen_around(const world *w, const fxs_view *first, const double middle[3], const double up[3],
@@ -150,9 +168,10 @@ static void move_away(const world *w, fxs_view *first, const double middle[3], c
 static void turn(const frame_options *o, const world *w, fxs_view *first, fxs_view *frames)
 {
     double middle[3];
+    fxs_view start;
     for (int i = 0; i < 3; i++)
         middle[i] = (w->inner_low[i] + w->inner_high[i]) / 2;
-    if (!o->cameras && !o->eye.given && first->projection == FXS_PERSPECTIVE)
+    if (!o->cameras && !o->eye.given && !has_start(o, w, &start) && first->projection == FXS_PERSPECTIVE)
         move_away(w, first, middle, o->up.at);
     for (long i = 0; i < o->orbit; i++) {
         frames[i] = *first;
@@ -189,16 +208,6 @@ static long frames_of_film(const frame_options *options, const world *w, fxs_vie
     free(*views);
     *views = made;
     return made ? frames : -1;
-}
-
-static int width_of(const frame_options *options)
-{
-    return options->width ? options->width : options->panorama ? 2048 : 1280;
-}
-
-static int height_of(const frame_options *options)
-{
-    return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
 /* Keeps only the views that option --view names, in new arrays. Returns their number; -1: failure. */
@@ -275,14 +284,6 @@ static int is_chosen(const frame_options *o)
 static double fov_of(const frame_options *o)
 {
     return o->fov > 0 ? o->fov : 50;
-}
-
-/* Computes the start view of a single scene. Returns 0 if the scene has no start view or an option asks for another
-   camera. */
-static int has_start(const frame_options *o, const world *w, fxs_view *view)
-{
-    return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
-           fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
 /* Chooses the first view of a world (placed scenes) that is wholly in memory. If is_up is 0, also finds the up

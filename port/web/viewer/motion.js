@@ -146,8 +146,9 @@ export function seeAll(scene, sceneUp, fov, aspect, first) {
 }
 
 /** Converts a camera of a cameras.json file. Its target becomes the point of the camera's axis that is nearest to the
-    middle of the scene's box. A narrow picture (aspect: width / height) shows the tangent view.reach to both sides. */
-export function ofView(view, { low, high }, aspect = 16 / 9) {
+    middle of the scene's box. A picture higher than wide (aspect: width / height) shows view.reach to both sides, as
+    fxs_view_of_start does. */
+export function ofView(view, { low, high }, aspect = 1) {
   const column = (i) => view.rotation.map((row) => row[i])
   const forward = unit(column(2))
   const radius = Math.hypot(...add(high, low, -1)) / 2
@@ -156,8 +157,9 @@ export function ofView(view, { low, high }, aspect = 16 / 9) {
   const { width, height, fx, fy = fx, cx = width / 2, cy = height / 2, orthographic: flat = false } = view
   const shift = [(cx - width / 2 || 0) / height, (cy - height / 2) / height]
   const far = flat ? Math.hypot(...add(look, view.position, -1)) : 1
-  const tall = Math.min((view.reach ?? 0) / aspect, 12)
-  const fov = degrees(Math.max(height / 2 / fy / far, tall))
+  const tangent = height / 2 / fy / far
+  const tall = aspect < 1 ? Math.min(view.reach ?? 0, tangent / aspect) / aspect : 0
+  const fov = degrees(Math.max(tangent, Math.min(tall, 12)))
   return { eye: [...view.position], look, up: column(1).map((x) => -x), fov, flat, shift }
 }
 

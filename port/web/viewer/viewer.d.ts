@@ -330,7 +330,7 @@ export interface ViewerAttributes {
   detail?: number | string
   /** The address of a picture to show until the first picture of the scene. */
   poster?: string
-  /** "H W": the poster is the smaller of H times the element's height and W times its width high. */
+  /** Two numbers that `fixsplat publish` writes. They make the poster cover the first picture exactly. */
   'poster-frame'?: string
   backend?: Backend | ''
   /** The number of drawing threads, 1 to 64; see `LoadOptions.threads`. */

@@ -101,7 +101,10 @@ export class Viewer extends HTMLElement {
     away.delete(this)
     this.state = this.#scene || this.#opening ? 'loading' : 'empty'
     for (const item of this.#items) item.keep()
-    this.resized = new ResizeObserver(() => this.#change())
+    this.resized = new ResizeObserver(() => {
+      this.#fitPoster()
+      this.#change()
+    })
     this.resized.observe(this)
     this.theme = matchMedia('(prefers-color-scheme: light)')
     this.theme.onchange = () => this.#change()
@@ -428,11 +431,20 @@ export class Viewer extends HTMLElement {
   #showPoster(url) {
     if (this.#scene) return
     const image = Object.assign(new Image(), { src: url, alt: '' })
-    const [heights, widths] = (this.getAttribute('poster-frame') ?? '').split(' ').map(Number)
-    if (heights > 0 && widths > 0) image.style.height = `min(${100 * heights}%, ${100 * widths}cqw)`
     this.#ui.stage.style.background = this.getAttribute('background') ?? ''
     this.#ui.stage.querySelector('img')?.remove()
     this.#ui.stage.append(image)
+    this.#fitPoster()
+  }
+
+  /** Gives the poster the height of the first picture, by the formula of ofView in motion.js. */
+  #fitPoster() {
+    const image = this.#ui.stage.querySelector('img')
+    const [heights, widths] = (this.getAttribute('poster-frame') ?? '').split(' ').map(Number)
+    const aspect = this.clientWidth / this.clientHeight
+    if (!image || !(heights > 0 && widths > 0)) return
+    const tall = aspect < 1 ? Math.min(heights / widths, 1 / aspect) / aspect : 1
+    image.style.height = `${(100 * heights) / Math.max(tall, 1)}%`
   }
 
   async open(source, views = [], view = null) {

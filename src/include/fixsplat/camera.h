@@ -90,9 +90,10 @@ FXS_API int fxs_view_frame_box(fxs_view *view, const double low[3], const double
 FXS_API int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the start view that is stored in an open packed scene at `data`. The
-   near plane is the renderer's default, 0.2. The vertical field of view grows where a narrow picture would cut the
-   scene's visible part at its left or right, until the picture shows as much to both sides as one of 16:9. Returns 1,
-   or 0 if the scene has no start view or the size is out of range. */
+   near plane is the renderer's default, 0.2. In a picture that is higher than wide, the vertical field of view
+   grows where the scene's visible part would be cut at the left or right: to at most (height / width)^2 times the
+   tangent, and to no more at the sides than a picture of 16:9 shows. Returns 1, or 0 if the scene has no start view or
+   the size is out of range. */
 FXS_API int fxs_view_of_start(fxs_view *view, const void *data, int width, int height);
 
 /* Changes a camera's picture size. It multiplies fx, fy and the distance of the principal point from the picture's
