@@ -3,8 +3,8 @@
 
 #include <fixsplat/internal/fixed.h>
 
-/* Returns the colour that shows a chunk's level in the level-of-detail tree. The level of a
-   node is log2 of its number of leaves. Node number n covers about chunk_count / (n + 1) leaves. */
+/* Returns the colour that shows a chunk's level in the level-of-detail tree. The level of a node is log2 of its number
+   of leaves. Node number n covers about chunk_count / (n + 1) leaves. */
 static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
 {
     static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
