@@ -71,8 +71,10 @@ static int read_colmap(fxs_view_list *list, const char *folder, int folder_lengt
 int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_message *message)
 {
     static const char *const known[] = {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin",
-                                        "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
-                                        "transforms_train.json", "cameras.json", "cameras.xml", "cameras.csv",
+                                        "sparse/images.txt", "images.bin", "images.txt", "sparse/1/images.bin",
+                                        "sparse/1/images.txt", "colmap/sparse/0/images.bin",
+                                        "colmap/sparse/0/images.txt", "transforms.json", "transforms_train.json",
+                                        "transform_train.json", "cameras.json", "cameras.xml", "cameras.csv",
                                         "bundle.out"};
     const char *slash = *folder && folder[strlen(folder) - 1] == '/' ? "" : "/";
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {

@@ -200,6 +200,15 @@ set/images ../sparse/0/points3D.txt
 set/images ..
 END
 
+mkdir -p deep/colmap/sparse second/sparse
+cp -r set/sparse/0 deep/colmap/sparse/0
+cp -r set/images deep/input
+cp -r set/sparse/0 second/sparse/1
+cp -r set/images second/images_4
+for folder in deep second; do succeeds "cameras of $folder" fit $folder --steps 1 -o few.fxs; done
+fails "fit a photograph" 2 "images/05.png: a photograph: fit takes the folder that has all of them" \
+    fit set/images/05.png -o few.fxs
+
 # ---- Photographs held out --------------------------------------------------------------------------------------------
 
 succeeds "--hold-out 0" fit set --steps 20 -o few.fxs --hold-out 0

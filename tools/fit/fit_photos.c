@@ -7,6 +7,7 @@
 #include <fixsplat/system.h>
 #include <fixsplat/internal/fit_more.h>
 #include "src/base/os_calls.h"
+#include "src/image/photograph.h"
 #include "tools/command/file_guard.h"
 #include "film_frames.h"
 #include "fit_result.h"
@@ -240,6 +241,8 @@ static int find_cameras(fit_command *c)
                                      c->reading.masks, c->reading.invert_masks};
     if (c->frames && !film_is_named(c->in))
         return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
+    if (fxs_photograph_kind_of(c->in) && fxs_file_kind(c->in) == FXS_FILE_REGULAR)
+        return fail(EXIT_USAGE, "%s: a photograph: fit takes the folder that has all of them", c->in);
     if (c->measure || !reconstruct_is_needed(c->in))
         return c->cameras_only ? fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in) : 0;
     const int status = reconstruct(&how, &c->found);

@@ -76,18 +76,21 @@ static int colmap_name(const char *name)
     return 0;
 }
 
-/* Looks for the image folder, named `images`: first in the COLMAP model's folder, then in the two folders above. */
+/* Looks for the image folder in the COLMAP model's folder, then in the three folders above. */
 static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
 {
+    static const char *const names[] = {"images", "input", "images_2", "images_4", "images_8"};
     char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
     parent_of(folder, list->cameras);
-    for (int i = 0; i < 3; i++) {
-        if (join(list->images, folder, "images") && is_folder(list->images))
-            return 0;
+    for (int i = 0; i < 4; i++) {
+        for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+            if (join(list->images, folder, names[k]) && is_folder(list->images))
+                return 0;
         parent_of(above, folder);
         strcpy(folder, above);
     }
-    return fxs_fail(message, "%s: no folder images beside these cameras or up to two above", list->cameras);
+    return fxs_fail(message, "%s: no folder images, input or images_4 beside these cameras or up to three above",
+                    list->cameras);
 }
 
 static void find_points(fxs_photo_list *list, const char *const *names, size_t count)
