@@ -298,7 +298,7 @@ fails "cameras that are a scene" 1 "knot.ply: expected cameras .*, but this is a
     --cameras knot.ply --hash
 fails "cameras that are a picture" 1 "knot.png: expected cameras .*, but this is a .png" info knot.ply \
     --compare knot.ply --cameras knot.png
-fails "photographs that are a picture" 1 "knot.png: expected cameras .*COLMAP.*, but this is a .png picture" \
+fails "photographs that are a picture" 2 "knot.png: a photograph: fit takes the folder that has all of them" \
     fit knot.png -o fitted.fxs
 fails "info: scene missing" 1 "none.ply: No such file" info none.ply
 succeeds "bench --draw" bench knot.ply $small --draw median-depth --draw ids
