@@ -1141,8 +1141,11 @@ if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
     said="memory for a million Gaussians: ${peak:=0} KiB of $((bound / 1024))"
     if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
     "$fixsplat" convert million.ply million.fxs
-    peak=$($helper peak "$fixsplat" render million.fxs --threads 2 --max-memory 25M -o bands.png)
-    bound=$((($(wc -c <million.fxs) + (25 << 20) + (16 << 20)) * 103 / 100))
+    # The kernel maps more or fewer pages of the program, up to 600 KiB, so the least of five peaks counts.
+    peak=$(for run in 1 2 3 4 5; do
+        $helper peak "$fixsplat" render million.fxs --threads 2 --max-memory 25M -o bands.png
+    done | sort -n | head -n 1)
+    bound=$(($(wc -c <million.fxs) + (25 << 20) + (16 << 20)))
     said="memory for a million Gaussians in 25 MB: ${peak:=0} KiB of $((bound / 1024))"
     if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
     check "a million Gaussians in 25 MB: the same picture" cmp million.png bands.png
