@@ -4,6 +4,7 @@
 #include <fixsplat/renderer.h>
 #include <fixsplat/internal/view_more.h>
 #include "port/backend/processor_internal.h"
+#include "opened_camera.h"
 #include "src/base/try_internal.h"
 #include "src/camera/first_view.h"
 
@@ -39,11 +40,21 @@ int fxs_first_view(const fxs_object *objects, uint32_t count, double box[2][3], 
     return fxs_first_view_make(&chosen, picture->fov, width, height, view, message);
 }
 
+int fxs_opened_first_view(const fxs_opened *opened, const fxs_picture *picture, fxs_view *view, fxs_message *message)
+{
+    double box[2][3], up[3];
+    fxs_object object;
+    memcpy(box[0], opened->report->inner_low, sizeof box[0]);
+    memcpy(box[1], opened->report->inner_high, sizeof box[1]);
+    memcpy(up, opened->info->start.up, sizeof up);
+    fxs_object_init(&object, opened->scene);
+    return fxs_first_view(&object, 1, box, up, picture, view, message);
+}
+
 int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                       fxs_message *message)
 {
     fxs_view view;
-    fxs_object object;
     if (!opened || !camera)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
     if (fxs_view_of_start(&view, opened->data, width, height)) {
@@ -58,11 +69,6 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
         view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
         return fxs_camera_from_view(camera, &view, message);
     }
-    double box[2][3], up[3];
-    memcpy(box[0], opened->report->inner_low, sizeof box[0]);
-    memcpy(box[1], opened->report->inner_high, sizeof box[1]);
-    memcpy(up, opened->info->start.up, sizeof up);
-    fxs_object_init(&object, opened->scene);
-    const int error = fxs_first_view(&object, 1, box, up, &(fxs_picture){50, width, height}, &view, message);
+    const int error = fxs_opened_first_view(opened, &(fxs_picture){50, width, height}, &view, message);
     return error ? error : fxs_camera_from_view(camera, &view, message);
 }

@@ -4,13 +4,12 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <fixsplat/pack.h>
-#include <fixsplat/renderer.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
+#include "src/open/opened_camera.h"
 #include "command.h"
 #include "tools/serve/scene_picture.h"
 
@@ -28,17 +27,11 @@ static int load_anew(loaded_scene *scene, const char *path, const load_options *
 static int store_first_view(const fxs_opened *opened)
 {
     const fxs_picture picture = {50, PICTURE_WIDTH, PICTURE_HEIGHT};
-    double box[2][3], up[3];
-    fxs_object object;
     fxs_view view;
     fxs_message why;
     if (fxs_view_of_start(&view, opened->data, picture.width, picture.height))
         return 0;
-    memcpy(box[0], opened->report->inner_low, sizeof box[0]);
-    memcpy(box[1], opened->report->inner_high, sizeof box[1]);
-    memcpy(up, opened->info->start.up, sizeof up);
-    fxs_object_init(&object, opened->scene);
-    const int error = fxs_first_view(&object, 1, box, up, &picture, &view, &why) ||
+    const int error = fxs_opened_first_view(opened, &picture, &view, &why) ||
                       fxs_view_to_start((void *)(uintptr_t)opened->data, &view, &why);
     return error ? fail_for(&why) : 0;
 }
