@@ -869,6 +869,57 @@ static void start_views(void)
     }
 }
 
+/* Returns the largest |x / z| or |y / z| in camera space of points on the ellipsoid in a box, 1.2 times as large. */
+static double reach_by_points(const fxs_view *view, const double low[3], const double high[3], int axis)
+{
+    double most = 0;
+    for (int i = 0; i <= 400; i++)
+        for (int k = 0; k < 800; k++) {
+            const double polar = 3.141592653589793 * i / 400, round = 6.283185307179586 * k / 800;
+            const double on[3] = {sin(polar) * cos(round), sin(polar) * sin(round), cos(polar)};
+            double seen[3] = {0};
+            for (int row = 0; row < 3; row++)
+                for (int j = 0; j < 3; j++) {
+                    const double at = (low[j] + high[j]) / 2 + 1.2 * (high[j] - low[j]) / 2 * on[j];
+                    seen[row] += view->rotation[3 * row + j] * (at - view->position[j]);
+                }
+            most = fmax(most, fabs(seen[axis]) / seen[2]);
+        }
+    return most;
+}
+
+/* A start view widens in pictures higher than wide, and only there. */
+static void start_views_in_portrait(void)
+{
+    static const double low[3] = {-1, -2, -0.5}, high[3] = {2, 1, 0.5}, up[3] = {0.1, -1, 0.2}, look[3] = {0.3, 0, 0};
+    static const double eyes[3][3] = {{1, -2, -7}, {-9, 1, 3}, {0.4, -0.2, 0.1}};
+    static const int sizes[6][2] = {{200, 100}, {100, 100}, {90, 100}, {70, 100}, {50, 100}, {10, 100}};
+    for (int i = 0; i < 3; i++) {
+        unsigned char scene[sizeof(fxs_packed_header)] = {0};
+        fxs_packed_header h = {0};
+        fxs_view view, seen;
+        for (int k = 0; k < 3; k++) {
+            h.inner_low_q32[k] = (int64_t)ldexp(low[k], 32);
+            h.inner_high_q32[k] = (int64_t)ldexp(high[k], 32);
+        }
+        fxs_packed_header_turn(&h);
+        memcpy(scene, &h, sizeof h);
+        if (!CHECK(!fxs_view_look_at(&view, eyes[i], look, up, &(fxs_picture){15, 640, 360}, &message) &&
+                   !fxs_view_to_start(scene, &view, &message)))
+            return;
+        const double tangent = 180 / view.fy, reach = i == 2 ? 0 : reach_by_points(&view, low, high, 0);
+        CHECK(fabs(fxs_view_reach(&view, low, high, 0) - reach) < 1e-3 * reach + 1e-9);
+        CHECK(i == 2 || fabs(fxs_view_reach(&view, low, high, 1) / reach_by_points(&view, low, high, 1) - 1) < 1e-3);
+        for (int k = 0; k < 6; k++) {
+            const double tall = (double)sizes[k][1] / sizes[k][0];
+            const double sides = fmin(fmin(reach, tangent * 16 / 9), tangent * tall);
+            const double wanted = tall > 1 ? fmax(tangent, fmin(sides * tall, 12)) : tangent;
+            CHECK(fxs_view_of_start(&seen, scene, sizes[k][0], sizes[k][1]) == 1);
+            CHECK(fabs(sizes[k][1] / 2.0 / seen.fy / wanted - 1) < 2e-3 && seen.fx == seen.fy);
+        }
+    }
+}
+
 static double along(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -1072,6 +1123,7 @@ int main(void)
     RUN(view_resized);
     RUN(view_of_a_box);
     RUN(start_views);
+    RUN(start_views_in_portrait);
     RUN(up_of_a_scene);
     RUN(start_that_is_none);
     RUN(start_is_placed);
