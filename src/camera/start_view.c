@@ -18,7 +18,7 @@ int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
     if (fxs_camera_from_view(&camera, view, message))
         return FXS_ERR_CAMERA;
     const double tangent = view->height / 2.0 / view->fy;
-    if (view->projection == FXS_ORTHOGRAPHIC || !(tangent >= 0x1p-24 && tangent <= 12))
+    if (view->projection == FXS_ORTHOGRAPHIC || !(tangent >= 0x1p-24 && tangent <= FXS_START_TANGENT_MOST))
         return fxs_fail_as(FXS_ERR_CAMERA, message,
                            "a start view is in perspective, with a field of view of 1 to 170 degrees");
     fxs_start_of(&start, data);
@@ -32,7 +32,6 @@ int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *message)
 /* A picture higher than wide shows no more to both sides than a picture of 16:9. */
 #define WIDEST (16.0 / 9)
 #define ROOM 1.2
-#define TANGENT_MOST 12.0
 
 /* The box counts as an ellipsoid, ROOM times as large. c is its centre in camera space, a[i] its half axis i. A plane
    x = m z through the camera touches it if (c.x - m c.z)^2 = |u - m w|^2, with u[i] = a[i].x and w[i] = a[i].z. The
@@ -89,6 +88,6 @@ int fxs_view_of_start(fxs_view *view, const void *data, int width, int height)
     view->fx = view->fy = height / 2.0 / start.tangent;
     const double tall = (double)height / width, reach = fmin(fxs_start_reach(view, data), start.tangent * tall);
     if (tall > 1 && reach * tall > start.tangent)
-        view->fx = view->fy = height / 2.0 / fmin(reach * tall, TANGENT_MOST);
+        view->fx = view->fy = height / 2.0 / fmin(reach * tall, FXS_START_TANGENT_MOST);
     return 1;
 }

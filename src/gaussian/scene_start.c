@@ -8,7 +8,6 @@
 #include <fixsplat/internal/packed.h>
 #include <fixsplat/internal/start.h>
 
-#define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28
 #define UP_ONE 16383
 #define UP_BITS 0x7FFFu
@@ -65,7 +64,7 @@ static void up_of_code(double up[3], uint32_t flags)
 static int is_view(const fxs_start *s)
 {
     double square = 0;
-    int is_near = s->tangent >= 0x1p-24 && s->tangent <= TANGENT_MOST;
+    int is_near = s->tangent >= 0x1p-24 && s->tangent <= FXS_START_TANGENT_MOST;
     for (int i = 0; i < 4; i++)
         square += s->rotation[i] * s->rotation[i];
     for (int i = 0; i < 3; i++)

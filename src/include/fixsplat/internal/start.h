@@ -4,6 +4,9 @@
 
 #include <fixsplat/scene.h>
 
+/* Largest tangent of half the vertical field of view of a start view: 170 degrees. */
+#define FXS_START_TANGENT_MOST 12.0
+
 #ifdef __cplusplus
 extern "C" {
 #endif
