@@ -70,7 +70,8 @@ void fxs_program_become(const char *path, char **argv)
     execvp(path, argv);
 }
 
-static int start(const char *const *arguments, int output, int log, const sigset_t *mask, pid_t *child)
+/* Starts a program in the process group `group`; 0: a group of its own. */
+static int start(const char *const *arguments, pid_t group, int output, int log, const sigset_t *mask, pid_t *child)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -83,6 +84,7 @@ static int start(const char *const *arguments, int output, int log, const sigset
         return error;
     }
     posix_spawnattr_setsigmask(&attributes, mask);
+    posix_spawnattr_setpgroup(&attributes, group);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
     error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
@@ -110,21 +112,22 @@ static int read_all(int from, void *out, size_t size)
     return n == (ssize_t)size;
 }
 
-/* Starts a guard process, before the program that it guards, so that no slow start of the guard leaves the program
-   alone. The guard reads the program's process group from the pipe `life`. When this process ends, even by SIGKILL, the
-   guard kills that group. A byte in the pipe ends the guard. */
+/* Starts a guard process with a process group, which the guarded program then joins, so that the guard needs no message
+   to know the group. When this process ends, even by SIGKILL, the pipe `life` ends, and the guard kills the group. A
+   byte in the pipe ends the guard. Returns 0 if no guard can be started. */
 static pid_t start_guard(const int life[2], const int output[2])
 {
     char byte;
-    pid_t group;
     const pid_t guard = fork();
+    if (guard > 0)
+        setpgid(guard, guard);
     if (guard)
-        return guard;
+        return guard > 0 ? guard : 0;
     setpgid(0, 0);
     close(life[1]);
     close_pipe(output);            /* so that the program's output ends with the program */
-    if (read_all(life[0], &group, sizeof group) && !read_all(life[0], &byte, 1))
-        kill(-group, SIGKILL);
+    if (!read_all(life[0], &byte, 1))
+        kill(-getpid(), SIGKILL);
     _exit(0);
 }
 
@@ -184,16 +187,14 @@ static int make_pipe(int ends[2])
     return 0;
 }
 
-static int attend(pid_t child, pid_t guard, const int life[2], int from, fxs_program_said_fn *said, void *argument)
+static int attend(pid_t child, pid_t group, int from, fxs_program_said_fn *said, void *argument)
 {
     struct sigaction before;
-    listen_to_stops(child, &before);
+    listen_to_stops(group, &before);
     hear_all(from, said, argument);
     const int status = wait_for(child);
     const int error = errno;
     sigaction(SIGTSTP, &before, 0);
-    if (guard > 0 && write(life[1], "", 1) == 1)
-        wait_for(guard);
     errno = error;
     return status;
 }
@@ -215,17 +216,17 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const pid_t guard = start_guard(life, ends);
-    const int error = start(arguments, ends[1], fileno(log), &before, &child);
-    const int guarded = guard > 0 && !error && write(life[1], &child, sizeof child) == sizeof child;
+    const int error = start(arguments, guard, ends[1], fileno(log), &before, &child);
     close(ends[1]);
     pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)
-        status = attend(child, guarded ? guard : -1, life, ends[0], said, argument);
+        status = attend(child, guard ? guard : child, ends[0], said, argument);
+    const int last = error ? error : errno;
     close(ends[0]);
-    close_pipe(life);
-    if (guard > 0 && !guarded)
+    if (guard && write(life[1], "", 1) == 1)
         wait_for(guard);
-    errno = error ? error : errno;
+    close_pipe(life);
+    errno = last;
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
 
