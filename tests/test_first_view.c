@@ -332,6 +332,20 @@ static void lay_wall(void)
         lay_ball((double[3]){2 * i, 0.2, 4.5}, (double[3]){0.5, 0.5, 0.5}, 2000);
 }
 
+static void lay_shelf(void)
+{
+    lay_panel((double[3]){-0.95, -1.5, -0.3}, (double[3]){1.9, 0, 0}, (double[3]){0, 3, 0}, 6000);
+    for (int i = 0; i < 2; i++)
+        lay_panel((double[3]){-0.95, 1.5 - i, -0.3}, (double[3]){1.9, 0, 0}, (double[3]){0, 0, 0.6}, 1200);
+}
+
+static void lay_sheet(void)
+{
+    lay_panel((double[3]){-2, -1, 0}, (double[3]){4, 0, 0}, (double[3]){0, 2, 0}, 9000);
+    for (int i = -3; i < 4; i++)
+        lay_ball((double[3]){i / 2.0, 0, -0.06}, (double[3]){0.2, 0.3, 0.05}, 500);
+}
+
 static const struct kind {
     const char *name;
     void (*lay)(void);
@@ -346,6 +360,8 @@ static const struct kind {
     {"figure", lay_figure, {-1, -5, -1}, {1, 0.5, 1}, 0, 1, {0, -2.2, 0}},
     {"surroundings", lay_surroundings, {-12, -10, -12}, {12, -0.3, 12}, 1, 2, {0, 0, 0}},
     {"wall", lay_wall, {-6, -5, -12}, {6, 3, 4}, 1, 1, {0, 0, 6}},
+    {"shelf", lay_shelf, {-1, -2, -1}, {1, 2, 1}, 0, 1, {0, 0, 0}},
+    {"sheet", lay_sheet, {-3, -3, -2.8}, {3, 3, 2.8}, 0, 1, {0, 0, 0}},
 };
 
 static long read_laid(void *unused, uint64_t first, fxs_gaussian *out, size_t capacity)

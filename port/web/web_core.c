@@ -95,10 +95,7 @@ void fxs_web_describe(fxs_web_scene *s)
 {
     fxs_packed_header header;
     memcpy(&header, s->data, sizeof header);
-    for (int i = 0; i < 3; i++) {
-        s->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
-        s->high[i] = (double)header.inner_high_q32[i] * 0x1p-32;
-    }
+    fxs_inner_box(s->data, s->low, s->high);
     numbers[0] = s->scene.count - header.holes;
     numbers[1] = s->scene.sh_degree;
     numbers[2] = s->scene.profile;

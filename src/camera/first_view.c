@@ -254,7 +254,7 @@ static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
     double seen[2] = {1, 1}, detail[2] = {1, 1};
-    FXS_TRY(fxs_ground_find(&ground, &c->sample, c->standing, c->message));
+    FXS_TRY(fxs_ground_find(&ground, &c->sample, &c->core, c->standing, c->message));
     c->outlined = !(ground.spread > 2.6);
     if (is_direction(known))
         return 0;
@@ -279,13 +279,23 @@ typedef struct choice {
     double score, scores[YAWS];
 } choice;
 
-/* Returns a factor for a view's score: 0.5 if the picture's border cuts through the subject, up to 1 if not. A
-   completely covered border has no outline to cut. */
+/* True if the core is thin, as a sheet of paper or a rod. */
+static int is_thin(const fxs_core *core)
+{
+    double sides[3];
+    for (int i = 0; i < 3; i++)
+        sides[i] = core->high[i] - core->low[i];
+    fxs_sort_values(sides, 3);
+    return sides[0] < 0.1 * sides[1] || sides[1] < 0.1 * sides[2];
+}
+
+/* Returns a factor for a view's score: 0.5 if the picture's border cuts through the subject, 0.25 if the subject is
+   thin, up to 1 if not. A completely covered border has no outline of a thick subject to cut. */
 static double uncut(const chooser *c, const sight *s)
 {
     const double cut = (double)s->cut / BORDER, covered = (double)s->covered / (255 * PIXELS);
     const double all = fmax((cut - 0.5) / 0.4, c->outlined ? 0 : (covered - 0.55) / 0.2);
-    return cut < 0.01 ? 1 : 0.5 + 0.5 * fmax(0, fmin(all, 1));
+    return cut < 0.01 ? 1 : is_thin(&c->core) ? 0.25 : 0.5 + 0.5 * fmax(0, fmin(all, 1));
 }
 
 static double score_of(const chooser *c, const stand *at, const sight *s)

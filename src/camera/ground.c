@@ -149,10 +149,11 @@ static double growth_of(const weighed *s, const double axis[3], double *values)
     return size[1] / size[0];
 }
 
-/* Picks the axis, y or z, that most flat Gaussians have as normal; y in doubt. The refined axis must be clearly better,
-   so that an upright scene stays upright. A wall captured from the front also faces z. Such a scene has its subjects on
-   the -z side, or Gaussians that grow along z. */
-static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)
+/* Picks the axis, y or z, that most flat Gaussians have as normal. Most files have y down, so z needs twice the share
+   of y, and four times if the scene is tall along y. The refined axis must be clearly better, so that an upright scene
+   stays upright. A wall captured from the front also faces z. Such a scene has its subjects on the -z side, or
+   Gaussians that grow along z. */
+static void choose_axis(const weighed *s, const fxs_core *core, int standing, double *values, fxs_ground *ground)
 {
     static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};
     double found[2][3], share[2], most[2];
@@ -171,14 +172,15 @@ static void choose_axis(const weighed *s, int standing, double *values, fxs_grou
     }
     const double sided = sides_of(s, found[1], share[1]), grown = growth_of(s, found[1], values);
     const double sided_y = sides_of(s, found[0], share[0]);
-    const int across = most[1] > (sided_y > 0 ? 2 : 1.2) * most[0] && most[1] > 0.1 &&
+    const int across = most[1] > (fxs_core_height(core, 1) > 1.4 ? 4 : 2) * most[0] && most[1] > 0.2 &&
                        (sided > 0 || (sided == 0 && grown < GROWN));
     const int z = standing ? standing == 2 : across;
     memcpy(ground->axis, found[z], sizeof ground->axis);
     ground->sided = z ? sided : sided_y;
 }
 
-int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, int standing, fxs_message *message)
+int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, const fxs_core *core, int standing,
+                    fxs_message *message)
 {
     weighed s = {.points = sample->points, .count = sample->point_count};
     s.weights = fxs_allocate(NULL, 2 * (size_t)s.count, sizeof *s.weights);
@@ -186,7 +188,7 @@ int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, int standing, 
         return fxs_fail_memory(message, NULL, 2 * s.count * sizeof *s.weights);
     weigh(&s);
     ground->spread = s.spread;
-    choose_axis(&s, standing, s.weights + s.count, ground);
+    choose_axis(&s, core, standing, s.weights + s.count, ground);
     fxs_release(NULL, s.weights);
     return 0;
 }

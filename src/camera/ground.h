@@ -3,6 +3,7 @@
 #define FXS_GROUND_H
 
 #include "sample.h"
+#include "within.h"
 
 typedef struct fxs_ground {
     double axis[3];                  /* unit normal of the ground, pointing up or down */
@@ -14,6 +15,7 @@ typedef struct fxs_ground {
 
 /* Finds the normal of the ground near -y or z. `standing` is 1 or 2 for a subject standing along y or z, else 0.
    Returns 0, or FXS_ERR_MEMORY and a message. */
-int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, int standing, fxs_message *message);
+int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, const fxs_core *core, int standing,
+                    fxs_message *message);
 
 #endif

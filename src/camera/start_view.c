@@ -57,13 +57,7 @@ double fxs_view_reach(const fxs_view *view, const double low[3], const double hi
 double fxs_start_reach(const fxs_view *start, const void *data)
 {
     double low[3], high[3];
-    fxs_packed_header h;
-    memcpy(&h, data, sizeof h);
-    fxs_packed_header_turn(&h);
-    for (int i = 0; i < 3; i++) {
-        low[i] = ldexp((double)h.inner_low_q32[i], -32);
-        high[i] = ldexp((double)h.inner_high_q32[i], -32);
-    }
+    fxs_inner_box(data, low, high);
     return fmin(fxs_view_reach(start, low, high, 0), WIDEST * start->height / 2.0 / start->fy);
 }
 

@@ -63,14 +63,21 @@ int fxs_core_find(fxs_core *core, const fxs_sample *s, fxs_message *message)
     return 0;
 }
 
+static double side_of(const fxs_core *core, int k)
+{
+    return core->high[k] - core->low[k];
+}
+
+double fxs_core_height(const fxs_core *core, int axis)
+{
+    return side_of(core, axis) / fmax(side_of(core, 0), side_of(core, 3 - axis));
+}
+
 int fxs_core_stands(const fxs_core *core)
 {
-    double size[3];
-    for (int k = 0; k < 3; k++)
-        size[k] = core->high[k] - core->low[k];
     for (int high = 1; high < 3; high++) {
-        const double a = size[0], b = size[3 - high];
-        if (size[high] > TALL * fmax(a, b) && fmin(a, b) > FLAT * fmax(a, b))
+        const double a = side_of(core, 0), b = side_of(core, 3 - high);
+        if (fxs_core_height(core, high) > TALL && fmin(a, b) > FLAT * fmax(a, b))
             return high;
     }
     return 0;

@@ -23,6 +23,9 @@ double fxs_distance(const double a[3], const double b[3]);
 
 int fxs_core_find(fxs_core *core, const fxs_sample *s, fxs_message *message);
 
+/* Returns the core's height along the axis, 1 or 2 (y or z), divided by its larger width. */
+double fxs_core_height(const fxs_core *core, int axis);
+
 /* Returns 1 or 2 if the scene's core stands tall along y or z, like a figure; else 0. */
 int fxs_core_stands(const fxs_core *core);
 

@@ -102,3 +102,14 @@ void fxs_start_to(void *data, const fxs_start *start)
     fxs_packed_header_turn(&h);
     memcpy(data, &h, sizeof h);
 }
+
+void fxs_inner_box(const void *data, double low[3], double high[3])
+{
+    fxs_packed_header h;
+    memcpy(&h, data, sizeof h);
+    fxs_packed_header_turn(&h);
+    for (int i = 0; i < 3; i++) {
+        low[i] = (double)h.inner_low_q32[i] * 0x1p-32;
+        high[i] = (double)h.inner_high_q32[i] * 0x1p-32;
+    }
+}

@@ -85,9 +85,8 @@ static void describe(open_scene *s, const void *data)
     for (int i = 0; i < 3; i++) {
         s->report.low[i] = ldexp((double)h.low_q32[i], -32);
         s->report.high[i] = ldexp((double)h.high_q32[i], -32);
-        s->report.inner_low[i] = ldexp((double)h.inner_low_q32[i], -32);
-        s->report.inner_high[i] = ldexp((double)h.inner_high_q32[i], -32);
     }
+    fxs_inner_box(data, s->report.inner_low, s->report.inner_high);
 }
 
 static int check_count(const open_scene *s, const fxs_open_options *o, fxs_message *message)

@@ -1,10 +1,10 @@
-/* Chooses the first view of an opened scene that has no cameras. */
+/* Chooses the first view of a scene without cameras. */
 #include <string.h>
 
 #include <fixsplat/renderer.h>
+#include <fixsplat/internal/start.h>
 #include <fixsplat/internal/view_more.h>
 #include "port/backend/processor_internal.h"
-#include "opened_camera.h"
 #include "src/base/try_internal.h"
 #include "src/camera/first_view.h"
 
@@ -40,15 +40,29 @@ int fxs_first_view(const fxs_object *objects, uint32_t count, double box[2][3], 
     return fxs_first_view_make(&chosen, picture->fov, width, height, view, message);
 }
 
-int fxs_opened_first_view(const fxs_opened *opened, const fxs_picture *picture, fxs_view *view, fxs_message *message)
+/* Chooses a view of a scene alone. up: the up direction of the scene's file, or all 0; receives the direction found. */
+static int look_alone(const fxs_scene *scene, const void *data, double up[3], const fxs_picture *picture,
+                      fxs_view *view, fxs_message *message)
 {
-    double box[2][3], up[3];
     fxs_object object;
-    memcpy(box[0], opened->report->inner_low, sizeof box[0]);
-    memcpy(box[1], opened->report->inner_high, sizeof box[1]);
-    memcpy(up, opened->info->start.up, sizeof up);
-    fxs_object_init(&object, opened->scene);
+    double box[2][3];
+    fxs_object_init(&object, scene);
+    fxs_inner_box(data, box[0], box[1]);
     return fxs_first_view(&object, 1, box, up, picture, view, message);
+}
+
+int fxs_start_choose(void *data, size_t bytes, fxs_message *message)
+{
+    fxs_scene scene;
+    fxs_start start;
+    fxs_view view;
+    const int error = data ? fxs_scene_open(&scene, data, bytes) : FXS_ERR_ARGUMENT;
+    if (error)
+        return fxs_fail_as(error, message, "%s", fxs_strerror(error));
+    fxs_start_of(&start, data);
+    FXS_TRY(look_alone(&scene, data, start.up, &(fxs_picture){50, 1280, 720}, &view, message));
+    fxs_start_to(data, &start);
+    return fxs_view_to_start(data, &view, message);
 }
 
 int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
@@ -69,6 +83,7 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
         view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
         return fxs_camera_from_view(camera, &view, message);
     }
-    const int error = fxs_opened_first_view(opened, &(fxs_picture){50, width, height}, &view, message);
-    return error ? error : fxs_camera_from_view(camera, &view, message);
+    fxs_start start = opened->info->start;
+    FXS_TRY(look_alone(opened->scene, opened->data, start.up, &(fxs_picture){50, width, height}, &view, message));
+    return fxs_camera_from_view(camera, &view, message);
 }

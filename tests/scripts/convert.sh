@@ -149,7 +149,14 @@ check "an .fxs keeps both" equal "$(start_of again.fxs)" "$(start_of leant.fxs)"
 "$fixsplat" render turned.fxs --size 160x120 -o turned.png --quiet
 check "turned with the scene" "$fixsplat" compare turned.png leant.png --min-psnr 45
 "$fixsplat" convert leant.fxs cropped.fxs --crop -9,-9,-9,0,9,9
-check "a part keeps both" equal "$(start_of cropped.fxs)" "$(start_of leant.fxs)"
+check "a crop keeps the up direction and has a view of its own" equal "$(start_of cropped.fxs | head -n 1)
+$(start_of cropped.fxs | grep -c '^start')" "$(start_of leant.fxs | head -n 1)
+1"
+check "the one that is chosen for what is left" equal \
+    "$("$fixsplat" render cropped.fxs --size 64x36 --hash)" "$("$fixsplat" render cropped.fxs --auto-up --size 64x36 --hash)"
+check "not the old one" test "$(start_of cropped.fxs)" != "$(start_of leant.fxs)"
+"$fixsplat" convert leant.fxs kept.fxs --crop -99,-99,-99,99,99,99
+check "a crop of nothing keeps both" equal "$(start_of kept.fxs)" "$(start_of leant.fxs)"
 "$fixsplat" convert level.fxs leant.fxs start.fxs both.fxs
 check "of several the first that has them gives them" equal "$(start_of both.fxs)" "$(start_of leant.fxs)"
 "$fixsplat" convert start.fxs both.fxs --up 0,-2,0
@@ -167,6 +174,14 @@ for bad in 1,2 1,2,3,1,2,3 1,2,3,4,5,6,0.5 none.json; do
     fails "--start-view $bad" 2 "start-view.*" convert knot.ply x.fxs --start-view $bad
     check "--start-view $bad: nothing is written" test ! -e x.fxs
 done
+"$fixsplat" make-scene site --count 5000 -o site.ply && "$fixsplat" convert site.ply lying.ply --rotate -90,0,0
+"$fixsplat" convert lying.ply stood.fxs --auto-up 2>logs/err
+check "--auto-up: turns what is up to -y" equal "$(start_of stood.fxs)" "up            0.0000 -1.0000 0.0000"
+check "--auto-up: says it" grep -q '^fixsplat: lying.ply: up is [-0-9.]*,[-0-9.]*,-\?[01]\.[0-9]*$' logs/err
+check "info prints the up direction that it finds" grep -q '^up .*, found in the scene$' <<EOF
+$("$fixsplat" info site.ply)
+EOF
+fails "--auto-up and --up" 2 "give one" convert lying.ply x.ply --auto-up --up 0,0,1
 succeeds "--levels" convert knot.ply levels.fxs --levels
 succeeds "--levels: every checksum" info levels.fxs
 succeeds "--levels: read again" convert levels.fxs leaves.fxs

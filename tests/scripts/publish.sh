@@ -34,6 +34,20 @@ eval "$(sed 's/.*by: fixsplat/succeeds "by that command"/' logs/err)"
 check "--profile packs an .fxs anew" cmp a/b/site/as-it-is.fxs small-anew.fxs
 check "with its start" equal "$("$fixsplat" info a/b/site/as-it-is.fxs | grep -e '^up' -e '^start')" \
     "$("$fixsplat" info 'as it is.fxs' | grep -e '^up' -e '^start')"
+check "--up and --start-view" "$fixsplat" publish 'as it is.fxs' stood --size 64x36 --up 0,0,1 \
+    --start-view 0,-4,1,0,0,0,60 --quiet
+check "--up and --start-view: of an .fxs" equal "$("$fixsplat" info stood/as-it-is.fxs | grep -e '^up' -e '^start')" \
+    "up            0.0000 0.0000 1.0000
+start view    from 0 -4 1, 60.0 degrees"
+upright() { "$fixsplat" render "$1" --size 64x36 --eye 3,-2,-5 --look 0,0,0 --up 0,-1,0 --hash; }
+check "--up and --start-view: the rest is as it was" equal "$(upright stood/as-it-is.fxs)" "$(upright 'as it is.fxs')"
+check "--up alone" "$fixsplat" publish knot.ply stood --size 64x36 --up 0,0,1 --quiet
+check "--up alone: a view is chosen" equal "$("$fixsplat" info stood/knot.fxs | grep -e '^up' -e '^start' | cut -c 1-36)" \
+    "up            0.0000 0.0000 1.0000
+$("$fixsplat" info stood/knot.fxs | grep '^start' | cut -c 1-36)"
+check "--start-view of several scenes" equal "$("$fixsplat" publish knot.ply small.fxs several --start-view 1,2,3,0,0,0 2>&1;
+    echo $?)" "fixsplat: publish: --start-view is for one scene, not 2
+2"
 "$fixsplat" publish 'as it is.fxs' a --levels --size 64x36 --quiet 2>logs/err
 check "a folder of something else" equal "$? $(grep -c 'not empty' logs/err)" "1 1"
 "$fixsplat" publish 'as it is.fxs' a/b/site --levels --size 64x36 --quiet >logs/out

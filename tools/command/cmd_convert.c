@@ -18,7 +18,7 @@
 #include "frame_options.h"
 #include "file_guard.h"
 #include "quality.h"
-#include "views.h"
+#include "start_option.h"
 #include "src/pack/part.h"
 #include "src/scene/part_file.h"
 
@@ -32,26 +32,19 @@ typedef struct convert_options {
     double degrees[3], up[3];
     double level[9];
     int has_level;
+    int auto_up;
     fxs_scene_filter filter;
     fxs_filter_shape shapes[SHAPES_MOST];
     load_options load;
     int spz_version;
     int spz_fine;
-    int has_start;
-    fxs_view start;
-    int start_is_level;
+    start_option start;
     int refine_steps;
     int has_refine;
     const char *cameras;
     uint32_t block, blocks;                 /* --block: which part of a large scene, from 1, and the number of parts;
                                                0: the whole scene */
 } convert_options;
-
-static int take_up(const option_row *row, void *field, const char *value)
-{
-    const double *up = field;
-    return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
-}
 
 /* Computes the up direction from three points of the ground: up = (b - a) x (c - a). Refuses points on a line. */
 static int take_level(const option_row *row, void *field, const char *value)
@@ -171,38 +164,6 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-/* Parses a scene's start view: eye, look-at point and field of view, or CAMERA_FILE:VIEW. */
-static int take_start(const option_row *row, void *field, const char *value)
-{
-    static const double up[3] = {0, -1, 0};
-    convert_options *o = field;
-    const char *colon = strrchr(value, ':');
-    double n[7] = {[6] = 50};
-    char file[4096];
-    fxs_view *views;
-    fxs_message message;
-    o->has_start = 1;
-    if (parse_vector(value, 6, n) || parse_vector(value, 7, n)) {
-        if (!(n[6] >= 1 && n[6] <= 170))
-            return wrong_value(row, value);
-        o->start_is_level = 1;
-        return fxs_view_look_at(&o->start, n, n + 3, up, &(fxs_picture){n[6], 1280, 720}, &message)
-                   ? fail(EXIT_USAGE, "--start-view %s: %s", value, message.text) : 0;
-    }
-    if (!*value)
-        return wrong_value(row, value);
-    snprintf(file, sizeof file, "%.*s", colon ? (int)(colon - value) : -1, value);
-    files_read(file);
-    const long count = fxs_camera_file_read(file, &views, &message);
-    if (count < 0)
-        return fail(EXIT_FAILED, "--start-view: %s", message.text);
-    const long index = find_view(&(frame_options){.cameras = file, .view = colon ? colon + 1 : 0}, views, count);
-    if (index >= 0)
-        o->start = views[index];
-    free(views);
-    return index < 0 ? EXIT_FAILED : 0;
-}
-
 #define OPTIONS convert_options
 
 static const option_row own_rows[] = {
@@ -210,8 +171,10 @@ static const option_row own_rows[] = {
     {.help =
      "First, the whole scene is rotated, scaled and moved, always in this order, SH included. Axes are as in a .ply "
      "(x right, y down, z to the front):"},
-    {"up", "X,Y,Z", take_up, FIELD(vector_option, up), .expected = "a direction X,Y,Z, not 0,0,0", .basic = 1, .help =
+    {"up", "X,Y,Z", take_direction, FIELD(vector_option, up), .expected = DIRECTION_EXPECTED, .basic = 1, .help =
      "turn this direction to up, 0,-1,0, by the shortest rotation. An .fxs then stores it as up"},
+    {"auto-up", 0, FLAG(auto_up), .help =
+     "find the scene's up direction by looking at it from many sides, and turn it to up as --up does"},
     {"level", "X,Y,Z,X,Y,Z,X,Y,Z", take_level, 0, .expected =
      "three points X,Y,Z,X,Y,Z,X,Y,Z that lie on no line", .help =
      "turn three points of the ground level, instead of --up; up is the side with most centres of Gaussians. render "
@@ -263,11 +226,12 @@ static const option_row own_rows[] = {
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 512", .help =
      "write only part I of N of an .fxs, N up to 512. convert PART... OUT merges all parts, made with the same files "
      "and options"},
-    {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
-     "six numbers or seven, the last 1 to 170, or a camera file", .basic = 1, .help =
+    {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, FIELD(start_option, start),
+     .expected = START_EXPECTED, .basic = 1, .help =
      "first camera of render and view, stored in an .fxs: eye and target, X,Y,Z each, and vertical field of view "
      "(default 50 degrees); or a view of a camera file, by its number from 0 or its name (default 0). In the axes of "
-     "OUT, with the .fxs's up direction, or 0,-1,0 (default: the start view of an .fxs in IN, moved with it)"},
+     "OUT, with the .fxs's up direction, or 0,-1,0 (default: the start view of an .fxs in IN, moved with it; "
+     "of a cropped scene, the first view of what is left)"},
     {"spz-version", "V", INT(spz_version, 3, 4), .help = "version of an .spz: 3 (gzip) or 4 (zstd, default)"},
     {"spz-fine", 0, FLAG(spz_fine), .help =
      "store 8 bits of SH and 24 bits of positions in an .spz: nearly twice the size at SH degree 3, and 53 instead of "
@@ -309,12 +273,12 @@ static int read_options(convert_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "--cameras is for --refine");
     if (o->blocks && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--block is for .fxs");
-    if (o->blocks && (o->has_refine || o->has_start))
+    if (o->blocks && (o->has_refine || o->start.given))
         return fail(EXIT_USAGE, "--%s is for a whole scene, not for a --block of it",
                     o->has_refine ? "refine" : "start-view");
-    if (o->has_level && is_given("up"))
-        return fail(EXIT_USAGE, "--up and --level: give one");
-    if (o->has_start && !ends_with(o->out, ".fxs"))
+    if (o->has_level + o->auto_up + is_given("up") > 1)
+        return fail(EXIT_USAGE, "--up, --auto-up and --level: give one");
+    if (o->start.given && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--start-view is for .fxs");
     if ((o->spz_version || o->spz_fine) && !ends_with(o->out, ".spz"))
         return fail(EXIT_USAGE, "--spz-%s: %s is no .spz", o->spz_version ? "version" : "fine", o->out);
@@ -402,14 +366,16 @@ static int refine(const convert_options *o, const fxs_opened *packed, const load
     return status;
 }
 
-static int keep_start(const convert_options *o, void *header, fxs_message *message)
+/* Stores the start view of the options in a packed scene. A cropped scene gets a new one, which shows what is left. */
+static int set_start(const convert_options *o, const fxs_opened *packed)
 {
-    fxs_view view = o->start;
-    fxs_start start;
-    fxs_start_of(&start, header);
-    if (o->start_is_level)
-        fxs_view_level(&view, start.up);
-    return fxs_view_to_start(header, &view, message);
+    void *data = (void *)(uintptr_t)packed->data;
+    fxs_message message;
+    if (o->start.given)
+        return start_store(&o->start, data, &message) ? fail(EXIT_FAILED, "--start-view: %s", message.text) : 0;
+    if (!o->filter.shape_count || packed->info->start.tangent > 0)
+        return 0;
+    return fxs_start_choose(data, packed->bytes, &message) ? fail_for(&message) : 0;
 }
 
 static int to_fxs(const convert_options *o)
@@ -425,8 +391,8 @@ static int to_fxs(const convert_options *o)
     int status = files_check();
     if (!status && scene->profile == FXS_PROFILE_COMPACT && !scene->sh_degree)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
-    if (!status && o->has_start && keep_start(o, (void *)(uintptr_t)loaded->opened->data, &message))
-        status = fail(EXIT_FAILED, "--start-view: %s", message.text);
+    if (!status)
+        status = set_start(o, loaded->opened);
     if (!status && o->has_refine)
         status = refine(o, loaded->opened, &load);
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
@@ -479,10 +445,10 @@ static int to_part(const convert_options *o)
     return status;
 }
 
-static int set_start(void *argument, void *header, fxs_message *message)
+static int set_start_of_parts(void *argument, void *header, fxs_message *message)
 {
     const convert_options *o = argument;
-    return o->has_start ? keep_start(o, header, message) : 0;
+    return o->start.given ? start_store(&o->start, header, message) : 0;
 }
 
 static int check_options_of_parts(const convert_options *o)
@@ -500,7 +466,7 @@ static int merge_parts(convert_options *o)
 {
     char label[] = "merging";
     fxs_message message;
-    fxs_part_merge how = {.tree = o->load.tree, .change = set_start, .argument = o};
+    fxs_part_merge how = {.tree = o->load.tree, .change = set_start_of_parts, .argument = o};
     int status = check_options_of_parts(o);
     for (int i = 0; i < o->world.scene_count; i++)
         files_read(o->world.scenes[i]);
@@ -635,7 +601,7 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
 }
 
 /* Turns the up direction `up` to the side of the ground plane that has more Gaussians. */
-static int find_up(convert_options *o)
+static int turn_level(convert_options *o)
 {
     fxs_gaussian batch[BATCH];
     fxs_scene_file *file;
@@ -659,6 +625,23 @@ static int find_up(convert_options *o)
         for (int i = 0; i < 3; i++)
             o->up[i] = -o->up[i];
     return n < 0 ? fail_for(&message) : 0;
+}
+
+static int look_for_up(convert_options *o)
+{
+    world w;
+    fxs_message message;
+    load_options load = o->load;
+    load.again = 1;
+    load.tree = 0;
+    load.filter = 0;
+    if (world_open_merged(&w, &o->placed, o->in, &load))
+        return EXIT_FAILED;
+    const int status = find_up(w.scenes[0].opened, o->up, &message) ? fail_for(&message) : 0;
+    if (!status)
+        note("%s: up is %.4f,%.4f,%.4f", o->in, o->up[0], o->up[1], o->up[2]);
+    world_close(&w);
+    return status;
 }
 
 static int place_whole(convert_options *o)
@@ -712,7 +695,7 @@ static int run(int argc, char **argv)
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;
-    status = o.has_level ? find_up(&o) : 0;
+    status = o.has_level ? turn_level(&o) : o.auto_up ? look_for_up(&o) : 0;
     if (!status)
         status = place_whole(&o);
     if (!status)

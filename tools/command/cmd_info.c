@@ -15,6 +15,7 @@
 #include <fixsplat/internal/stage.h>
 #include "tree_levels.h"
 #include "quality.h"
+#include "start_option.h"
 #include "stats.h"
 
 #define NUDGE_BELOW 65.0    /* PSNR in dB; better views are not compared with a randomly moved original */
@@ -87,8 +88,23 @@ static double fov_of(const fxs_start *s)
     return atan(s->tangent) * (360 / 3.14159265358979324);
 }
 
-static void print_start_json(const fxs_start *s)
+/* Finds the up direction of a scene whose file states neither that nor a start view. */
+static int look_for_up(const loaded_scene *s, double up[3])
 {
+    fxs_message unwanted;
+    const fxs_start *start = &s->opened->info->start;
+    return !is_direction(start->up) && !(start->tangent > 0) && !s->opened->pager && !find_up(s->opened, up, &unwanted);
+}
+
+static void print_start_json(const loaded_scene *scene)
+{
+    const fxs_start *s = &scene->opened->info->start;
+    double found[3];
+    if (look_for_up(scene, found)) {
+        printf("\"up_found\": ");
+        print_vector_json(found);
+        printf(", ");
+    }
     printf("\"up\": ");
     if (is_direction(s->up))
         print_vector_json(s->up);
@@ -120,7 +136,7 @@ static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
     printf(", \"seen\": ");
     print_box_json(r->inner_low, r->inner_high);
     printf(", ");
-    print_start_json(&s->opened->info->start);
+    print_start_json(s);
     printf("\"profile\": \"%s\", ", profile_names[s->opened->scene->profile]);
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->opened->bytes,
            (double)s->opened->bytes / (double)r->packed);
@@ -245,10 +261,14 @@ static void print_box(const double low[3], const double high[3])
     putchar('\n');
 }
 
-static void print_start_text(const fxs_start *s)
+static void print_start_text(const loaded_scene *scene)
 {
-    if (is_direction(s->up))
-        printf("up            %.4f %.4f %.4f\n", s->up[0], s->up[1], s->up[2]);
+    const fxs_start *s = &scene->opened->info->start;
+    double found[3];
+    const int is_found = look_for_up(scene, found);
+    const double *up = is_found ? found : s->up;
+    if (is_direction(up))
+        printf("up            %.4f %.4f %.4f%s\n", up[0], up[1], up[2], is_found ? ", found in the scene" : "");
     if (s->tangent > 0) {
         printf("start view    from");
         print_place(s->position);
@@ -267,7 +287,7 @@ static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
     print_box(r->low, r->high);
     printf("seen         ");
     print_box(r->inner_low, r->inner_high);
-    print_start_text(&s->opened->info->start);
+    print_start_text(s);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->opened->bytes,
            (double)s->opened->bytes / (double)r->packed);
     if (!is_packed(s)) {

@@ -20,6 +20,7 @@
 
 typedef struct publish_options {
     frame_options frame;
+    publish_start start;
     const char *title, *site, *settings;
     char *const *words;
     int single;
@@ -44,6 +45,13 @@ static const option_row own_rows[] = {
      "network"},
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack scenes, .fxs included, with levels of detail: the page then fetches only the visible part of a large scene"},
+    {"up", "X,Y,Z", take_direction, FIELD(vector_option, start.up), .expected = DIRECTION_EXPECTED, .help =
+     "up direction in the page, in the axes of a .ply (x right, y down, z to the front). The start view is then chosen "
+     "anew (default: the .fxs's own, else found in the scene)"},
+    {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, FIELD(start_option, start.view),
+     .expected = START_EXPECTED, .help =
+     "first view of the page and the poster, for one scene: as for fixsplat convert (default: the .fxs's own, else "
+     "chosen by looking at the scene from many sides)"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "size of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
      "settings file of the viewer or of supersplat-viewer, with camera, annotations and tracks; for a folder of one "
@@ -60,7 +68,8 @@ static int write_scene(publish_options *o, size_t number)
     snprintf(name, sizeof name, "%s.fxs", s->name);
     join_path(path, o->site, name);
     load_options own;
-    if (options_of_file(&own, &o->frame.load, 0, 1) || publish_load(&scene, s->path, &own, is_given("profile")))
+    if (options_of_file(&own, &o->frame.load, 0, 1) ||
+        publish_load(&scene, s->path, &own, is_given("profile"), &o->start))
         return EXIT_FAILED;
     if (!is_given("profile"))
         publish_say_gain(&scene, o->words);
@@ -265,8 +274,9 @@ static int read_options(publish_options *o, int argc, char **argv)
 
 static int publish_folder(publish_options *o, const char *package)
 {
-    int status = o->settings && o->list.count > 1
-                     ? fail(EXIT_USAGE, "publish: --settings is for one scene, not %zu", o->list.count)
+    int status = (o->settings || o->start.view.given) && o->list.count > 1
+                     ? fail(EXIT_USAGE, "publish: --%s is for one scene, not %zu", o->settings ? "settings"
+                            : "start-view", o->list.count)
                      : take_site(o);
     o->frames = calloc(o->list.count, sizeof *o->frames);
     status = status || o->frames ? status : fail(EXIT_FAILED, "out of memory");
@@ -290,7 +300,8 @@ static int publish_file(publish_options *o, const char *package)
     if (o->settings)
         return fail(EXIT_USAGE, "publish: --settings does not go with --single");
     const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
-                              .name = s->name, .words = o->words, .has_profile = is_given("profile")};
+                              .name = s->name, .words = o->words, .start = &o->start,
+                              .has_profile = is_given("profile")};
     return write_single(&page, &o->frame, o->site, &o->bytes);
 }
 

@@ -348,5 +348,6 @@ int check_scene(const loaded_scene *loaded)
 void free_scene(loaded_scene *loaded)
 {
     fxs_close(loaded->opened);
+    fxs_aligned_free(loaded->copy);
     memset(loaded, 0, sizeof *loaded);
 }

@@ -9,6 +9,7 @@
 typedef struct loaded_scene {
     fxs_opened *opened;
     const char *path;
+    void *copy;                             /* a changed .fxs in memory; null: none */
     uint64_t load_nanoseconds;
 } loaded_scene;
 

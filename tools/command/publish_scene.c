@@ -4,12 +4,14 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <fixsplat/pack.h>
+#include <fixsplat/renderer.h>
 #include <fixsplat/scene.h>
+#include <fixsplat/internal/start.h>
 #include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
-#include "src/open/opened_camera.h"
 #include "command.h"
 #include "tools/serve/scene_picture.h"
 
@@ -22,21 +24,55 @@ static int load_anew(loaded_scene *scene, const char *path, const load_options *
     return open_scene(path, options, &file, &info) || load_stream(scene, path, options, file, &info);
 }
 
-/* Stores the first view of a scene without a start view as its start view, so that the poster and the page's first
-   picture are the same. */
-static int store_first_view(const fxs_opened *opened)
+static int has_up(const publish_start *o)
 {
-    const fxs_picture picture = {50, PICTURE_WIDTH, PICTURE_HEIGHT};
-    fxs_view view;
+    return o->up[0] != 0 || o->up[1] != 0 || o->up[2] != 0;
+}
+
+/* Sets up direction and start view of a packed scene. Its start view is chosen if the scene has none, so that poster
+   and first picture of the page are the same. */
+static int set_start(void *data, size_t bytes, const publish_start *o)
+{
+    fxs_start start;
     fxs_message why;
-    if (fxs_view_of_start(&view, opened->data, picture.width, picture.height))
-        return 0;
-    const int error = fxs_opened_first_view(opened, &picture, &view, &why) ||
-                      fxs_view_to_start((void *)(uintptr_t)opened->data, &view, &why);
+    fxs_start_of(&start, data);
+    if (has_up(o)) {
+        memcpy(start.up, o->up, sizeof start.up);
+        start.tangent = 0;
+        fxs_start_to(data, &start);
+    }
+    const int error = o->view.given ? start_store(&o->view, data, &why)
+                    : start.tangent > 0 ? 0 : fxs_start_choose(data, bytes, &why);
     return error ? fail_for(&why) : 0;
 }
 
-int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile)
+/* Replaces the mapping of an .fxs by a copy in memory with another start view. */
+static int copy_scene(loaded_scene *scene, const publish_start *start)
+{
+    const size_t bytes = scene->opened->bytes;
+    const fxs_open_options options = {.size = sizeof options};
+    void *copy = fxs_aligned_allocate(bytes);
+    fxs_opened *opened = 0;
+    fxs_message why;
+    if (!copy)
+        return fail(EXIT_FAILED, "%s: out of memory", scene->path);
+    memcpy(copy, scene->opened->data, bytes);
+    int status = set_start(copy, bytes, start);
+    if (!status && (fxs_file_seal(copy, bytes) ||
+                    fxs_open_memory(scene->path, copy, bytes, &options, &opened, &why)))
+        status = fail(EXIT_FAILED, "%s: changed while it was read", scene->path);
+    if (status) {
+        fxs_aligned_free(copy);
+        return status;
+    }
+    fxs_close(scene->opened);
+    scene->opened = opened;
+    scene->copy = copy;
+    return 0;
+}
+
+int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile,
+                 const publish_start *start)
 {
     load_options how = *options;
     if (load_scene(scene, path, options))
@@ -52,14 +88,14 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
         if (load_anew(scene, path, &how))
             return EXIT_FAILED;
     }
-    if (!anew && was_packed)
-        return 0;
-    if (store_first_view(scene->opened)) {
+    void *data = (void *)(uintptr_t)scene->opened->data;
+    int status = anew || !was_packed ? set_start(data, scene->opened->bytes, start)
+                 : start->view.given || has_up(start) ? copy_scene(scene, start) : 0;
+    if (status)
         free_scene(scene);
-        return EXIT_FAILED;
-    }
-    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);
-    return 0;
+    else if (anew || !was_packed)
+        fxs_file_seal(data, scene->opened->bytes);
+    return status;
 }
 
 void publish_say_gain(const loaded_scene *scene, char *const *words)
@@ -67,16 +103,16 @@ void publish_say_gain(const loaded_scene *scene, char *const *words)
     const fxs_scene *own = scene->opened->scene;
     const size_t small = fxs_pack_bytes(scene->opened->info, FXS_PROFILE_SMALL) * (own->nodes ? 2 : 1);
     const double times = small ? (double)scene->opened->bytes / (double)small : 0;
-    fxs_printed command;
-    if (times < WORTH_SAYING || fxs_print_begin(&command))
+    fxs_printed line;
+    if (times < WORTH_SAYING || fxs_print_begin(&line))
         return;
-    fputs("fixsplat", command.file);
+    fputs("fixsplat", line.file);
     for (; *words; words++)
-        write_shell_word(command.file, *words);
-    if (!fxs_print_end(&command))
+        write_shell_word(line.file, *words);
+    if (!fxs_print_end(&line))
         note("%s: taken as it is, %.1f MB in profile %s; %.1f times smaller, with less detail, by: %s --profile small",
-             scene->path, (double)scene->opened->bytes * 1e-6, profile_names[own->profile], times, command.text);
-    free(command.text);
+             scene->path, (double)scene->opened->bytes * 1e-6, profile_names[own->profile], times, line.text);
+    free(line.text);
 }
 
 /* tan a: vertical tangent of the start view, tan p: of the poster, reach: the horizontal tangent of the scene. The

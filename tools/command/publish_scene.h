@@ -3,10 +3,18 @@
 #define PUBLISH_SCENE_H
 
 #include "load_scene.h"
+#include "start_option.h"
 
-/* Opens a scene and computes its checksums. If `profile` is 1, an .fxs file is packed again with the compression
-   profile of the options. Missing levels of detail are added. Close the scene with free_scene. */
-int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile);
+typedef struct publish_start {
+    vector_option up;              /* up direction of the scene */
+    start_option view;             /* start view; not given: stays that of the file, or is chosen if there is none or
+                                      `up` is given */
+} publish_start;
+
+/* Opens a scene, sets its start view and computes its checksums. If `profile` is 1, an .fxs file is packed again with
+   the compression profile of the options. Missing levels of detail are added. Close the scene with free_scene. */
+int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile,
+                 const publish_start *start);
 
 enum { POSTER_FRAME = 40 };
 

@@ -233,7 +233,7 @@ static int write_of_scene(const single_page *page, const frame_options *frame, l
 int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes)
 {
     loaded_scene scene;
-    if (publish_load(&scene, page->scene, &frame->load, page->has_profile))
+    if (publish_load(&scene, page->scene, &frame->load, page->has_profile, page->start))
         return EXIT_FAILED;
     if (!page->has_profile)
         publish_say_gain(&scene, page->words);

@@ -10,6 +10,7 @@ typedef struct single_page {
     const char *scene;
     const char *name;
     char *const *words;
+    const struct publish_start *start;
     int has_profile;               /* 1: packs an .fxs file again, with the compression profile of the options */
 } single_page;
 

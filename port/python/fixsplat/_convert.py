@@ -58,7 +58,7 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     to the front). Then Gaussians are left out, by where they are now; neighbours are merged last.
 
     up: a direction of shape (3,), which is turned to up, (0, -1, 0), by the shortest way. An .fxs then says that this
-    is up (`Scene.up`). An .fxs that is converted to an .fxs keeps what it says of that, and its start view.
+    is up (`Scene.up`). An .fxs that is converted to an .fxs keeps what it says of that, and its start view unless it is cropped.
     rotate: degrees of shape (3,): a turn about the x axis, then about the y axis, then about the z axis.
     scale: the factor of the size, about the origin, 2^-16 to 2^16.
     translate: the movement, of shape (3,), in scene units.
@@ -102,7 +102,7 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
         if decimate is not None:
             stream.decimate(target or math.ceil(share * stream.info.count))
         if packed:
-            return _pack_into(stream, out, profile or "default", threads, kept)
+            return _pack_into(stream, out, profile or "default", threads, kept, crop is not None or sphere is not None)
         written = _write_into(stream, out, version, spz_fine, progress)
         clamped = max(getattr(written.clamped, name) for name in ("position", "scale", "dc", "sh"))
         return _conversion(kept, stream.info.count, 0, 0, clamped, written.lost_sh, bool(written.lost_antialiased))
@@ -164,9 +164,11 @@ def _conversion(kept: Struct, written: int, dropped: int, *rest: Any) -> Convers
     return Conversion(kept.read, written, kept.outside, kept.faint, kept.floaters, left_out, *rest)
 
 
-def _pack_into(stream: Stream, out: str, profile: str, threads: int, kept: Struct) -> Conversion:
+def _pack_into(stream: Stream, out: str, profile: str, threads: int, kept: Struct, is_part: bool) -> Conversion:
     opened = stream.pack(profile, threads)
     report = opened.report
+    if is_part and not opened.info.start.tangent:
+        call("fxs_start_choose", ffi.cast("void *", opened.data), opened.bytes)
     with Scene(Memory.opened(opened, out)) as scene:
         scene.save(out)
         return _conversion(kept, report.packed, report.read - report.packed, report.brought_in)

@@ -235,6 +235,7 @@ def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callabl
         call("fxs_fit_pack", handle[0], packed, report)
         try:
             call("fxs_fit_start_view", photos.fit, photos.fit_count, packed.data)
+            call("fxs_start_choose", packed.data, packed.bytes)
         except Error as why:
             warnings.warn(f"no start view: {why}", stacklevel=4)
         return Scene(Memory.packed(packed, name), report.read - report.packed, report.brought_in)

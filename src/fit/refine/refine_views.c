@@ -9,7 +9,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/internal/message.h>
-#include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/start.h>
 #include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
 #include "src/base/try_internal.h"
@@ -29,17 +29,6 @@ enum { FOV = 50, PARTS = 6 };
 #define FEW 1048576.0                  /* For scenes with up to this number of Gaussians, large pictures have the longer
                                           side LEAST. */
 static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
-
-static void read_box(const void *data, double low[3], double high[3])
-{
-    fxs_packed_header header;
-    memcpy(&header, data, sizeof header);
-    fxs_packed_header_turn(&header);
-    for (int k = 0; k < 3; k++) {
-        low[k] = ldexp((double)header.inner_low_q32[k], -32);
-        high[k] = ldexp((double)header.inner_high_q32[k], -32);
-    }
-}
 
 static uint32_t most_views(const fxs_refine_options *o)
 {
@@ -191,7 +180,7 @@ int fxs_refine_views_make(fxs_refine_views *v, const fxs_scene *scene, const voi
     fxs_view views[FXS_REFINE_VIEWS];
     double low[3], high[3], square = 0;
     memset(v, 0, sizeof *v);
-    read_box(data, low, high);
+    fxs_inner_box(data, low, high);
     for (int k = 0; k < 3; k++)
         square += (high[k] - low[k]) * (high[k] - low[k]);
     v->extent = square > 0 ? (float)(sqrt(square) / 2) : 1;

@@ -196,8 +196,9 @@ FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_
 
 /* Stores a start view (the first camera for viewers) in a packed scene at `data`, for fxs_file_write. It is the view of
    the most level photograph (the first, if several are equal), rolled upright, where up is fxs_views_up of all
-   photographs. If their up directions cancel each other, it is the view of the first photograph. Errors: as
-   fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
+   photographs. If their up directions cancel each other, it is the view of the first photograph. fxs_start_choose
+   (internal/start.h) then finds a view that shows more of the scene, with the up direction of the photographs.
+   Errors: as fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
 FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message);
 
 /* Saves the whole state of the fit to a file, with the same bytes on every machine. An existing file of that name is

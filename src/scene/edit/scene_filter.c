@@ -189,6 +189,8 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
         FXS_TRY(count_again(file, r, info->count, progress, message));
     *report = r->report;
     info->count = report->kept;
+    if (report->outside)
+        info->start.tangent = 0;
     info->sh_degree = info->sh_degree < filter->sh_degree ? info->sh_degree : filter->sh_degree;
     if (report->kept == 0)
         return fxs_fail(message, "none of the %llu Gaussians %s", (unsigned long long)report->read,
