@@ -58,7 +58,8 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     to the front). Then Gaussians are left out, by where they are now; neighbours are merged last.
 
     up: a direction of shape (3,), which is turned to up, (0, -1, 0), by the shortest way. An .fxs then says that this
-    is up (`Scene.up`). An .fxs that is converted to an .fxs keeps what it says of that, and its start view unless it is cropped.
+    is up (`Scene.up`). An .fxs that is converted to an .fxs keeps what it says of that, and its start view unless it
+    is cropped.
     rotate: degrees of shape (3,): a turn about the x axis, then about the y axis, then about the z axis.
     scale: the factor of the size, about the origin, 2^-16 to 2^16.
     translate: the movement, of shape (3,), in scene units.
