@@ -48,3 +48,41 @@ int fxs_strip_draw(void *argument, const fxs_tile_run *run)
     }
     return 0;
 }
+
+#define WHITE (255 * 255 / 4)      /* light of a white pixel */
+
+/* luma = 255 (0.2126 r + 0.7152 g + 0.0722 b); light = luma^2 / 4, a gamma of 2 */
+static int32_t light_of(const unsigned char *pixel)
+{
+    const int32_t red = pixel[0] >> 3, green = (pixel[0] & 7) << 3 | pixel[1] >> 5, blue = pixel[1] & 31;
+    const int32_t luma = (red * 1791 + green * 2965 + blue * 608) >> 10; /* 0 to 255 */
+    return luma * luma / 4;                                             /* 0 to WHITE */
+}
+
+/* Floyd and Steinberg's error diffusion, even rows to the right, odd rows to the left: 7/16 of an error go to the next
+   pixel, and 3/16, 5/16 and 1/16 to the row below. `errors` has the row's errors, and gets those of the row below. */
+static void diffuse(const unsigned char *row, int32_t width, int32_t y, int16_t *errors, uint8_t *page)
+{
+    const int32_t step = y % 2 ? -1 : 1;
+    int32_t ahead = 0, below = 0;  /* for the next pixel, and for the one below it */
+    for (int32_t i = 0, x = y % 2 ? width - 1 : 0; i < width; i++, x += step) {
+        const int32_t light = light_of(row + 2 * x) + errors[x] + ahead;
+        const int32_t white = light > WHITE / 2, error = light - white * WHITE; /* -WHITE / 2 to WHITE / 2 */
+        page[x] = (uint8_t)(page[x] | white << y % 8);
+        if (i)
+            errors[x - step] = (int16_t)(errors[x - step] + error * 3 / 16);
+        ahead = error * 7 / 16;
+        errors[x] = (int16_t)(below + error - ahead - error * 3 / 16 - error / 16);
+        below = error / 16;
+    }
+}
+
+void fxs_strip_bits(const fxs_strip *strip, int32_t width, int32_t first, int32_t rows, int16_t *errors, uint8_t *pages)
+{
+    for (int32_t i = 0; i < width && !first; i++)
+        errors[i] = 0;
+    for (int32_t i = 0; i < (rows + 7) / 8 * width; i++)
+        pages[i] = 0;
+    for (int32_t y = 0; y < rows; y++)
+        diffuse((const unsigned char *)strip->pixels + y * strip->stride, width, y, errors, pages + y / 8 * width);
+}

@@ -80,18 +80,19 @@ kernels_are_exact() {
 drives_a_display() {
     board=$1 width=$2 height=$3
     shift 3
-    rm -f "$work/ili9341.stream"
+    rm -f "$work/panel.stream"
     run "$board" "$made/firmware/$board.elf" width="$width" height="$height" frames=2 display=1 "$@" >"$work/log"
     tail -n 1 "$work/log" | grep -qx 'exit 0' &&
-        "$B/tests/test_ili9341" "$scene" "$width" "$height" 2 "$work/ili9341.stream" >>"$work/log" && return
+        "$B/tests/test_panel" "$scene" "$width" "$height" 2 "$work/panel.stream" \
+            $(echo "$*" | sed -n 's/.*panel=\([0-9]*\) rotation=\([0-9]*\).*/\1 \2/p') >>"$work/log" && return
     cat "$work/log"
     return 1
 }
 
 display_is_seen() {
-    head -c -2 "$work/ili9341.stream" >"$work/short.stream"
-    ! "$B/tests/test_ili9341" "$scene" 131 77 2 "$work/short.stream" &&
-        ! "$B/tests/test_ili9341" "$scene" 131 77 3 "$work/ili9341.stream"
+    head -c -2 "$work/panel.stream" >"$work/short.stream"
+    ! "$B/tests/test_panel" "$scene" 131 77 2 "$work/short.stream" &&
+        ! "$B/tests/test_panel" "$scene" 131 77 3 "$work/panel.stream"
 }
 
 scene=$work/20000.fxs
@@ -104,6 +105,10 @@ for board in $boards; do
     check "$board drives a display" drives_a_display "$board" 320 240
     check "$board drives an upright display, strips of 32 rows" drives_a_display "$board" 131 77 rows=32
     check "the model sees a byte less, and another picture" display_is_seen
+    check "$board drives an ST7735, turned by 270 degrees" drives_a_display "$board" 160 128 panel=3 rotation=3
+    check "$board drives an SSD1306 of 1 bit, upside down" drives_a_display "$board" 128 64 panel=5 rotation=2 rows=32
+    check "$board: a panel that it does not know" refuses "$board" "$made/firmware/$board.elf" \
+        'panel=6 display=1' device
     check "$board: a display that it does not fit" refuses "$board" "$made/firmware/$board.elf" \
         'width=400 display=1' 'width or height'
     check "$board: strips without rows" refuses "$board" "$made/firmware/$board.elf" 'rows=0' target

@@ -1,6 +1,6 @@
 /* Renders a turning scene from flash in strips of rows. Prints time, memory and the hash of each picture; the hash is
  * the same on every machine. With display=1 on the command line, strips also go to a simulated display panel, whose bus
- * is a file (recorder.c). */
+ * is a file (recorder.c). panel= is its number in fxs_panel_types, rotation= its quarter turns. */
 #include "firmware.h"
 #include "console.h"
 #include "recorder.h"
@@ -13,11 +13,28 @@
 
 #define WIDTH_MOST 480
 #define ROWS_MOST 32
+#define MONO_WIDTH 128             /* width of the widest panel of 1 bit */
 
 typedef struct shown {
     uint64_t hash;
-    fxs_ili9341 panel;             /* display panel; width 0: no panel */
+    fxs_panel panel;               /* display panel; width 0: no panel */
 } shown;
+
+/* Opens the panel of the command line. Its rotation is by default that of a picture as wide as this. */
+static int panel_open(fxs_panel *panel, const char *line, int32_t width, int32_t height)
+{
+    static int16_t errors[MONO_WIDTH];
+    static uint8_t pages[MONO_WIDTH * ROWS_MOST / 8];
+    const uint32_t number = console_option(line, "panel", FXS_PANEL_ILI9341);
+    if (number >= FXS_PANELS)
+        return FXS_ERR_DEVICE;
+    panel->type = &fxs_panel_types[number];
+    panel->rotation = (int)console_option(line, "rotation", width > panel->type->width);
+    panel->errors = errors;
+    panel->pages = pages;
+    const int error = recorder_open(&panel->bus);
+    return error ? error : fxs_panel_init(panel, width, height);
+}
 
 static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
@@ -25,7 +42,7 @@ static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t row
     const unsigned char *pixels = strip->pixels;
     for (ptrdiff_t i = 0; i < rows * strip->stride; i++)
         s->hash = (s->hash ^ pixels[i]) * 0x100000001b3u;
-    return s->panel.width ? fxs_ili9341_rows(&s->panel, strip, first, rows) : 0;
+    return s->panel.width ? fxs_panel_rows(&s->panel, strip, first, rows) : 0;
 }
 
 static void say(const char *words, uint64_t number)
@@ -96,8 +113,7 @@ int main(void)
                                    (int32_t)height);
     if (!error && console_option(line, "display", 0)) {
         strip.format = FXS_FORMAT_RGB565_SWAPPED;
-        error = recorder_open(&show.panel.bus);
-        error = error ? error : fxs_ili9341_init(&show.panel, (int32_t)width, (int32_t)height);
+        error = panel_open(&show.panel, line, (int32_t)width, (int32_t)height);
     }
     for (uint32_t i = 0; i < frames && !error; i++) {
         const uint32_t step = i * FXS_TURNTABLE_STEPS / frames;

@@ -11,7 +11,7 @@ static void put(const uint8_t *events, uint32_t count, const int *file)
 {
     if (!console_write(*file, events, count))
         return;
-    console_text("error: cannot write ili9341.stream\n");
+    console_text("error: cannot write panel.stream\n");
     console_exit(1);
 }
 
@@ -44,10 +44,10 @@ static void wait(void *argument, uint32_t milliseconds)
     }
 }
 
-int recorder_open(fxs_ili9341_bus *bus)
+int recorder_open(fxs_panel_bus *bus)
 {
     static int file;
-    file = console_open("ili9341.stream");
-    *bus = (fxs_ili9341_bus){command, data, wait, &file};
+    file = console_open("panel.stream");
+    *bus = (fxs_panel_bus){command, data, wait, &file};
     return file < 0 ? FXS_ERR_DEVICE : 0;
 }
