@@ -433,13 +433,13 @@ static void test_picture(int type, int rotation, int is_whole, const packed_scen
 {
     static model m;
     const fxs_panel_type *t = &fxs_panel_types[type];
-    const int32_t less = is_whole ? 0 : 7, rows = 16 * (1 + rotation % 3);
+    const int32_t less = is_whole ? 0 : 7, turned = rotation & 1, rows = 16 * (1 + rotation % 3);
     bus b = {.model = &m, .dma = (rotation + is_whole) % 2};
     fxs_panel panel = panel_on(&b, type, rotation);
     fxs_object object;
     fxs_camera camera;
     fxs_object_init(&object, &scene->scene);
-    fxs_camera_init(&camera, (rotation & 1 ? t->height : t->width) - less, (rotation & 1 ? t->width : t->height) - less);
+    fxs_camera_init(&camera, (turned ? t->height : t->width) - less, (turned ? t->width : t->height) - less);
     model_init(&m, type);
     draw_on(&panel, &object, &camera, rows, is_whole ? 0 : 6);
     unsigned char *want = wanted(t, &object, &camera);
@@ -581,7 +581,8 @@ static int check_stream(char **arguments, int type, int rotation)
         take(&m, events[at], events[at + 1]);
     fxs_turntable_turn(&t, (frames - 1) * FXS_TURNTABLE_STEPS / frames);
     unsigned char *want = wanted(&fxs_panel_types[type], &t.object, &t.camera);
-    const int same = shows(&m, want, width, height, rotation) && m.pixels == (uint64_t)frames * (uint64_t)(width * height);
+    const int same = shows(&m, want, width, height, rotation) &&
+                     m.pixels == (uint64_t)frames * (uint64_t)(width * height);
     printf("%s, %" PRIu64 " pixels\n", m.fault ? m.fault : same ? "the same picture" : "another picture", m.pixels);
     free(want);
     fxs_map_close(&stream);

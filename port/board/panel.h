@@ -32,7 +32,7 @@ typedef struct fxs_panel_type {
     int16_t width, height;                 /* visible pixels at rotation 0 */
     int16_t memory_width, memory_height;   /* pixels in the controller's memory */
     uint8_t left, top;                     /* first visible column and row of the memory */
-    uint8_t access;                        /* command 36h at rotation 0: 80h and 40h mirror rows and columns, 08h: BGR */
+    uint8_t access;                        /* command 36h at rotation 0: 80h, 40h: mirrored rows, columns; 08h: BGR */
     uint8_t inverted;                      /* 1: the panel shows right colours in the controller's inversion mode */
     uint8_t bits;                          /* of a pixel: 16, or 1 for a controller like SSD1306 */
     uint8_t cycle;                         /* shortest cycle of the serial clock by the data sheet, in nanoseconds */

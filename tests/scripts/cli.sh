@@ -523,6 +523,16 @@ succeeds "info --board" info knot.ply --board 100x50
 check "info --board: says" grep -q '^board  *100x50, one thread: [0-9]* bytes of flash for the scene, 3200 of RAM' logs/out
 succeeds "info --board --json" info knot.ply --board 100x50 --json
 check "info --board: keys" keys logs/out $(printf 'board.%s ' width height strip bytes least rows_least rows_most)
+succeeds "info --board 320x240" info knot.ply --board 320x240
+check "info --board: the panels of this size" equal "$(sed -n 's/^panel  *\([^:]*\):.*a frame is \(.*\)/\1 \2/p' logs/out)" \
+    "$(printf 'ili9341 1230120 bits, 123.0 ms at 10.0 MHz\nst7789 1230120 bits, 81.2 ms at 15.2 MHz')"
+check "info --board: chips" grep -qx 'STM32H743     fits, rows of tiles at once' logs/out
+succeeds "info --board ssd1306" info knot.ply --board ssd1306
+check "info --board ssd1306: 1 bit" grep -qx \
+    'panel         ssd1306: 4608 bytes of RAM for strips; a frame is 8384 bits, 0.8 ms at 10.0 MHz' logs/out
+succeeds "info --board st7789-240x240 --json" info knot.ply --board st7789-240x240 --json
+check "info --board --json: one panel" equal "$(grep -o '"panels": .*MHz\|"panels": [^]]*' logs/out)" \
+    '"panels": [{"name": "st7789-240x240", "ram": 7680, "bits": 922920, "milliseconds": 60.9127}'
 fails "info --board 0x5" 2 'board 0x5: expected' info knot.ply --board 0x5
 fails "info --board of two" 2 'takes one scene' info knot.ply knot.ply --board 100x50
 succeeds "info --json" info knot.ply --json --size 100x50

@@ -6,6 +6,7 @@
 
 #include <fixsplat/backend.h>
 #include <fixsplat/board.h>
+#include "port/board/panel.h"
 #include "port/board/turntable.h"
 #include "src/pack/weight.h"
 #include <fixsplat/scene.h>
@@ -26,11 +27,13 @@ typedef struct info_options {
     enum fxs_cutoff original_cutoff;
     int views;                              /* number of views to compare; 0: default */
     int board_width, board_height;          /* size of the board's display in pixels; 0: no board */
+    const fxs_panel_type *panel;            /* the board's display; null: any panel of this size */
     int json, stats, backends;
 } info_options;
 
 /* Memory needs of a scene on a microcontroller board with a display. */
 typedef struct board {
+    const fxs_panel_type *panel;
     int width, height;
     size_t strip;
     fxs_frame_memory memory;
@@ -167,11 +170,79 @@ static void print_object_json(const world *w, uint32_t i)
     }
 }
 
+enum { STACK = 4096, CODE = 65536 };        /* bytes that firmware needs besides, as in docs/boards.md */
+
+static const struct {
+    const char *name;
+    size_t flash, ram;                      /* bytes; flash that the processor reads directly */
+} chips[] = {
+    {"STM32F407", 1 << 20, 128 << 10}, {"STM32H743", 2 << 20, 512 << 10}, {"ESP32-S3, 8M", 8 << 20, 512 << 10},
+    {"Pico 2", 4 << 20, 520 << 10},
+};
+
+enum { CHIPS = sizeof chips / sizeof *chips };
+
+static const char *fit_of(const board *b, size_t scene_bytes, int chip)
+{
+    const size_t ram = chips[chip].ram, other = b->strip + STACK;
+    return scene_bytes + CODE > chips[chip].flash ? "too large for its flash"
+         : other + b->memory.least > ram          ? "too large for its RAM"
+         : other + b->rows_most > ram             ? "fits, drawn in slices" : "fits, rows of tiles at once";
+}
+
+/* Returns the next panel from `p` on that the board may have, or null after the last. */
+static const fxs_panel_type *panel_of(const board *b, const fxs_panel_type *p)
+{
+    for (; p < fxs_panel_types + FXS_PANELS; p++) {
+        const int fits = (b->width <= p->width && b->height <= p->height) ||
+                         (p->bits == 16 && b->width <= p->height && b->height <= p->width);
+        if (b->panel ? b->panel == p : fits)
+            return p;
+    }
+    return 0;
+}
+
+/* Bytes of RAM for a strip, and for panels of 1 bit its errors and pages. */
+static size_t ram_of(const board *b, const fxs_panel_type *p)
+{
+    return b->strip + (p->bits == 1 ? (size_t)b->width * 4 : 0);
+}
+
+static double milliseconds_of(const board *b, const fxs_panel_type *p)
+{
+    return fxs_panel_frame_bits(p, b->width, b->height, 16) * (double)p->cycle / 1e6;
+}
+
+static void print_panels_json(const board *b, size_t scene_bytes)
+{
+    const char *comma = "";
+    printf("\"panels\": [");
+    for (const fxs_panel_type *p = panel_of(b, fxs_panel_types); p; p = panel_of(b, p + 1), comma = ", ")
+        printf("%s{\"name\": \"%s\", \"ram\": %zu, \"bits\": %" PRIu32 ", \"milliseconds\": %.6g}", comma, p->name,
+               ram_of(b, p), fxs_panel_frame_bits(p, b->width, b->height, 16), milliseconds_of(b, p));
+    printf("], \"chips\": {");
+    for (int i = 0; i < CHIPS; i++)
+        printf("%s\"%s\": \"%s\"", i ? ", " : "", chips[i].name, fit_of(b, scene_bytes, i));
+    printf("}");
+}
+
+static void print_panels_text(const board *b, size_t scene_bytes)
+{
+    for (const fxs_panel_type *p = panel_of(b, fxs_panel_types); p; p = panel_of(b, p + 1))
+        printf("panel         %s: %zu bytes of RAM for strips; a frame is %" PRIu32 " bits, %.1f ms at %.1f MHz\n",
+               p->name, ram_of(b, p), fxs_panel_frame_bits(p, b->width, b->height, 16), milliseconds_of(b, p),
+               1e3 / p->cycle);
+    for (int i = 0; i < CHIPS; i++)
+        printf("%-13s %s\n", chips[i].name, fit_of(b, scene_bytes, i));
+}
+
 static void print_board_json(const board *b, size_t scene_bytes)
 {
     printf("\"board\": {\"width\": %d, \"height\": %d, \"strip\": %zu, \"bytes\": %zu, \"least\": %zu, "
-           "\"rows_least\": %zu, \"rows_most\": %zu, \"flash\": %zu}, ", b->width, b->height, b->strip,
+           "\"rows_least\": %zu, \"rows_most\": %zu, \"flash\": %zu, ", b->width, b->height, b->strip,
            b->memory.total, b->memory.least, b->rows, b->rows_most, scene_bytes);
+    print_panels_json(b, scene_bytes);
+    printf("}, ");
 }
 
 /* Computes how many projected Gaussians of a row of tiles fit into `limit` bytes. Each takes 88 bytes beyond the least
@@ -318,6 +389,7 @@ static void print_board_text(const board *b, size_t scene_bytes)
            "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of "
            "tiles at once;\n              %zu for the whole frame at once\n", b->width, b->height, scene_bytes,
            b->strip, b->memory.least, b->rows, b->rows_most, b->memory.total);
+    print_panels_text(b, scene_bytes);
 }
 
 static void print_text(const findings *f)
@@ -412,10 +484,19 @@ static void print_backends_json(void)
 static int take_board(const option_row *row, void *field, const char *value)
 {
     info_options *o = field;
+    o->panel = 0;
+    for (int i = 0; i < FXS_PANELS; i++)
+        if (!strcmp(value, fxs_panel_types[i].name)) {
+            o->panel = &fxs_panel_types[i];
+            o->board_width = o->panel->width;
+            o->board_height = o->panel->height;
+            return 0;
+        }
     return parse_size(value, &o->board_width, &o->board_height) ? 0 : wrong_value(row, value);
 }
 
 #define OPTIONS info_options
+#define PANELS "ili9341, st7789, st7789-240x240, st7735, gc9a01 or ssd1306"    /* all of fxs_panel_types */
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
@@ -434,10 +515,12 @@ static const option_row own_rows[] = {
      "cut-off of ORIGINAL alone, to compare a scene with itself (default: as --cutoff)"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED, .help =
      "picture size, each 1 to 16384 pixels (default 1280x720; views of a camera file: their own size)"},
-    {"board", "WxH", take_board, 0, .expected = SIZE_EXPECTED, .help =
-     "print the needs of a board with a display of this size that shows the scene on a turntable: flash, a strip of "
-     "RGB565, and working memory for one thread at each of 16 turns: the minimum, and the size that avoids slicing "
-     "rows of tiles"},
+    {"board", "WxH", take_board, 0, .expected =
+     "WxH, or " PANELS, .help =
+     "print the needs of a board with a display of this size, or with the panel " PANELS " (1 bit), that shows the "
+     "scene on a turntable: flash, a strip of RGB565, and working memory for one thread at each of 16 turns: the "
+     "minimum, and the size that avoids slicing rows of tiles; the time to send a frame to each panel, at the clock of "
+     "its data sheet; and whether the scene fits into common chips"},
     {"stats", 0, FLAG(stats), .help =
      "print minimum, median, mean, maximum and a histogram of each attribute, before packing. Position is in scene "
      "units, scale_0 to scale_2 are ln(sigma), opacity is 0 to 1, colour is SH degree 0, sh_1 to sh_3 are the root "
@@ -527,7 +610,7 @@ static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *
     return 0;
 }
 
-static int measure_board(findings *f, int width, int height)
+static int measure_board(findings *f, const fxs_panel_type *panel, int width, int height)
 {
     fxs_context context;
     fxs_turntable t;
@@ -539,7 +622,7 @@ static int measure_board(findings *f, int width, int height)
     if (error)
         return fail(EXIT_FAILED, "%s: %s", s->path, fxs_strerror(error));
     fxs_context_init(&context, 0);
-    *b = (board){.width = width, .height = height, .strip = (size_t)width * 16 * 2, .rows = SIZE_MAX};
+    *b = (board){.panel = panel, .width = width, .height = height, .strip = (size_t)width * 16 * 2, .rows = SIZE_MAX};
     fxs_frame_bytes(&context, &t.object, 1, width, height, &b->memory);
     void *memory = malloc(b->memory.least + 63), *rows = malloc(b->strip);
     const int status = memory && rows ? measure_turns(b, &t, rows, (void *)(((uintptr_t)memory + 63) / 64 * 64))
@@ -599,7 +682,7 @@ static int find(findings *f, const info_options *o)
     f->lod = o->frame.load.lod;
     fxs_context_init(&context, &config);
     fxs_frame_bytes(&context, f->world.objects, f->world.count, f->width, f->height, &f->memory);
-    const int status = o->board_width ? measure_board(f, o->board_width, o->board_height) : 0;
+    const int status = o->board_width ? measure_board(f, o->panel, o->board_width, o->board_height) : 0;
     return status || !o->original ? status : compare(f, o);
 }
 
@@ -637,6 +720,7 @@ const command command_info = {
     "  $ fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
     "  $ fixsplat info scene.ply --stats\n"
     "  $ fixsplat info toy.fxs --board 320x240\n"
+    "  $ fixsplat info toy.fxs --board ssd1306\n"
     "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n"
     "  $ fixsplat info scene.ply --compare scene.ply --cutoff square --compare-cutoff mahalanobis\n"
     "  $ fixsplat info scene.fxs --compare scene.ply --budget 200000\n",

@@ -46,9 +46,10 @@ typedef struct fxs_strip {
 struct fxs_tile_run;
 FXS_EXPERIMENTAL int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
 
-/* Converts a strip of format RGB565_SWAPPED to 1 bit a pixel, by error diffusion in linear light. Call it for the strips
-   of a picture in order, as in rows_done. `errors` has a number per column and carries errors from strip to strip.
-   `pages` gets the bits as an SSD1306 stores them: a byte per column of 8 rows, bit 0 on top, then the next 8 rows. */
+/* Converts a strip of format RGB565_SWAPPED to 1 bit a pixel, by error diffusion in linear light. Call it for the
+   strips of a picture in order, as in rows_done. `errors` has a number per column, and carries errors from strip to
+   strip. `pages` gets the bits as an SSD1306 stores them: a byte per column of 8 rows, bit 0 on top, then the next 8
+   rows. */
 FXS_EXPERIMENTAL void fxs_strip_bits(const fxs_strip *strip, int32_t width, int32_t first, int32_t rows,
                                      int16_t *errors, uint8_t *pages);
 
