@@ -9,6 +9,7 @@ PC_FILES := fixsplat.pc fixsplat-core.pc
 CMAKE_FILES := fixsplat-config.cmake fixsplat-config-version.cmake
 ICONS := $(PREFIX)/share/icons/hicolor/scalable/apps
 APPLICATIONS := $(PREFIX)/share/applications
+MIME := $(PREFIX)/share/mime/packages
 INCLUDE := $(PREFIX)/include/fixsplat
 CMAKE := $(LIBDIR)/cmake/fixsplat
 fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME_VERSION@|$(MAJOR)|g' \
@@ -31,9 +32,10 @@ install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries
 	install -m 644 $(INTERNAL_HEADERS) $(DESTDIR)$(INCLUDE)/internal/
 	@for f in $(PC_FILES); do $(call fill,$(LIBDIR)/pkgconfig); done
 	@for f in $(CMAKE_FILES); do $(call fill,$(CMAKE)); done
-	$(if $(WINDOW),install -d $(DESTDIR)$(ICONS) $(DESTDIR)$(APPLICATIONS))
+	$(if $(WINDOW),install -d $(DESTDIR)$(ICONS) $(DESTDIR)$(APPLICATIONS) $(DESTDIR)$(MIME))
 	$(if $(WINDOW),install -m 644 tools/package/fixsplat.svg $(DESTDIR)$(ICONS)/)
 	$(if $(WINDOW),install -m 644 tools/package/fixsplat-view.desktop $(DESTDIR)$(APPLICATIONS)/)
+	$(if $(WINDOW),install -m 644 tools/package/fixsplat.xml $(DESTDIR)$(MIME)/)
 	for f in $$(cd $(B)/share && find * -type f ! -name made); do \
 	    install -D -m 644 $(B)/share/$$f $(DESTDIR)$(PREFIX)/share/$$f || exit 1; done
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
@@ -48,7 +50,7 @@ wheel: $(SHARED_LIBRARY) ## build/wheel/*.whl: the Python package with the libra
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view fixsplat-web) \
-	    $(DESTDIR)$(ICONS)/fixsplat.svg $(DESTDIR)$(APPLICATIONS)/fixsplat-view.desktop \
+	    $(DESTDIR)$(ICONS)/fixsplat.svg $(DESTDIR)$(APPLICATIONS)/fixsplat-view.desktop $(DESTDIR)$(MIME)/fixsplat.xml \
 	    $(addprefix $(DESTDIR)$(PREFIX)/share/,man/man1/fixsplat.1 man/man1/fixsplat-*.1 zsh/site-functions/_fixsplat \
 	        bash-completion/completions/fixsplat fish/vendor_completions.d/fixsplat.fish) \
 	    $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FILES)) \

@@ -420,7 +420,8 @@ int fxs_is_terminal(FILE *file)
 int fxs_terminal_ends_with_this(void)
 {
     DWORD others[2];
-    return GetConsoleProcessList(others, 2) == 1;
+    const DWORD count = GetConsoleProcessList(others, 2);
+    return count == 1 || (count == 2 && getenv("FIXSPLAT_OWN_CONSOLE")); /* 2: this program and its starter */
 }
 
 int fxs_terminal_takes_codes(FILE *file)

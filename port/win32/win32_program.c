@@ -203,6 +203,8 @@ void fxs_program_become(const char *path, char **argv)
     /* The started program handles Ctrl-C. Ctrl-C is not ignored by a setting of this process, because the program would
        inherit it. */
     SetConsoleCtrlHandler(leave_it, TRUE);
+    if (fxs_terminal_ends_with_this())
+        fxs_program_set("FIXSPLAT_OWN_CONSOLE", "1");
     const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
                             GetStdHandle(STD_OUTPUT_HANDLE), GetStdHandle(STD_ERROR_HANDLE), &process);
     free(arguments);

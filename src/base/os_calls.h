@@ -219,6 +219,10 @@ void fxs_program_become(const char *path, char **argv);
 
 int fxs_browse(const char *address);
 
+/* Lets the user's desktop open .fxs and .ply files in the viewer by a double click. is_removed: 1 undoes this. Returns
+   0, or an error and a message. */
+int fxs_associate(int is_removed, fxs_message *why);
+
 /* ---- Shutdown ---------------------------------------------------------------------------------------------------- */
 
 /* Makes the first SIGHUP, SIGINT, SIGTERM or Ctrl-C only set a flag, which fxs_end_asked reads. Ignored signals stay

@@ -7,6 +7,23 @@ trap 'rm -rf "$work"' EXIT
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fixsplat.h)
 dist=$FXS_DIST
 
+# The page of the packages, here of files with their names.
+mkdir "$work/made"
+for file in "fixsplat-$version.tar.gz" fixsplat-1-linux-x86_64.tar.gz fixsplat-1-linux-aarch64.tar.gz \
+    fixsplat-1-windows-x86_64.zip fixsplat_1_amd64.deb libfixsplat1_1_amd64.deb libfixsplat-dev_1_amd64.deb \
+    python3-fixsplat_1_all.deb fixsplat-1-py3-none-manylinux_2_36_x86_64.whl fixsplat-1-py3-none-win_amd64.whl \
+    fixsplat-1-py3-none-manylinux_2_36_aarch64.whl fixsplat-1-npm.tgz fixsplat-viewer-1-npm.tgz; do
+    echo "$file" >"$work/made/$file"
+done
+sh tools/scripts/downloads.sh "$work/made" "$version" >"$work/index.html"
+check "the page of the packages: every file, once, with its sum" equal \
+    "$(sed -n 's/.*href="\([^"]*\)".*<code>\(.*\)<.code>/\2  \1/p' "$work/index.html" | sort)" \
+    "$(cd "$work/made" && sha256sum -- * | sort)"
+echo >"$work/made/other.rpm"
+check "the page of the packages: a file without a row" equal \
+    "$(sh tools/scripts/downloads.sh "$work/made" 1 2>&1 >"$work/log")" \
+    "downloads: 12 rows for the 14 files in $work/made"
+
 if [ "$dist" ]; then
     dist=$(cd "$dist" && pwd)
 elif [ "$FXS_PROCESSORS" != all ]; then

@@ -10,7 +10,7 @@ silent() { [ ! -s "$1" ] || { cat "$1"; return 1; }; }
 # ---- Help ------------------------------------------------------------------------------------------------------------
 
 commands=$("$fixsplat" --help | awk '/^Commands:/ { on = 1; next } /^[^ ]/ { on = 0 } on { print $1 }')
-check "commands" equal "$(echo $commands)" "render view info convert fit compare publish make-scene bench demo doctor"
+check "commands" equal "$(echo $commands)" "render view info convert fit compare publish make-scene bench demo doctor associate"
 for command in $commands; do
     "$fixsplat" "$command" --help >logs/wanted
     for way in "help $command" "$command -h" "$command --json -h"; do
@@ -69,7 +69,7 @@ fails "scenes for pictures" 2 "compare takes two pictures, and a.sog is a scene;
 fails "a picture without -o" 2 "render: a.png is a picture: -o is missing before it" render knot.ply a.png
 fails "a letter's value that is missing" 2 "render: -o: its value is missing" render x.ply -o
 fails "a value too many" 2 "info: --json=3: it takes no value" info x.ply --json=3
-fails "a scene in place of a command" 2 "no command before knot.ply: render it" knot.ply
+fails "a scene in place of a command: as view" 2 "view: --cert needs --web" knot.ply --cert x
 fails "a film that ffmpeg writes" 2 "-o - [|] ffmpeg -i - x.mp4" render knot.ply -o x.mp4
 
 # ---- --quiet ---------------------------------------------------------------------------------------------------------

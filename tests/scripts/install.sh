@@ -40,6 +40,38 @@ if [ -e "$B/fixsplat-view" ]; then
     check "its window: an entry for the desktop" test -x "$prefix/bin/$(sed -n 's/^TryExec=//p' "$entry")"
     check "and the icon that it names" grep -q '<svg' "$prefix/share/icons/hicolor/scalable/apps/$icon.svg"
     ! have desktop-file-validate || check "as the desktop wants it" desktop-file-validate "$entry"
+    check "file types: those of the entry" equal "$(grep -o 'model/[a-z-]*' "$prefix/share/mime/packages/fixsplat.xml")" \
+        "$(grep '^MimeType=' "$entry" | grep -o 'model/[a-z-]*')"
+    mkdir -p "$work/home" "$work/bin"
+    printf '#!/bin/sh\necho "$*" >>"$HOME/said"\n' >"$work/bin/xdg-mime" && chmod +x "$work/bin/xdg-mime"
+    associate() {
+        env -u XDG_DATA_HOME HOME="$work/home" PATH="$1:$PATH" "$prefix/bin/fixsplat" --quiet associate $2
+    }
+    own=$work/home/.local/share/applications/fixsplat-view.desktop
+    check "associate" associate "$work/bin"
+    check "associate: an entry with whole paths" equal "$(grep -E '^(TryExec|Exec|Icon|MimeType)=' "$own")" \
+        "$(printf '%s\n' "TryExec=$prefix/bin/fixsplat-view" "Exec=\"$prefix/bin/fixsplat\" view %F" \
+            "Icon=$prefix/share/icons/hicolor/scalable/apps/fixsplat.svg" "$(grep ^MimeType= "$entry")")"
+    check "associate: the icon is there" test -s "$(sed -n 's/^Icon=//p' "$own")"
+    check "associate --remove" associate "$work/bin" --remove
+    check "associate --remove: no entry" [ ! -e "$own" ]
+    check "associate --remove again" associate "$work/bin" --remove
+    types=$prefix/share/mime/packages/fixsplat.xml
+    check "associate: calls of xdg-mime" equal "$(cat "$work/home/said")" \
+        "$(printf '%s\n' "install --mode user --novendor $types" \
+            "default fixsplat-view.desktop model/x-fixsplat model/x-ply" \
+            "uninstall --mode user --novendor $types" "uninstall --mode user --novendor $types")"
+    printf '#!/bin/sh\nexit 3\n' >"$work/bin/xdg-mime"
+    check "associate: xdg-mime fails" equal "$(associate "$work/bin" 2>&1; ls "$own" 2>/dev/null)" \
+        "fixsplat: associate: xdg-mime install failed"
+    if have xdg-mime && have update-mime-database; then
+        check "associate: with the real xdg-mime" associate "$work/home"
+        check "associate: the type of an .fxs, and its program" equal "$(grep -h 'fxs' "$work/home/.local/share/mime/globs"
+            env -u XDG_DATA_HOME HOME="$work/home" xdg-mime query default model/x-fixsplat)" \
+            "$(printf 'model/x-fixsplat:*.fxs\nfixsplat-view.desktop')"
+    else
+        skip "associate: with the real xdg-mime" "no xdg-utils or shared-mime-info here"
+    fi
 else
     skip "an entry for the desktop" "built without SDL2"
 fi

@@ -149,6 +149,37 @@ else
     skip "fit: Ctrl-C" "no script here"
 fi
 
+# ---- Double clicks ---------------------------------------------------------------------------------------------------
+
+classes='HKCU\Software\Classes'
+value() { "$wine" reg query "$classes\\$1" ${2-/ve} 2>/dev/null | tr -d '\r' | sed -n '/(value not set)/d; s/.*REG_SZ *//p'; }
+refused "associate without the viewer" 1 'fixsplat-view.exe, which shows scenes, is missing' associate
+cp "$built/fixsplat.exe" 'only this/fixsplat-view.exe'
+"$wine" reg add "$classes\\.ply" /ve /d other.class /f >logs/out 2>&1
+check "associate" w associate
+check "associate: .fxs has a class of its own" equal "$(value .fxs)" fixsplat.scene
+check "associate: .ply keeps its class, and is in the list of programs" equal \
+    "$(value .ply) $("$wine" reg query "$classes\\.ply\\OpenWithProgids" 2>/dev/null | grep -c fixsplat.scene)" "other.class 1"
+check "associate: the viewer opens the class" equal "$(value 'fixsplat.scene\shell\open\command')" \
+    "\"Z:$(printf %s "${program%/*}/fixsplat-view.exe" | tr / '\\')\" \"%1\""
+check "associate --remove" w associate --remove
+check "associate --remove: nothing of it is left" equal "$(value .fxs) $(value .ply) $(value fixsplat.scene)" " other.class "
+rm 'only this/fixsplat-view.exe'
+if have script; then
+    clicked() {
+        { sleep "$1"; printf '\r'; } | timeout 100 script -qec "'$wine' '$program' $2; echo status \$?" /dev/null |
+            tr -d '\r\033' | sed 's/\[?25[lh]//g; s/\[K//g; s/\[1C/ /g' >logs/out
+    }
+    clicked 3 ''
+    check "a double click: says what to do, and waits" equal \
+        "$(grep -c "drop its file onto fixsplat.exe" logs/out) $(grep -o 'status .*' logs/out)" "1 status 2"
+    clicked 3 knot.ply
+    check "a scene dropped on fixsplat.exe: viewed, and a failure waits" equal \
+        "$(grep -c '^fixsplat: knot.ply: cannot be shown' logs/out) $(grep -c '^Press Enter' logs/out)" "1 1"
+else
+    skip "double clicks" "no script here"
+fi
+
 # ---- The server ------------------------------------------------------------------------------------------------------
 
 mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply' || exit 1

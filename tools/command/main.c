@@ -11,7 +11,8 @@
 
 static const command *const commands[] = {
     &command_render, &command_view, &command_info, &command_convert, &command_fit, &command_compare,
-    &command_publish, &command_make_scene, &command_bench, &command_demo, &command_doctor, 0
+    &command_publish, &command_make_scene, &command_bench, &command_demo, &command_doctor,
+    &command_associate, 0
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
@@ -64,6 +65,7 @@ static void help(void)
 {
     puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point.\n\n"
          "Usage: fixsplat COMMAND [OPTION...]\n"
+         "  or:  fixsplat SCENE... [OPTION...]     (as fixsplat view)\n"
          "  or:  fixsplat COMMAND --help [all]\n"
          "  or:  fixsplat help COMMAND [all]\n"
          "  or:  fixsplat help TOPIC\n\n"
@@ -118,13 +120,48 @@ static int wrong_command(const char *name)
     suggestion s = {0, 0};
     if (!*name)
         return fail(EXIT_USAGE, "no command; see: fixsplat --help");
-    if (fxs_file_kind(name) != FXS_FILE_NONE)
-        return fail(EXIT_USAGE, "no command before %s: render it, view it, or see: fixsplat --help", name);
     for (int i = 0; i < COMMANDS; i++)
         suggest(&s, name, strlen(name), commands[i]->name);
     suggest(&s, name, strlen(name), "help");
     return s.name ? fail(EXIT_USAGE, "no command '%s'; did you mean %s? See: fixsplat --help", name, s.name)
                   : fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
+}
+
+static void skip_line(void)
+{
+    int c = getchar();
+    while (c != '\n' && c != EOF)
+        c = getchar();
+}
+
+/* For a program that was started by a double click: its console closes when the program ends. */
+static int wait_for_enter(int status)
+{
+    fputs("\nPress Enter to close this window.\n", stderr);
+    skip_line();
+    return status;
+}
+
+static int greet(void)
+{
+    puts("fixsplat shows, renders, converts and fits scenes of 3D Gaussian splatting.\n\n"
+         "To see a scene:      drop its file onto fixsplat.exe, or open fixsplat-view.exe.\n"
+         "To render, convert:  open a console in this folder (type cmd into Explorer's address bar), then type\n"
+         "                     fixsplat --help\n"
+         "To open .fxs and .ply files by a double click from now on: type a and Enter.");
+    fflush(stdout);
+    const int key = getchar();
+    if (key != 'a' && key != 'A')
+        return EXIT_USAGE;
+    skip_line();
+    return wait_for_enter(command_associate.run(1, (char *[]){"associate", 0}));
+}
+
+/* Shows the scenes of a command line without a command, such as that of a file dropped onto the program. */
+static int show(int argc, char **argv)
+{
+    const int status = command_view.run(argc, argv);
+    return status && fxs_terminal_ends_with_this() ? wait_for_enter(status) : status;
 }
 
 static void help_table(void)
@@ -183,5 +220,9 @@ int main(int argc, char **argv)
     if (!strcmp(name, "--kernels"))
         return kernels();
     const command *c = find_command(name);
-    return c ? c->run(argc - 1, argv + 1) : wrong_command(name);
+    if (c)
+        return c->run(argc - 1, argv + 1);
+    if (!*name && fxs_terminal_ends_with_this())
+        return greet();
+    return fxs_file_kind(name) != FXS_FILE_NONE ? show(argc, argv) : wrong_command(name);
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
 # dist.sh OUT BUILD: builds a release of the last commit in the folder OUT. A release has sources, a tarball and a wheel
-# per processor, a zip and a wheel for Windows, Debian packages, the npm packages, and SHA256SUMS. The build is
+# per processor, a zip and a wheel for Windows, Debian packages, the npm packages, the page index.html, and SHA256SUMS. The build is
 # reproducible. Environment variables: NVCC, PYTHON, WEB_SOURCES.
 set -e
 final=${1:?folder} build=${2:?build folder}
@@ -196,6 +196,8 @@ linux "$here-linux-gnu" "$here"
 [ "$here" = aarch64 ] || linux aarch64-linux-gnu aarch64
 windows
 debian
+sh tools/scripts/downloads.sh "$out" "$version" >"$build/index.html"
+mv "$build/index.html" "$out"
 (cd "$out" && sha256sum -- * >../SHA256SUMS && mv ../SHA256SUMS .)
 rm -rf "$final"
 mv "$out" "$final"
