@@ -75,6 +75,11 @@ rest: setup
 .PHONY: setup rest $(REST)
 else
 
+# $(call needs,GOALS,PROGRAMS) ends make at once if a program is missing that one of the goals needs.
+missing = $(strip $(foreach program,$(1),$(if $(shell command -v $(program)),,$(program))))
+needs = $(foreach goal,$(firstword $(filter $(1),$(GOALS))),$(if $(call missing,$(2)),$(error \
+    $(goal): not here: $(call missing,$(2)); they come by: make setup $(goal))))
+
 include $(addprefix make/,build.mk firmware.mk web.mk windows.mk install.mk dist.mk test.mk measure.mk)
 
 clean: ## remove what was built

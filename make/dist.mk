@@ -1,6 +1,8 @@
 # Makes packages for installation (docs/install.md).
 
 DIST := dist
+$(call needs,$(DIST_GOALS),git cc cmake nasm zip npm esbuild clang wasm-ld wasm-opt dpkg-buildpackage dh dh_python3 \
+    $(if $(filter aarch64,$(shell uname -m)),,aarch64-linux-gnu-gcc))
 
 dist: ## dist/: all of it, and SHA256SUMS, from the last commit
 	@NVCC=$(call quoted,$(NVCC)) PYTHON=$(call quoted,$(PYTHON)) WEB_SOURCES=$(call quoted,$(WEB_SOURCES)) \

@@ -4,7 +4,10 @@
 # and threads). Four read and pack scene files: import (all formats except .sog), import_threads (import with threads),
 # import_sog (the .sog reader), and import_core (all formats, without simd128).
 WASM_CC ?= clang
+ESBUILD ?= esbuild
 WASM_OPT ?= wasm-opt
+$(call needs,web,$(lastword $(WASM_CC)) wasm-ld $(WASM_OPT) node)
+$(call needs,web-package,$(lastword $(WASM_CC)) wasm-ld $(WASM_OPT) node npm $(ESBUILD))
 WEB := $(B)/web/package
 VIEWER := $(B)/web/viewer
 IMPORTS := import import_threads import_sog import_core
@@ -81,7 +84,6 @@ endif
 
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-ESBUILD ?= esbuild
 HAS_ESBUILD := $(shell command -v $(ESBUILD))
 WEB_INLINE := $(if $(HAS_ESBUILD),$(addprefix $(WEB)/inline/,with_files.js files.js package.json))
 WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js \
@@ -114,7 +116,6 @@ endif
 endif
 
 web-package: web ## the same as files for `npm publish`: build/web/fixsplat-VERSION.tgz and fixsplat-viewer-VERSION.tgz
-	@[ "$(HAS_ESBUILD)" ] || { echo "web-package: esbuild is not here: make setup web-package" >&2; exit 1; }
 	@rm -f $(B)/web/fixsplat-*.tgz
 	$(call say,PACK,$(B)/web/fixsplat-*$(VERSION).tgz)for package in $(WEB) $(VIEWER); do \
 	    npm pack --silent --ignore-scripts --pack-destination $(B)/web ./$$package >/dev/null || exit 1; done

@@ -3,13 +3,13 @@
 WINDOWS_CC ?= x86_64-w64-mingw32-gcc
 WINDOWS_GOALS ?= all
 WINDOWS := $(B)/windows
+$(call needs,windows,$(lastword $(WINDOWS_CC)))
 # Linker options for SDL2 and the Windows libraries that SDL2 needs. Without -lmingw32 and -mwindows, the program is a
 # console program.
 SDL_PC = $(wildcard $(WINDOWS_LIBRARIES)/lib/pkgconfig/sdl2.pc)
 WINDOWS_SDL = $(filter-out -L% -lmingw32 -mwindows,$(if $(SDL_PC),$(shell sed -n 's/^Libs: *//p' $(SDL_PC))))
 
 windows: ## the command and the libraries for Windows, x86-64, in build/windows (after make setup windows)
-	@command -v $(WINDOWS_CC) >/dev/null || { echo "windows: no $(WINDOWS_CC): make setup windows" >&2; exit 1; }
 	@$(MAKE) --no-print-directory $(WINDOWS_GOALS) B=$(WINDOWS) CC='$(WINDOWS_CC)' NVCC=none \
 	    CPPFLAGS='-I$(WINDOWS_LIBRARIES)/include -DXML_STATIC -DSDL_MAIN_HANDLED $(CPPFLAGS)' \
 	    WINDRES='$(patsubst %-gcc,%-windres,$(lastword $(WINDOWS_CC)))' \

@@ -116,10 +116,12 @@ is "install: no page of which there is a part" "" "$(make_ -n B="$work/half" ins
 is "setup: no sources for the web where none are wanted" "" "$(make_ -n B="$work/half" setup web WEB_SOURCES= | grep web_sources)"
 
 mkdir "$work/few"
-ln -s "$(command -v git)" "$(command -v uname)" "$work/few"
-said=$(PATH="$work/few" /bin/sh tools/scripts/dist.sh "$work/none" "$work/none" 2>&1)
-is "dist: programs that are missing are said at once" "1 0" "$(echo "$said" | grep -Ec '^dist: not here: .* dh .*: make setup dist$') \
-$(ls "$work/none" 2>/dev/null | wc -l)"
+for program in env make sh sed nproc awk uname cat printf git; do ln -s "$(command -v $program)" "$work/few"; done
+for goal in 'dist dh' 'dist-check dh' 'web wasm-opt' 'web-package npm' 'windows x86_64-w64-mingw32-gcc'; do
+    said=$(PATH="$work/few" make_ B="$work/none" DIST="$work/none" "${goal% *}" | tail -n 1)
+    is "${goal% *}: programs that are missing are said at once" "1 0" "$(echo "$said" |
+        grep -Ec "[*]{3} ${goal% *}: not here: .*${goal#* }.*: make setup ${goal% *}\.") $(ls "$work/none" 2>/dev/null | wc -l)"
+done
 
 # ---- Setup while another apt-get runs --------------------------------------------------------------------------------
 
