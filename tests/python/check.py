@@ -1,6 +1,7 @@
 """check.py COMMAND FOLDER [CAPTURED]: what the package does against the command, in a folder with the scenes and
 photographs of tests/scripts/python.sh. CAPTURED: a folder with train-1000.ply and its cameras.json. Prints "ok NAME",
 "FAIL NAME: WHY" or "skip NAME: WHY" for each check, "end" last."""
+import json
 import math
 import os
 import re
@@ -505,6 +506,46 @@ def enough(progress):
     if progress.step == 3:
         raise StopIteration("three")
 
+
+# ---- Metrics ---------------------------------------------------------------------------------------------------------
+
+run("render", "knot.ply", "--size", "320x200", "-o", "a.png")
+run("render", "knot.ply", "--size", "320x200", "--sh-degree", "0", "-o", "b.png")
+said = json.loads(run("compare", "a.png", "b.png", "--json"))
+found = fixsplat.compare("a.png", "b.png")
+rounded = {"psnr": round(found.psnr, 4), "ssim": round(found.ssim, 6), "largest": found.largest}
+ok("compare: the command's figures", said == rounded, (said, rounded))
+ok("compare: of pictures and arrays", fixsplat.compare(scene.render(camera), scene.render(
+    camera, sh_degree=0).colour[..., :3]) == found)
+ok("compare: equal", fixsplat.compare("a.png", "a.png") == fixsplat.Metrics(math.inf, 1, 0, math.inf))
+mask = np.arange(200)[:, None] < np.full(320, 100)
+ok("compare: a mask ignores the rest", fixsplat.compare(
+    "a.png", whole.colour * mask[..., None].astype(np.uint8), mask=mask).psnr == math.inf)
+for name, kind, words, call in (
+        ("sizes", ValueError, "^a is 320 x 200 pixels, b is 64 x 48$", lambda: fixsplat.compare(
+            "a.png", "set/images/00.png")),
+        ("no picture", fixsplat.Error, "none.png", lambda: fixsplat.compare("none.png", "a.png")),
+        ("floats", ValueError, "^b: expected a file or uint8", lambda: fixsplat.compare("a.png", np.zeros((2, 2, 3)))),
+        ("a mask's size", ValueError, "^mask: expected the shape", lambda: fixsplat.compare("a.png", "b.png", mask=[1])),
+        ("an option", TypeError, "hole", lambda: fixsplat.measure(scene, "set", hole=1))):
+    refuses(f"compare: {name}", kind, words, call)
+os.makedirs("set/masks", exist_ok=True)
+fixsplat.Picture(np.where(np.arange(48 * 64).reshape(48, 64, 1) % 1900 > 9, 255, (0, 0, 0, 255)).astype(
+    np.uint8)).save("set/masks/00.png")
+for label, arguments, given in (("", (), {}), (": options", ("--hold-out", "0", "--background", "102030", "--cutoff",
+                                                             "square", "--resolution", "32"),
+                                               {"hold_out": 0, "background": (16, 32, 48), "cutoff": "square",
+                                                "resolution": 32})):
+    said = json.loads(run("fit", "set", "--measure", "fitted.fxs", "--json", "--quiet", *arguments))["photographs"]
+    found = fixsplat.measure("fitted.fxs", "set", **given)
+    figures = [(m["name"], m["psnr"], m["affine_psnr"], m["ssim"], m["largest"]) for m in said["views"]]
+    ok(f"measure: the command's figures{label}", figures == [(
+        m.name, round(m.psnr, 4), round(m.affine_psnr, 4), round(m.ssim, 6), m.largest) for m in found.views], figures)
+    means = tuple(said[figure] for figure in ("psnr", "affine_psnr", "ssim"))
+    ok(f"measure: the command's means{label}", means == (
+        round(found.psnr, 4), round(found.affine_psnr, 4), round(found.ssim, 6)), (means, found))
+os.remove("set/masks/00.png")
+os.rmdir("set/masks")
 
 refuses("fit: stopped", StopIteration, "three", lambda: fixsplat.fit("set", steps=60, progress=enough))
 os.rename("set/images/01.png", "set/images/hidden")

@@ -117,7 +117,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     with workers(threads) as made:
         options.workers = reading.workers = made[0]
         if is_path:
-            with _read(photos, reading) as taken:  # type: ignore[arg-type]
+            with read_photos(photos, reading) as taken:  # type: ignore[arg-type]
                 return _fit(os.fsdecode(file_name(photos)), taken, options, progress)  # type: ignore[arg-type]
         pictures = [_pixels(i, picture) for i, picture in enumerate(photos)]  # type: ignore[arg-type]
         if not pictures:
@@ -143,14 +143,12 @@ def _choose_devices(options: Struct, devices: "Sequence[int]") -> None:
 
 
 @contextmanager
-def _read(path: PathLike, reading: Struct) -> "Iterator[Struct]":
+def read_photos(path: PathLike, reading: Struct) -> "Iterator[Struct]":
     photos, name = new("fxs_photos"), file_name(path)
     with Calls(left_out=lambda why: warnings.warn(f"left out: {why}", stacklevel=2)) as calls:
         reading.progress, reading.left_out = calls.progress[0], calls.left_out
         call("fxs_photos_read", name, reading, photos)
     try:
-        if photos.points_are_random:
-            warnings.warn(f"{os.fsdecode(name)}: no points: begins with {photos.point_count} random ones", stacklevel=5)
         yield photos
     finally:
         lib.fxs_photos_free(photos)
@@ -229,6 +227,8 @@ def _take(pictures: "list[Any]", cameras: "list[Camera]", points: Any, colours: 
 
 def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> Scene:
     handle, packed, report = new("fxs_fit *"), new("fxs_packed_scene"), new("fxs_pack_report")
+    if photos.points_are_random:
+        warnings.warn(f"{name}: no points: begins with {photos.point_count} random ones", stacklevel=3)
     call("fxs_fit_create", handle, photos.fit, photos.fit_count, photos.points, photos.point_count, options)
     try:
         _make_steps(handle[0], options, progress)
