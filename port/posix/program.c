@@ -204,7 +204,8 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     int ends[2], life[2], status = -1;
     sigset_t all, before;
     pid_t child;
-    fflush(log);
+    if (log)
+        fflush(log);
     if (make_pipe(ends))
         return -1;
     if (make_pipe(life)) {
@@ -216,7 +217,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const pid_t guard = start_guard(life, ends);
-    const int error = start(arguments, guard, ends[1], fileno(log), &before, &child);
+    const int error = start(arguments, guard, ends[1], log ? fileno(log) : ends[1], &before, &child);
     close(ends[1]);
     pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)

@@ -153,10 +153,11 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 {
     SECURITY_ATTRIBUTES inherited = {.nLength = sizeof inherited, .bInheritHandle = TRUE};
     HANDLE from, to, process;
-    fflush(log);
+    if (log)
+        fflush(log);
     if (!CreatePipe(&from, &to, &inherited, 0))
         return win32_failed();
-    const HANDLE errors = (HANDLE)_get_osfhandle(_fileno(log));
+    const HANDLE errors = log ? (HANDLE)_get_osfhandle(_fileno(log)) : to;
     const HANDLE input = CreateFileW(L"NUL", GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE, &inherited,
                                      OPEN_EXISTING, 0, NULL);
     SetHandleInformation(from, HANDLE_FLAG_INHERIT, 0);

@@ -526,18 +526,20 @@ for name, kind, words, call in (
             "a.png", "set/images/00.png")),
         ("no picture", fixsplat.Error, "none.png", lambda: fixsplat.compare("none.png", "a.png")),
         ("floats", ValueError, "^b: expected a file or uint8", lambda: fixsplat.compare("a.png", np.zeros((2, 2, 3)))),
-        ("a mask's size", ValueError, "^mask: expected the shape", lambda: fixsplat.compare("a.png", "b.png", mask=[1])),
+        ("a mask", ValueError, "^mask: expected the shape", lambda: fixsplat.compare("a.png", "b.png", mask=[1])),
         ("an option", TypeError, "hole", lambda: fixsplat.measure(scene, "set", hole=1))):
     refuses(f"compare: {name}", kind, words, call)
 os.makedirs("set/masks", exist_ok=True)
 fixsplat.Picture(np.where(np.arange(48 * 64).reshape(48, 64, 1) % 1900 > 9, 255, (0, 0, 0, 255)).astype(
     np.uint8)).save("set/masks/00.png")
-for label, arguments, given in (("", (), {}), (": options", ("--hold-out", "0", "--background", "102030", "--cutoff",
-                                                             "square", "--resolution", "32"),
-                                               {"hold_out": 0, "background": (16, 32, 48), "cutoff": "square",
-                                                "resolution": 32})):
+for label, arguments, given in (("", (), {}), (
+        ": options", ("--hold-out", "0", "--background", "102030", "--cutoff", "square", "--resolution", "32"),
+        {"hold_out": 0, "background": (16, 32, 48), "cutoff": "square", "resolution": 32})):
     said = json.loads(run("fit", "set", "--measure", "fitted.fxs", "--json", "--quiet", *arguments))["photographs"]
-    found = fixsplat.measure("fitted.fxs", "set", **given)
+    seen = []
+    found = fixsplat.measure("fitted.fxs", "set", each=lambda m, drawn, photograph: seen.append(
+        m.affine_psnr == fixsplat.compare(drawn, photograph).affine_psnr or m.name == "00.png"), **given)
+    ok(f"measure: each has picture and photograph{label}", seen and all(seen) and len(seen) == len(found.views), seen)
     figures = [(m["name"], m["psnr"], m["affine_psnr"], m["ssim"], m["largest"]) for m in said["views"]]
     ok(f"measure: the command's figures{label}", figures == [(
         m.name, round(m.psnr, 4), round(m.affine_psnr, 4), round(m.ssim, 6), m.largest) for m in found.views], figures)

@@ -76,6 +76,48 @@ check "docs/python.md: as it says" grep -qx '(360, 640, 4) uint8' example/said
 "$fixsplat" fit set --quiet --steps 50 -o fifty.fxs >logs/out
 check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
 
+example=$root/docs/examples/measure.py
+mkdir -p model/point_cloud/iteration_7000 model/point_cloud/iteration_30000
+cp knot.ply model/point_cloud/iteration_7000/point_cloud.ply
+cp haze.ply model/point_cloud/iteration_30000/point_cloud.ply
+"$fixsplat" fit set --quiet --steps 1 --hold-out 0 -o one.fxs --write-cameras model/cameras.json >logs/out
+"$python" "$example" model set/images --hold-out 4 >inria.txt 2>logs/err
+check "measure.py: without torch a line" equal "$(cat logs/err)" \
+    "no LPIPS: it needs torch and lpips (pip install torch lpips)"
+figures() { sed -n '1d; s/^\([a-z0-9]*\)[.png]* *\([0-9.]*\) \([0-9.]*\) .*/\1 \2 \3/p' "$1"; }
+"$fixsplat" fit set --measure haze.ply --hold-out 4 --json --quiet |
+    "$python" -c 'import json, sys
+found = json.load(sys.stdin)["photographs"]
+for m in found["views"] + [dict(found, name="mean.png")]:
+    print(m["name"][:-4], "%.4f %.6f" % (m["psnr"], m["ssim"]))' >command.txt
+check "measure.py: the last iteration, with the command's figures" equal "$(figures inria.txt)" "$(cat command.txt)"
+"$python" "$example" haze.ply set --hold-out 4 >ply.txt 2>logs/err
+check "measure.py: of a .ply and a COLMAP folder" cmp ply.txt inria.txt
+: >none.pt
+"$python" "$example" none.pt set 2>logs/err
+check "measure.py: a checkpoint without torch" equal "$? $(cat logs/err)" \
+    "1 none.pt: a checkpoint of gsplat needs torch: pip install torch, or export a .ply"
+mkdir modules
+cat >modules/torch.py <<'END'             # the few functions of torch that reading a checkpoint needs
+import numpy
+class Tensor:
+    def __init__(self, array): self.array = array
+    def detach(self): return self
+    def numpy(self): return self.array
+def load(path, **_): return {"splats": {name: Tensor(array) for name, array in numpy.load(path).items()}}
+def cat(tensors, axis): return Tensor(numpy.concatenate([t.array for t in tensors], axis))
+END
+"$python" -c 'import fixsplat, numpy
+g = fixsplat.load_gaussians("haze.ply")
+with open("haze.pt", "wb") as file:
+    numpy.savez(file, means=g.positions, scales=g.scales, quats=g.rotations, opacities=g.opacities, sh0=g.sh[:, :1],
+                shN=g.sh[:, 1:])'
+PYTHONPATH=$PYTHONPATH:$work/modules "$python" "$example" haze.pt set --hold-out 4 >gsplat.txt 2>logs/err
+check "measure.py: a checkpoint of gsplat" cmp gsplat.txt inria.txt
+"$python" "$example" set set 2>logs/err
+check "measure.py: no folder of Inria's" equal "$? $(cat logs/err)" \
+    "1 set: expected point_cloud/iteration_N/point_cloud.ply and cameras.json"
+
 # ---- Finding the library ---------------------------------------------------------------------------------------------
 
 imports() {

@@ -4,16 +4,19 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any, Optional, Tuple, Union
+from typing import Any, Callable, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from ._camera import Camera
 from ._fit import read_photos
-from ._library import NULL, Error, PathLike, call, colour, copy, ffi, file_name, lib, new, release, sized, whole, workers
+from ._library import (NULL, Error, PathLike, call, colour, copy, ffi, file_name, lib, new, release, sized, whole,
+                       workers)
 from ._render import Picture
 from ._scene import Scene, load
+
+Pixels = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ def _mean(values: "list[float]", none: float) -> float:
     return sum(finite) / len(finite) if finite else none
 
 
-def _rgba(name: str, picture: Any) -> "npt.NDArray[np.uint8]":
+def _rgba(name: str, picture: Any) -> Pixels:
     if isinstance(picture, (str, os.PathLike)):
         pixels, size = new("uint8_t *"), ffi.new("int[2]")
         call("fxs_image_file_read", file_name(picture), pixels, size, size + 1)
@@ -97,11 +100,14 @@ def compare(a: Any, b: Any, *, mask: Any = None, name: str = "") -> Metrics:
 
 
 def measure(scene: "Union[Scene, PathLike]", photos: PathLike, *, resolution: Optional[int] = None,
-            hold_out: Optional[int] = None, skip_bad: bool = False, threads: int = 0, **options: Any) -> Measurement:
+            hold_out: Optional[int] = None, skip_bad: bool = False, threads: int = 0,
+            each: "Optional[Callable[[Metrics, Pixels, Pixels], object]]" = None, **options: Any) -> Measurement:
     """Renders a scene from the cameras of held-out photographs, and compares both, with the figures of `fixsplat fit
     PHOTOS --measure SCENE`. Where no photograph is held out, all are measured.
 
     scene: a Scene, or the path of a scene file. photos, resolution, hold_out, skip_bad: as for `fit` with files.
+    each: a function that is called for each photograph with its metrics, the picture and the photograph, for example to
+    compute metrics of other packages. The arrays have the shapes (H, W, 4) and (H, W, 3) and are valid during the call.
     options: those of `render`. `background` is also the colour behind transparent photographs.
     """
     reading = sized("fxs_photos_options", held_out_alone=1, skip_bad=bool(skip_bad))
@@ -111,19 +117,24 @@ def measure(scene: "Union[Scene, PathLike]", photos: PathLike, *, resolution: Op
     if not isinstance(scene, Scene):
         with load(scene, threads=threads) as opened:
             return measure(opened, photos, resolution=resolution, hold_out=hold_out, skip_bad=skip_bad,
-                           threads=threads, **options)
+                           threads=threads, each=each, **options)
     with workers(threads) as made:
         reading.workers = made[0]
         with read_photos(photos, reading) as taken:
             held_out = taken.held_out_count > 0
             chosen, count = ((taken.held_out, taken.held_out_count) if held_out else (taken.fit, taken.fit_count))
-            return Measurement(tuple(_measure(scene, chosen[i], threads, options) for i in range(count)), held_out)
+            return Measurement(tuple(_measure(scene, chosen[i], each, {"threads": threads, **options})
+                                     for i in range(count)), held_out)
 
 
-def _measure(scene: Scene, photo: Any, threads: int, options: Any) -> Metrics:
+def _measure(scene: Scene, photo: Any, each: Any, options: Any) -> Metrics:
     camera = Camera._of(copy(ffi.addressof(photo.view)))
     height, width = camera.height, camera.width
     pixels = np.frombuffer(ffi.buffer(photo.pixels, 3 * width * height), np.uint8).reshape(height, width, 3)
     mask = (np.frombuffer(ffi.buffer(photo.mask, width * height), np.uint8).reshape(height, width) if photo.mask
             else None)
-    return compare(scene.render(camera, threads=threads, **options), pixels, mask=mask, name=camera.name)
+    drawn = scene.render(camera, **options).colour
+    metrics = compare(drawn, pixels, mask=mask, name=camera.name)
+    if each is not None:
+        each(metrics, drawn, pixels)
+    return metrics
