@@ -211,8 +211,8 @@ enum { FXS_PROGRAM_MISSING = 127,
        FXS_PROGRAM_SIGNAL = 256 };
 
 /* Runs the program arguments[0] from PATH; a null ends the arguments. The program's standard output goes to `said`, its
-   standard error to `log`. If this process dies, the program and its children are killed. Returns the exit status,
-   FXS_PROGRAM_SIGNAL plus a signal's number, FXS_PROGRAM_MISSING, or -1. */
+   standard error to `log`, or to `said` if `log` is null. If this process dies, the program and its children are
+   killed. Returns the exit status, FXS_PROGRAM_SIGNAL plus a signal's number, FXS_PROGRAM_MISSING, or -1. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 
 void fxs_program_become(const char *path, char **argv);

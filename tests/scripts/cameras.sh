@@ -16,8 +16,12 @@ with() { PATH="$work/bin:$PATH" "$@"; }
 cat >bin/colmap <<'PLAYED'
 #!/bin/sh
 echo "$*" >>"$PLAY/calls"
+if [ "$2" = -h ]; then
+    [ "$NEW" ] && printf '  --Feature%s arg\n' Extraction.use_gpu Extraction.max_image_size
+    exit 0
+fi
 case "$QT_QPA_PLATFORM $* " in
-offscreen\ m* | offscreen\ *.use_gpu\ 0\ *) ;;
+offscreen\ m[ao][pd]* | offscreen\ *.use_gpu\ 0\ *) ;;
 *) kill -6 $$ ;;
 esac
 [ "$1" != "$KILLED" ] || kill -9 $$
@@ -33,7 +37,12 @@ feature_extractor)
     echo "Processed file [1/12]"
     while [ "$1" != --image_list_path ]; do shift; done
     echo $(cat "$2") >>"$PLAY/lists" ;;
-exhaustive_matcher) echo "${MATCHING:-Matching block [2/2, 1/2]}" ;;
+exhaustive_matcher)
+    echo "${MATCHING:-Matching block [2/2, 1/2]}" >&${NEW:-1} ;;
+matches_importer)
+    while [ "$1" != --match_list_path ]; do shift; done
+    cat "$2" >>"$PLAY/pairs"
+    echo part >>"$PLAY/pairs" ;;
 mapper)
     [ -z "$NOTHING" ] || exit 1
     while [ "$1" != --output_path ]; do shift; done
@@ -145,6 +154,52 @@ PATH="$work/bin:$PATH"
 fails "cameras of other photographs" 1 "^fixsplat: a.fxs.cameras: the cameras of other photographs: remove it" \
     fit plain $steps -o a.fxs --quiet
 rm plain/other.png
+
+# ---- Which pairs are matched, and other versions of COLMAP -----------------------------------------------------------
+
+# copies COUNT FORMAT [STEP]: a folder `copies` of photographs with these names
+copies() {
+    rm -rf copies pairs calls copies.fxs.cameras && mkdir copies
+    for i in $(seq 0 $(($1 - 1))); do ln plain/00.png "copies/$(printf "$2" $((i * ${3:-1})))"; done
+}
+finds() { "$fixsplat" fit copies -o copies.fxs --cameras-only "$@" >logs/out 2>logs/err; }
+matchers() { grep -o '^[a-z]*_matcher\|^matches_importer' calls | uniq | tr '\n' ' '; }
+copies 30 frame-%03d.png 5
+finds --threads 4
+seq 0 29 | awk '{ n[NR] = sprintf("frame-%03d.png", 5 * $1) } END {
+    for (i = 1; i <= NR; i++) for (j = i + 1; j <= NR; j++)
+        if (j - i <= 12 || (i % 8 == 1 && j % 8 == 1)) print n[i], n[j] }' >expected
+check "frames of a film: near ones, and every eighth with each other" sh -c "grep -v part pairs | cmp - expected"
+check "in parts of 32 pairs for each thread" equal "$(grep -c part pairs) $(wc -l <expected | tr -d ' ')" "3 285"
+check "parts: with progress" grep -q '^fixsplat: matching pairs of photographs: 0 of 285$' logs/err
+check "first octave" equal "$(grep -o 'first_octave [-0-9]*' calls)" "first_octave -1"
+copies 61 %03d.png
+mv copies/000.png copies/x.png
+finds
+check "photographs: all pairs" equal "$(matchers)" "exhaustive_matcher "
+rm -r calls copies.fxs.cameras
+finds --quality draft
+check "61 photographs, draft: near ones" equal "$(matchers)" "matches_importer "
+check "draft: first octave" equal "$(grep -o 'first_octave [-0-9]*' calls)" "first_octave 0"
+mv copies/x.png "copies/x y.png"
+rm -r calls copies.fxs.cameras
+finds --quality draft
+check "a name with a blank: near ones too" equal "$(matchers)" "sequential_matcher "
+for names in "%d.png" "%03d b.png"; do
+    copies 25 "$names"
+    finds
+    check "no frames: $names" equal "$(matchers)" "exhaustive_matcher "
+done
+NEW=2
+export NEW
+copies 12 %03d.png
+MATCHING='I20260808 20:28:58.123456  1234 pairing.cc:211] Processing block [2/2, 1/2]' finds
+check "COLMAP 4: options" equal "$(grep -o '[A-Za-z]*\.\(use_gpu\|num_threads\|max_image_size\) ' calls | tr -d '\n')" \
+    "FeatureExtraction.use_gpu FeatureExtraction.max_image_size FeatureExtraction.num_threads \
+FeatureMatching.use_gpu FeatureMatching.num_threads Mapper.num_threads "
+check "COLMAP 4: progress on stderr" grep -q '^fixsplat: matching pairs of photographs: 33 of 66, ' logs/err
+check "COLMAP 4: in the log too" grep -q 'pairing.cc:211' copies.fxs.cameras/log.txt
+NEW=
 
 # ---- Several sizes, and HEIF -----------------------------------------------------------------------------------------
 

@@ -37,6 +37,14 @@ void task_show(task *t, uint64_t done, uint64_t all)
     t->shown = now;
 }
 
+/* Returns a line without the time and place that glog, the log of COLMAP 3.9 and later, writes before it:
+   "I20260102 10:11:12.131415   123 file.cc:45] ". */
+static const char *without_stamp(const char *line)
+{
+    const char *end = strchr("IWEF", *line) && line[0] && line[1] >= '0' && line[1] <= '9' ? strstr(line, "] ") : 0;
+    return end ? end + 2 : line;
+}
+
 static void take_lines(void *argument, const char *data, size_t size)
 {
     task *t = argument;
@@ -47,14 +55,14 @@ static void take_lines(void *argument, const char *data, size_t size)
             t->line[t->length++] = data[i];
         t->line[t->length] = 0;
         if (ends && t->length && t->look)
-            t->look(t, t->line);
+            t->look(t, without_stamp(t->line));
         t->length = ends ? 0 : t->length;
     }
 }
 
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument)
 {
-    const int status = fxs_program_run(arguments, t->log, take ? take : take_lines, take ? argument : t);
+    const int status = fxs_program_run(arguments, take ? t->log : 0, take ? take : take_lines, take ? argument : t);
     const int error = errno;
     progress_end();
     errno = error;

@@ -31,8 +31,8 @@ void task_begin(task *t, const char *doing, void (*look)(task *t, const char *li
 void task_show(task *t, uint64_t done, uint64_t all);
 
 /* Runs a program found in PATH. `arguments` begin with the program's name and end with null. The program's error
-   messages go to the log. Its output goes to `take` or, if that is null, to the log and to t->look. Returns the result
-   of fxs_program_run. */
+   messages go to the log, its output to `take`. If `take` is null, both go to the log and to t->look. Returns the
+   result of fxs_program_run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
 
 /* True if `status` says that a program did not finish: it was missing, not executable, or ended by a signal. */

@@ -8,10 +8,11 @@
 #include "tools/command/programs.h"
 #include "tools/command/file_guard.h"
 #include "fit_result.h"
+#include "reconstruct.h"
 #include "tools/command/task.h"
 
 const char *const fit_recipes[] = {"reference", "mcmc", "fast", 0};
-static const char *const qualities[] = {"draft", "good", "best", 0};
+static const char *const qualities[] = {"draft", "good", "best", 0};     /* in the order of enum fit_quality */
 static const struct {
     enum fxs_fit_recipe recipe;
     uint32_t steps;
@@ -238,6 +239,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     fxs_photos_options_init(&c->reading);
     c->reading.hold_out = 8;
     c->port = 8080;
+    c->quality = QUALITY_GOOD;
     if (take_options(&command_fit, c, argc, argv))
         return EXIT_USAGE;
     if (optind != argc - 1)

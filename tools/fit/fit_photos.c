@@ -237,7 +237,7 @@ static int fit_block(fit_command *c)
 
 static int find_cameras(fit_command *c)
 {
-    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
+    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->quality, c->reading.skip_bad,
                                      c->reading.masks, c->reading.invert_masks};
     if (c->frames && !film_is_named(c->in))
         return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);

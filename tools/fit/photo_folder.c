@@ -225,6 +225,7 @@ static int look(task *t, photographs *p, const char *folder, const photograph_lo
         const size_t lens = find_lens(lenses, p->lens_count, &s);
         if (lens == p->lens_count)
             lenses[p->lens_count++] = s;
+        p->has_exif |= *s.exif.lens;
         p->lenses[kept] = lens;
         p->names[kept] = p->names[i];
         p->names[i] = kept < i ? 0 : p->names[i];

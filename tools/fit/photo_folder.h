@@ -9,6 +9,7 @@ typedef struct photographs {
     char **names;                  /* file names in ascending order */
     size_t *lenses;                /* number of the lens of each photograph; null before photographs_look */
     size_t count, room, lens_count;
+    int has_exif;                  /* 1: EXIF of a photograph names its camera, so the set is not of film frames */
 } photographs;
 
 /* Lists the photographs of a folder. Returns 0 if memory runs out. */

@@ -1,6 +1,9 @@
 /* Finds the cameras for `fixsplat fit` by structure from motion. Prepares frames or photographs in the folder
    OUT.cameras. Runs COLMAP for features and matches, then GLOMAP or COLMAP's mapper. Keeps the largest model (set of
-   cameras). An interrupted run is continued. */
+   cameras). An interrupted run is continued.
+
+   All pairs of a small set are matched. In a series (frames of a film) or a large set, each photograph is matched with
+   the NEAR next ones, and every EVERY-th one with each other, which closes loops without a vocabulary file. */
 #define _XOPEN_SOURCE 700          /* declares strdup */
 
 #include "reconstruct.h"
@@ -20,9 +23,16 @@
 #include "film_frames.h"
 #include "photo_folder.h"
 
-/* LEAST: fewest photographs that are accepted. ALL_PHOTOGRAPHS, ALL_FRAMES: largest sets of photographs or film frames
-   in which all pairs are matched. */
-enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
+/* LEAST: fewest photographs that are accepted. FAR_MOST: about the largest number of photographs of which all pairs are
+   matched in a large set. PART: pairs per thread and call of COLMAP; progress is shown after each call. */
+enum { LEAST = 3, NEAR = 12, EVERY = 8, FAR_MOST = 60, PART = 32 };
+
+/* For each fit_quality: the first octave of SIFT, and the largest set of photographs in which all pairs are matched.
+   The octave -1 also looks at twice the size, which takes 60 % of the time for features. */
+static const struct {
+    const char *first_octave;
+    size_t all;
+} limits[] = {{"0", 60}, {"-1", 250}, {"-1", 250}};
 
 typedef struct work {
     const reconstruct_options *options;
@@ -31,9 +41,12 @@ typedef struct work {
     char source[TASK_PATH];
     char masked[TASK_PATH];        /* folder of the user's masks, or empty; folder `masks` has links to them */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
+    char pairs[TASK_PATH];
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
+    int names_features, names_size;     /* 1: COLMAP has the options FeatureExtraction.use_gpu (3.13 and later), and
+                                           FeatureExtraction.max_image_size (4.0 and later) */
     uint64_t looked_at;
     uint32_t points;               /* number of 3D points found, and their mean error in pixels; 0: unknown */
     double error;
@@ -203,13 +216,31 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
+static void look_at_options(task *t, const char *line)
+{
+    work *w = t->argument;
+    w->names_features |= strstr(line, "--FeatureExtraction.use_gpu") != 0;
+    w->names_size |= strstr(line, "--FeatureExtraction.max_image_size") != 0;
+}
+
+static int learn_options(work *w)
+{
+    const char *const arguments[] = {"colmap", "feature_extractor", "-h", 0};
+    task_begin(&w->t, "asking COLMAP for its options", look_at_options);
+    const int status = task_run(&w->t, arguments, 0, 0);
+    return task_is_cut(status) ? task_failed(&w->t, "colmap", status) : 0;
+}
+
 /* Finds features, with a call of COLMAP per lens, because COLMAP assumes one camera per call. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {
         "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
-        w->list, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size", "1600",
-        "--SiftExtraction.max_num_features", "4096", "--SiftExtraction.num_threads", w->threads,
+        w->list, w->names_features ? "--FeatureExtraction.use_gpu" : "--SiftExtraction.use_gpu", "0",
+        w->names_size ? "--FeatureExtraction.max_image_size" : "--SiftExtraction.max_image_size", "1600",
+        w->names_features ? "--FeatureExtraction.num_threads" : "--SiftExtraction.num_threads", w->threads,
+        "--SiftExtraction.max_num_features", "4096",
+        "--SiftExtraction.first_octave", limits[w->options->quality].first_octave,
         "--ImageReader.single_camera", "1", *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
     };
     int status = 0;
@@ -223,38 +254,133 @@ static int find_features(work *w)
     return status ? status : write_list(w, EVERY_LENS);
 }
 
+/* COLMAP 3.8 ends the line of a block when the block is done, with its time; later versions print it at the start. */
 static void look_at_matches(task *t, const char *line)
 {
     enum { ROW, ROWS, COLUMN, COLUMNS };
     const work *w = t->argument;
     const uint64_t pairs = (uint64_t)w->photos.count * (w->photos.count - 1) / 2;
+    const int is_done = strstr(line, " in ") != 0;
+    const char *what = strchr(line, ' ');      /* after "Matching", since version 3.12 "Processing" */
     uint32_t n[4];
-    if (take_numbers(line, "Matching block [%/%, %/%]", n)) {
+    if (!what)
+        return;
+    if (take_numbers(what, " block [%/%, %/%]", n)) {
         if (n[ROW] && n[ROW] <= n[ROWS] && n[COLUMN] && n[COLUMN] <= n[COLUMNS])
-            task_show(t, (uint64_t)((double)pairs * ((n[ROW] - 1.0) * n[COLUMNS] + n[COLUMN] - 1.0) /
+            task_show(t, (uint64_t)((double)pairs * ((n[ROW] - 1.0) * n[COLUMNS] + n[COLUMN] - !is_done) /
                                     ((double)n[ROWS] * n[COLUMNS])), pairs);
-    } else if (take_numbers(line, "Matching image [%/%]", n))
+    } else if (take_numbers(what, " image [%/%]", n))
         task_show(t, n[ROW], n[ROWS]);
+}
+
+static int run_matcher(work *w, const char *matcher, const char *option, const char *value)
+{
+    const char *const arguments[] = {
+        "colmap", matcher, "--database_path", w->database,
+        w->names_features ? "--FeatureMatching.use_gpu" : "--SiftMatching.use_gpu", "0",
+        w->names_features ? "--FeatureMatching.num_threads" : "--SiftMatching.num_threads", w->threads, option, value, 0
+    };
+    return run_colmap(w, arguments);
+}
+
+static size_t is_pair(size_t i, size_t j, size_t count)
+{
+    const size_t every = count / FAR_MOST > EVERY ? count / FAR_MOST : EVERY;
+    return j - i <= NEAR || (i % every == 0 && j % every == 0);
+}
+
+static size_t count_pairs(size_t count)
+{
+    size_t pairs = 0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = i + 1; j < count; j++)
+            pairs += is_pair(i, j, count);
+    return pairs;
+}
+
+static int match_list(work *w, fxs_printed *list)
+{
+    const int status = write_text(w->pairs, list);
+    return status ? status : run_matcher(w, "matches_importer", "--match_list_path", w->pairs);
+}
+
+static int match_near(work *w)
+{
+    const size_t count = w->photos.count, all = count_pairs(count), room = PART * (size_t)w->options->threads;
+    size_t done = 0;
+    int status = 0;
+    fxs_printed list;
+    task_begin(&w->t, "matching pairs of photographs", 0);
+    task_show(&w->t, 0, all);
+    for (size_t i = 0; i < count && !status; i++)
+        for (size_t j = i + 1; j < count && !status; j++) {
+            if (!is_pair(i, j, count))
+                continue;
+            if (done % room == 0 && fxs_print_begin(&list))
+                return no_memory();
+            fprintf(list.file, "%s %s\n", w->photos.names[i], w->photos.names[j]);
+            if (++done % room && done < all)
+                continue;
+            status = match_list(w, &list);
+            task_show(&w->t, done, all);
+        }
+    return status;
+}
+
+static const char digits[] = "0123456789";
+
+/* Finds the last number in a name. Returns the length of the text before it. */
+static size_t find_number(const char *name, unsigned long *number)
+{
+    size_t end = strlen(name);
+    while (end && !strchr(digits, name[end - 1]))
+        end--;
+    while (end && strchr(digits, name[end - 1]))
+        end--;
+    *number = strtoul(name + end, 0, 10);
+    return end;
+}
+
+/* True if the names differ only in a number with as many digits in each, which grows by an equal step, and no
+   photograph has EXIF: frames of a film, not photographs of a camera. */
+static int is_series(const photographs *p)
+{
+    const char *first = p->names[0];
+    unsigned long number, before;
+    const size_t length = find_number(first, &before), end = length + strspn(first + length, digits);
+    find_number(p->names[1], &number);
+    const unsigned long step = number - before;
+    for (size_t i = 1; i < p->count; i++, before = number)
+        if (find_number(p->names[i], &number) != length || strncmp(p->names[i], first, length) ||
+            strlen(p->names[i]) != strlen(first) || strcmp(p->names[i] + end, first + end) ||
+            !step || number - before != step)
+            return 0;
+    return !p->has_exif;
 }
 
 static int find_matches(work *w)
 {
-    const int all = w->photos.count <= (w->is_film ? ALL_FRAMES : ALL_PHOTOGRAPHS);
-    const char *const arguments[] = {
-        "colmap", all ? "exhaustive_matcher" : "sequential_matcher", "--database_path", w->database,
-        "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", w->threads,
-        all ? "--ExhaustiveMatching.block_size" : "--SequentialMatching.overlap", all ? "8" : "12", 0
-    };
+    const size_t count = w->photos.count;
+    const int is_film = w->is_film || is_series(&w->photos);
+    int has_blank = 0;             /* a blank ends a name in COLMAP's lists of pairs */
+    for (size_t i = 0; i < count; i++)
+        has_blank |= strpbrk(w->photos.names[i], " \t\v\f\r") != 0;
+    if (count > (is_film ? 2 * NEAR : limits[w->options->quality].all) && !has_blank)
+        return match_near(w);
+    const int all = count <= limits[w->options->quality].all;
     task_begin(&w->t, all ? "matching pairs of photographs" : "matching photographs with those near them",
                look_at_matches);
-    return run_colmap(w, arguments);
+    return all ? run_matcher(w, "exhaustive_matcher", "--ExhaustiveMatching.block_size",
+                             w->options->threads > 4 ? "8" : "4")
+               : run_matcher(w, "sequential_matcher", "--SequentialMatching.overlap", "12");
 }
 
 static void look_at_mapper(task *t, const char *line)
 {
     const work *w = t->argument;
     uint32_t number_and_placed[2];
-    if (take_numbers(line, "Registering image #% (%)", number_and_placed))
+    if (take_numbers(line, "Registering image #% (%)", number_and_placed) ||
+        take_numbers(line, "Registering image #% (num_reg_frames=%)", number_and_placed))
         task_show(t, number_and_placed[1], w->photos.count);
 }
 
@@ -333,7 +459,8 @@ static int find_cameras(work *w)
 {
     char models[TASK_PATH];
     join_path(models, w->folder, "models");
-    int status = find_features(w);
+    int status = learn_options(w);
+    status = status ? status : find_features(w);
     status = status ? status : find_matches(w);
     remove_models(models);         /* a stopped mapper may have left its models */
     status = status ? status : make_folder(models);
@@ -495,6 +622,7 @@ static int open_folder(work *w)
     join_path(w->masks, w->folder, "masks");
     join_path(w->database, w->folder, "database.db");
     join_path(w->list, w->folder, "photographs.txt");
+    join_path(w->pairs, w->folder, "pairs.txt");
     join_path(w->log_name, w->folder, "log.txt");
     int status = find_masks(w);
     status = status ? status : make_folder(w->folder);

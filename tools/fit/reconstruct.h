@@ -4,11 +4,14 @@
 
 #include <stdint.h>
 
+enum fit_quality { QUALITY_DRAFT, QUALITY_GOOD, QUALITY_BEST };
+
 typedef struct reconstruct_options {
     const char *in;
     const char *out;               /* output of the fit; cameras go to the folder OUT.cameras */
     uint32_t frames;               /* number of frames to take of a film; 0: automatic */
     uint32_t threads;
+    int quality;                   /* enum fit_quality */
     int skip_bad;
     const char *masks;             /* folder of masks; empty: no masks; null: folder IN/masks if it exists */
     int invert_masks;              /* 1: white pixels of a mask are ignored, not black ones */
