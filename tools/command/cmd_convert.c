@@ -237,7 +237,7 @@ static const option_row own_rows[] = {
      "store 8 bits of SH and 24 bits of positions in an .spz: nearly twice the size at SH degree 3, and 53 instead of "
      "37 dB on a captured scene (default, as Niantic's encoder: 5 bits for SH degree 1, 4 above, and about 12 bits of "
      "positions after the point)"},
-    {"force", 0, take_force, 0, .basic = 1, .help =
+    {"force", 0, take_force, 0, .help =
      "allow OUT to replace a file of IN, when OUT is complete; never an .fxs, and never a file that only belongs to a "
      "file of IN, as a tile of a tileset"},
     {0}

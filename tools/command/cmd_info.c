@@ -500,39 +500,39 @@ static int take_board(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"compare", "ORIGINAL", TEXT(original), .help =
+    {"compare", "ORIGINAL", TEXT(original), .basic = 1, .help =
      "draw SCENE and ORIGINAL, the scene that it was made from, and print PSNR and SSIM of each view, the worst, and "
      "the means (of PSNR without equal views). Scenes are drawn from floats; an .fxs, and SCENE with --profile, as "
      "packed. A line nudged reports views that change by a quarter of their loss or more when each Gaussian of "
      "ORIGINAL moves by 1e-6 of its distance, because coincident ones change order; no coding loses much less"},
-    {"cameras", "FILE", TEXT(frame.cameras), .help =
+    {"cameras", "FILE", TEXT(frame.cameras), .basic = 1, .help =
      "camera file to --compare from, with evenly spaced views (default: around the scene, in turn framed as by render, "
      "close, so that it exceeds the picture, and far)"},
-    {"views", "N", INT(views, 1, 1000), .help = "number of views to --compare, 1 to 1000 (default 8)"},
+    {"views", "N", INT(views, 1, 1000), .basic = 1, .help = "number of views to --compare, 1 to 1000 (default 8)"},
     {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help =
      "cut-off of the compared pictures: mahalanobis (default) or square"},
     {"compare-cutoff", "NAME", CHOICE(original_cutoff, cutoff_names), .help =
      "cut-off of ORIGINAL alone, to compare a scene with itself (default: as --cutoff)"},
-    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED, .help =
+    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED, .basic = 1, .help =
      "picture size, each 1 to 16384 pixels (default 1280x720; views of a camera file: their own size)"},
     {"board", "WxH", take_board, 0, .expected =
-     "WxH, or " PANELS, .help =
+     "WxH, or " PANELS, .basic = 1, .help =
      "print the needs of a board with a display of this size, or with the panel " PANELS " (1 bit), that shows the "
      "scene on a turntable: flash, a strip of RGB565, and working memory for one thread at each of 16 turns: the "
      "minimum, and the size that avoids slicing rows of tiles; the time to send a frame to each panel, at the clock of "
      "its data sheet; and whether the scene fits into common chips"},
-    {"stats", 0, FLAG(stats), .help =
+    {"stats", 0, FLAG(stats), .basic = 1, .help =
      "print minimum, median, mean, maximum and a histogram of each attribute, before packing. Position is in scene "
      "units, scale_0 to scale_2 are ln(sigma), opacity is 0 to 1, colour is SH degree 0, sh_1 to sh_3 are the root "
      "mean square of a degree's coefficients"},
-    {"max-memory", "BYTES", BYTES(frame.max_memory), .help =
+    {"max-memory", "BYTES", BYTES(frame.max_memory), .basic = 1, .help =
      "print the effect of this --max-memory on render and bench, bytes, also as 64K, 3M, 2G"},
-    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .basic = 1, .help =
      "how a scene that is not an .fxs is packed: default, compact or small"},
-    {"json", 0, FLAG(json), .help =
+    {"json", 0, FLAG(json), .basic = 1, .help =
      "print a JSON object. With --compare: a list of views with psnr, ssim and nudged_psnr, the means psnr and ssim, "
      "and worst_psnr, worst_ssim and worst_view. A PSNR is null for equal pictures"},
-    {"backends", 0, FLAG(backends), .help =
+    {"backends", 0, FLAG(backends), .basic = 1, .help =
      "print which back ends run on this machine, and why others cannot. With --json: an array of objects with name, "
      "does, devices, here, why_not (null if here) and can: trace (depths, ids), compose (meshes, coverage), devices "
      "(several), part (scenes partly in memory)"},

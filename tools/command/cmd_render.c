@@ -93,7 +93,7 @@ static const option_row own_rows[] = {
     {"frames", "N", INT(frame.frames, 2, FRAMES_MOST), .help =
      "render N views, 2 to 100000, on a smooth path through the views of --view; all have the size of the first view"},
     {"alpha", 0, take_alpha, 0, .help = "store coverage in alpha, with premultiplied colours (default: alpha is 255)"},
-    {"depth", "OUT", OUTPUT(depth), .basic = 1, .help =
+    {"depth", "OUT", OUTPUT(depth), .help =
      "write depths along the camera's axis: .png (16-bit grey, 0: nothing) or .pfm (scene units, infinity: nothing)"},
     {"depth-kind", "KIND", take_depth_kind, FIELD(int, draws), .choices = WORDS("median", "mean"), .help =
      "median (default): the depth at which half of the light is absorbed; mean: the average over all Gaussians, "

@@ -39,7 +39,7 @@ static const option_row window_rows[] = {
     {"screenshot", "OUT", TEXT(screenshot), .basic = 1, .help =
      "picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the current "
      "folder). A command that renders it again is printed, except for depths, ids and crops"},
-    {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .basic = 1, .help =
+    {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .help =
      "for scenes with levels of detail: adapt the budget while the view moves, to draw N frames per second, 1 to 1000 "
      "(default: fixed budget). Pictures then depend on the speed of the machine"},
     {0}
@@ -58,7 +58,7 @@ static const option_row page_rows[] = {
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack scenes with levels of detail: the page then fetches only the visible part of a large scene"},
     {"port", "N", UINT64(port, 0, 65535), .help = "port, 1 to 65535, or 0 for any free port (default 8080)"},
-    {"bind", "ADDRESS", TEXT(bind), .help =
+    {"bind", "ADDRESS", TEXT(bind), .basic = 1, .help =
      "address to listen on: 0.0.0.0 for every machine of the network, or one address of this machine (default "
      "127.0.0.1)"},
     {"host", "NAME", TEXT(host), .help =

@@ -44,14 +44,14 @@ static int take_quiet(const option_row *row, void *field, const char *value)
 const option_row common_rows[] = {
     {.help = "Options of every command:"},
     {"help", "[=all]", take_help, .choices = WORDS("all"), .letter = 'h', .help =
-     "print the help of the command; --help all lists every option"},
+     "print usage, examples and the most used options; --help all lists every option"},
     {"version", 0, take_version, .help = "print the version of fixsplat", .letter = 'V'},
     {"quiet", 0, take_quiet, .help =
      "print errors only, no progress and no notes; the environment variable FIXSPLAT_QUIET=1 does the same"},
     {0}
 };
 
-enum { HELP_COLUMN = 22, HELP_WIDTH = 118, SHORT_ABOVE = 25, SHORT_EXAMPLES = 3 };
+enum { HELP_COLUMN = 22, HELP_WIDTH = 118, SHORT_ABOVE = 12, SHORT_EXAMPLES = 3 };
 
 /* Prints a text with line breaks before column HELP_WIDTH. Lines begin in column `indent`. */
 static void print_wrapped(const char *text, int indent)
@@ -105,13 +105,18 @@ static int count_options(const command *c)
     return count;
 }
 
-static void print_basic_rows(const command *c)
+/* Returns the number of rows that it prints. */
+static int print_basic_rows(const command *c)
 {
+    int count = 0;
     puts("\nOptions:");
     for (const option_table *t = c->tables; t->rows; t++)
         for (const option_row *r = t->rows; r->help; r++)
-            if (r->basic)
+            if (r->basic) {
                 print_row(r);
+                count++;
+            }
+    return count;
 }
 
 static void print_first_examples(const char *examples)
@@ -127,8 +132,7 @@ void print_help(const command *c, int all)
 {
     const int count = count_options(c), is_short = !all && count > SHORT_ABOVE;
     fputs(c->about, stdout);
-    if (is_short)
-        print_basic_rows(c);
+    const int shown = is_short ? print_basic_rows(c) : 0;
     for (const option_table *t = c->tables; t->rows && !is_short; t++)
         print_rows(t->rows);
     if (c->more)
@@ -136,7 +140,7 @@ void print_help(const command *c, int all)
     puts("\nExamples:");
     if (is_short) {
         print_first_examples(c->examples);
-        printf("\nfixsplat %s --help all lists all %d options.\n", c->name, count);
+        printf("\nfixsplat %s --help all: %d more options\n", c->name, count - shown);
     } else {
         fputs(c->examples, stdout);
     }

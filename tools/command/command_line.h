@@ -23,7 +23,7 @@ struct option_row {
     const char *const *choices;
     const char *help;                       /* help text of the option; null: end of the table of options */
     char letter;
-    int basic;                              /* 1: the short help also lists the option */
+    int basic;                              /* 1: the short help lists the option, one of at most ten of a command */
 };
 
 /* Offset of a member in the struct OPTIONS. If the member is not of type `type`, the program does not compile. */
@@ -111,7 +111,7 @@ int check_rules(const option_rule *rules);
 
 void print_rows(const option_row *rows);
 
-/* Prints a command's help. Commands with more than 25 options get a short help, unless `all` is nonzero. */
+/* Prints a command's help. Commands with more than 12 options get a short help, unless `all` is nonzero. */
 void print_help(const command *c, int all);
 
 /* Prints a command's options as tab-separated lines, for shell completion. */

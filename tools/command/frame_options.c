@@ -111,7 +111,7 @@ const option_row camera_rows[] = {
     {"auto-up", 0, FLAG(auto_up), .help =
      "find the up direction in the scene, or take it from an .fxs, for --eye, --orbit and --panorama. The default view "
      "is always upright"},
-    {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .help =
+    {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .basic = 1, .help =
      "vertical field of view, 1 to 170 degrees (default 50)"},
     {"tangents", "L,R,U,D", take_tangents, 0, .expected = "four numbers LEFT,RIGHT,UP,DOWN", .help =
      "field of view of a headset, instead of --fov: tangents to the left (negative), right, up and down (negative). "
@@ -157,7 +157,7 @@ const option_row frame_rows[] = {
 
 const option_row level_rows[] = {
     {.help = "Levels of detail (an .fxs by convert --levels):"},
-    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .basic = 1, .help =
+    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .help =
      "largest number of Gaussians that a frame draws (default: all). Coarse Gaussians replace those that matter least "
      "to the picture"},
     {"detail", "PIXELS", take_detail, FIELD(uint32_t, render.detail_q8), .expected = "pixels, 1/256 to 16384", .help =

@@ -127,7 +127,7 @@ static const option_row own_rows[] = {
     {"log", "FILE", TEXT(log_name), .help =
      "write a table to FILE: a line per hundredth of the steps, and the results of --metrics-every; fields are "
      "separated by tabs, and the first line names them. --resume appends to it"},
-    {"resume", "FILE", TEXT(resume), .basic = 1, .help =
+    {"resume", "FILE", TEXT(resume), .help =
      "continue a saved fit, with the same PHOTOS and options of photographs. The options of the fit come from FILE, "
      "except --steps. The result is the same, byte for byte, as of an uninterrupted fit"},
     {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda"), .basic = 1, .help =
