@@ -49,7 +49,8 @@ else
     sed 's/"sort": [0-9.]*/"sort": "x"/' before.json >bad.json
     fails "--compare: no time of a stage" 1 "bad.json: no time of sort" bench knot.ply $small --compare bad.json
 fi
-fails "--compare --json" 2 "no --json" bench knot.ply $small --compare before.json --json
+fails "--compare --json" 2 "^fixsplat: --json does not go with --compare: it prints a table$" bench knot.ply $small \
+    --compare before.json --json
 
 # ---- tools/scripts/bench.sh --------------------------------------------------------------------------------------------------
 

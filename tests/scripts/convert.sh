@@ -340,7 +340,8 @@ for ending in $endings; do
     check "--force, .$ending: a link stays" [ -L link.$ending ]
 done
 cp knot.ply in.fxs
-fails "--force, .fxs: a .ply by that name" 2 "in.fxs: is read and cannot be written too$" convert in.fxs in.fxs --force
+fails "an .fxs by name: a .ply" 2 "in.fxs: is read and cannot be written too$" convert in.fxs in.fxs
+fails "--force, .fxs" 2 "^fixsplat: --force: an .fxs never replaces a file of IN" convert in.fxs in.fxs --force
 for ending in $endings; do
     [ $ending = fxs ] || { cp knot.ply same.$ending && ln -sf same.$ending link.$ending; }
     [ $ending = fxs ] || for out in same.$ending link.$ending ./same.$ending; do

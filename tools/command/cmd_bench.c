@@ -47,6 +47,13 @@ static const option_row own_rows[] = {
     {0}
 };
 
+static const option_rule rules[] = {
+    {"json", "compare", 0, "it prints a table"},
+    {"frames", "path", 0, "it has a number of frames"},
+    {"up auto-up", "cameras", "path", "its views have their own up direction"},
+    {0}
+};
+
 static int read_options(bench_options *o, int argc, char **argv)
 {
     memset(o, 0, sizeof *o);
@@ -55,8 +62,8 @@ static int read_options(bench_options *o, int argc, char **argv)
         return EXIT_USAGE;
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
-    if (o->compare && o->json)
-        return fail(EXIT_USAGE, "--compare prints a table: no --json");
+    if (check_rules(rules))
+        return EXIT_USAGE;
     o->frames = o->path ? o->path : o->frames ? o->frames : 10;
     return frame_options_check(&o->frame);
 }
@@ -284,5 +291,7 @@ const command command_bench = {
     "  $ fixsplat bench scene.ply --path 120\n"
     "  $ fixsplat bench scene.fxs --budget 500000 --path 120\n"
     "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",
-    {{own_rows, 0}, FRAME_TABLES(bench_options), COMMON_TABLE}
+    {{own_rows, 0}, {camera_rows, offsetof(bench_options, frame)}, {world_rows, offsetof(bench_options, frame.world)},
+     {frame_rows, offsetof(bench_options, frame)}, {level_rows, offsetof(bench_options, frame)},
+     {load_rows, offsetof(bench_options, frame.load)}, COMMON_TABLE}
 };

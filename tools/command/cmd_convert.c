@@ -263,6 +263,8 @@ static int read_options(convert_options *o, int argc, char **argv)
         return EXIT_USAGE;
     o->in = o->world.file ? o->world.file : argv[optind];
     o->out = argv[argc - 1];
+    if (is_given("force") && ends_with(o->out, ".fxs"))
+        return fail(EXIT_USAGE, "--force: an .fxs never replaces a file of IN: give it a name of its own");
     if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
     if (o->load.tree && !ends_with(o->out, ".fxs"))
@@ -453,12 +455,10 @@ static int set_start_of_parts(void *argument, void *header, fxs_message *message
 
 static int check_options_of_parts(const convert_options *o)
 {
-    for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
-        for (const option_row *r = t->rows; r->help; r++)
-            if (r->name && is_given(r->name) && strcmp(r->name, "levels") && strcmp(r->name, "start-view") &&
-                strcmp(r->name, "quiet"))
-                return fail(EXIT_USAGE, "--%s: %s is a part of a scene; parts are merged unchanged", r->name,
-                            o->world.scenes[0]);
+    const char *other = given_beside("levels start-view quiet");
+    if (other)
+        return fail(EXIT_USAGE, "--%s: %s is a part of a scene; parts are merged unchanged", other,
+                    o->world.scenes[0]);
     return ends_with(o->out, ".fxs") ? 0 : fail(EXIT_USAGE, "%s: parts of an .fxs are merged to an .fxs", o->out);
 }
 

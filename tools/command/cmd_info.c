@@ -539,23 +539,28 @@ static const option_row own_rows[] = {
     {0}
 };
 
+static const option_rule rules[] = {
+    {"cameras views cutoff compare-cutoff budget detail", 0, "compare", 0},
+    {0}
+};
+
 static int read_options(info_options *o, int argc, char **argv)
 {
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
     if (take_options(&command_info, o, argc, argv))
         return EXIT_USAGE;
+    const char *other = o->backends ? given_beside("backends json quiet") : 0;
+    if (other || (o->backends && optind < argc))
+        return fail(EXIT_USAGE, "--backends is about this machine: leave out %s%s", other ? "--" : "",
+                    other ? other : argv[optind]);
     if (o->backends) {
         (o->json ? print_backends_json : print_backends)();
         exit(EXIT_OK);
     }
     if (take_scenes(&o->frame.world, "info", argc - optind, argv + optind))
         return EXIT_USAGE;
-    static const char *const of_compare[] = {"cameras", "views", "cutoff", "compare-cutoff", "budget", "detail"};
-    for (size_t i = 0; i < sizeof of_compare / sizeof *of_compare && !o->original; i++)
-        if (is_given(of_compare[i]))
-            return fail(EXIT_USAGE, "--%s needs --compare", of_compare[i]);
-    return 0;
+    return check_rules(rules);
 }
 
 static int compare(findings *f, const info_options *o)

@@ -132,6 +132,7 @@ static const option_row own_rows[] = {
 static const option_rule rules[] = {
     {"frames", 0, "view", "several views, as 8..40 or all"},
     {"orbit", "frames", 0, "give one"},
+    {"up auto-up", "cameras", "orbit panorama", "its views have their own up direction; convert --up turns a scene"},
     {"bg sh-degree", 0, "output hash expect stats", "it changes colours only"},
     {"alpha", 0, "output hash expect", "it changes the picture only"},
     {"format", 0, "output", 0},

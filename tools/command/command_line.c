@@ -209,6 +209,25 @@ int is_given(const char *name)
     return t->row && t->given;
 }
 
+static int is_in(const char *list, const char *name)
+{
+    const size_t wanted = strlen(name);
+    for (size_t length; *list; list += length + (list[length] == ' ')) {
+        length = strcspn(list, " ");
+        if (length == wanted && !strncmp(list, name, length))
+            return 1;
+    }
+    return 0;
+}
+
+const char *given_beside(const char *list)
+{
+    for (const struct row_taken *t = taken; t->row; t++)
+        if (t->given && !is_in(list, t->row->name))
+            return t->row->name;
+    return 0;
+}
+
 /* Finds the first option of a list that is given. Returns 0 if none is. */
 static int first_given(const char *list, char name[32])
 {

@@ -70,7 +70,7 @@ typedef struct option_table {
     size_t offset;                          /* offset of the table's fields in the command's struct of options */
 } option_table;
 
-enum { TABLES_MOST = 10 };
+enum { TABLES_MOST = 12 };
 
 typedef struct command {
     const char *name, *does;
@@ -95,8 +95,11 @@ extern const option_row common_rows[];
    option. --help and --version end the program. */
 int take_options(const command *c, void *options, int argc, char **argv);
 
-/* True if the command line has this option. */
+/* True if the command line has this option. Another command may have another option of that name. */
 int is_given(const char *name);
+
+/* Finds an option that is given and not in the list, which is separated by blanks. Returns its name; null: none. */
+const char *given_beside(const char *list);
 
 /* A rule about options of the command line. Lists of options are separated by blanks. */
 typedef struct option_rule {

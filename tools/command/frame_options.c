@@ -132,7 +132,6 @@ const option_row camera_rows[] = {
 
 const option_row frame_rows[] = {
     {.help = "Rendering:"},
-    {"bg", "RRGGBB", COLOUR(render.background), .help = "background colour, hex (default 000000)"},
     {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help =
      "where a Gaussian ends: mahalanobis (default) or square"},
     {"sh-degree", "D", INT(render.sh_degree, 0, 3), .help = "highest SH degree used, 0 to 3 (default 3)"},
@@ -152,6 +151,11 @@ const option_row frame_rows[] = {
      "views among them; other commands use the first"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
      "how a scene that is not an .fxs is packed: default, compact or small"},
+    {0}
+};
+
+const option_row background_rows[] = {
+    {"bg", "RRGGBB", COLOUR(render.background), .help = "background colour, hex (default 000000)"},
     {0}
 };
 
@@ -226,7 +230,6 @@ static const option_rule rules[] = {
     {"look", 0, "eye", 0},
     {"eye look", "cameras", 0, "give one camera"},
     {"fov", "cameras", 0, "its views have their own; --ortho and --tangents replace it"},
-    {"up auto-up", "cameras", "orbit panorama", "its views have their own up direction; convert --up turns a scene"},
     {"auto-up", "up", 0, "give one"},
     {"fov", "ortho", 0, "its picture has a height instead"},
     {"fov stereo ortho tangents", "panorama", 0, "it looks all around"},

@@ -37,12 +37,13 @@ typedef struct frame_options {
 /* Option tables, one for each topic. FRAME_TABLES lists all of them. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
-extern const option_row pool_rows[];
+/* Further rows below the heading of frame_rows and of load_rows. */
+extern const option_row background_rows[], pool_rows[];
 #define POOL_TABLE(options) {pool_rows, offsetof(options, frame.load)}
 #define FRAME_TABLES(options) \
     {camera_rows, offsetof(options, frame)}, {world_rows, offsetof(options, frame.world)}, \
-    {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \
-    {load_rows, offsetof(options, frame.load)}
+    {frame_rows, offsetof(options, frame)}, {background_rows, offsetof(options, frame)}, \
+    {level_rows, offsetof(options, frame)}, {load_rows, offsetof(options, frame.load)}
 
 take_option take_frame_size, take_devices, take_threads;
 

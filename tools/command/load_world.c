@@ -218,61 +218,80 @@ static int load_scenes(world *w, const load_options *load)
     return status ? status : place_objects(w);
 }
 
+static int check_lod(const load_options *load, int has_lods)
+{
+    return load->lod && !load->lods && !has_lods
+               ? fail(EXIT_FAILED, "--lod %d: none of these scenes has levels of detail to choose from", load->lod) : 0;
+}
+
 /* Refuses options that do nothing for these scenes. */
 static int check_options(const world *w, const load_options *load)
 {
-    int has_levels = 0, is_all_packed = 1;
+    int has_levels = 0, has_lods = 0, is_all_packed = 1;
     if (load->again)
         return 0;
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         has_levels |= w->scenes[i].opened->scene->nodes != NULL;
+        has_lods |= w->scenes[i].opened->info->levels > 1;
         is_all_packed &= is_packed(&w->scenes[i]);
     }
     if ((is_given("budget") || is_given("detail")) && !has_levels)
         return fail(EXIT_FAILED, "%s: has no levels of detail for --budget and --detail; convert --levels makes "
                     "them", w->placed.files[0]);
-    if (is_given("profile") && !is_given("compare") && is_all_packed)
+    if (is_given("profile") && is_all_packed)
         return fail(EXIT_FAILED, "%s: is packed already; convert --profile packs it anew", w->placed.files[0]);
     if (load->lod && !load->lods && w->placed.file_count == 1 && is_all_packed)
         return fail(EXIT_FAILED, "%s: --lod is not for an .fxs: --detail and --budget choose its levels",
                     w->placed.files[0]);
-    return 0;
+    return check_lod(load, has_lods);
 }
 
-int world_open(world *w, const world_options *options, const load_options *load)
+static int open_world(world *w, const world_options *options, const load_options *load, int is_checked)
 {
     memset(w, 0, sizeof *w);
     int status = place_scenes(&w->placed, options);
     if (!status)
         status = load_scenes(w, load);
-    if (!status)
+    if (!status && is_checked)
         status = check_options(w, load);
     if (status)
         world_close(w);
     return status;
 }
 
+int world_open(world *w, const world_options *options, const load_options *load)
+{
+    return open_world(w, options, load, 1);
+}
+
 int world_open_file(world *w, const char *path, const load_options *load)
 {
     char *const scenes[] = {(char *)path};
     const world_options options = {.scenes = scenes, .scene_count = 1};
-    return world_open(w, &options, load);
+    return open_world(w, &options, load, 0);
 }
 
 static int merge(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **files,
                  fxs_scene_file_info *infos, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     fxs_message message;
+    int has_lods = 0;
     for (uint32_t i = 0; i < placed->file_count; i++) {
         load_options own;
         int status = options_of_file(&own, load, i, placed->file_count);
         if (!status)
             status = open_unfiltered(placed->files[i], &own, &files[i], &infos[i]);
+        has_lods |= !status && infos[i].levels > 1;
         while (status && i > 0)
             fxs_scene_file_close(files[--i]);
         if (status)
             return status;
     }
+    const int without = check_lod(load, has_lods);
+    for (uint32_t i = 0; without && i < placed->file_count; i++)
+        fxs_scene_file_close(files[i]);
+    if (without)
+        return without;
     if (fxs_world_merge(placed, files, infos, file, info, &message))
         return fail_for(&message);
     if (!load->again)

@@ -32,9 +32,11 @@ typedef struct world {
     uint64_t load_nanoseconds;
 } world;
 
-/* Loads the scenes of a world (placed scenes). After a failure, the caller has nothing to close. */
+/* Loads the scenes of a world (placed scenes), and refuses options of the command line that do nothing for these
+   scenes. After a failure, the caller has nothing to close. */
 int world_open(world *w, const world_options *options, const load_options *load);
 
+/* Loads a file that the command line does not name, with its options as far as they apply. */
 int world_open_file(world *w, const char *path, const load_options *load);
 
 /* Opens all files of a world (placed scenes) as one scene file, whose placed Gaussians are read as floats. In messages,
