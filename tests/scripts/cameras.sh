@@ -303,7 +303,7 @@ fails "a name that begins with a blank" 1 "odd-.*/images/ 00.png: COLMAP takes n
 mv "odd/ 00.png" "odd/0
 0.png"
 fails "a name with a line break" 1 "odd-.*/images/0.0.png: COLMAP takes no name" fit odd -o odd-2.fxs --quiet
-run fit odd $steps -o odd-2.fxs --cameras-only --skip-bad
+run fit odd -o odd-2.fxs --cameras-only --skip-bad
 check "--skip-bad leaves it out" equal "$status $(grep -c 'left out: .*0?0.png' logs/err) $(
     grep -c . odd-2.fxs.cameras/photographs.txt)" "0 1 11"
 rm calls
@@ -356,7 +356,7 @@ mkdir one && cp plain/00.png one
 fails "one photograph" 1 "one: 1 photograph: at least 3" fit one -o f.fxs --quiet
 cp -r plain bad && head -c 100 plain/05.png >bad/05.png
 fails "a damaged photograph" 1 "05.png: .*--skip-bad leaves such photographs out" fit bad -o g.fxs --quiet
-"$fixsplat" fit bad $steps -o h.fxs --skip-bad --cameras-only 2>logs/err
+"$fixsplat" fit bad -o h.fxs --skip-bad --cameras-only 2>logs/err
 check "--skip-bad" equal "$(grep -c 'left out: .*05.png' logs/err) $(grep -c 05.png h.fxs.cameras/photographs.txt)" "1 0"
 cp -r plain unlike && mkdir unlike/masks && cp ffffff.png unlike/masks/02.png
 "$fixsplat" render knot.ply --size 9x9 -o unlike/masks/05.png

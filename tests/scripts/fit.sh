@@ -265,9 +265,9 @@ fails "--log: no such folder" 1 "--log none/fit.log: cannot be written: No such 
 fails "--log is OUT" 2 "x.fxs" fit set -o x.fxs --log x.fxs
 fails "--log is a photograph" 2 "set/images/03.png: is read and cannot be written too" fit set -o x.fxs --steps 2 \
     --log set/images/03.png
-fails "--log and --measure" 2 "leave out -o, --block, --resume, --write-cameras, --log" fit set --measure whole.fxs --log fit.log
-fails "--crop-to-subject and --measure" 2 "and --crop-to-subject" fit set --measure whole.fxs --crop-to-subject
-fails "--log and --cameras-only" 2 "leave out --write-cameras and --log" fit set -o x.fxs --cameras-only --log fit.log
+fails "--log and --measure" 2 "log does not go with --measure: nothing is fitted" fit set --measure whole.fxs --log fit.log
+fails "--crop-to-subject and --measure" 2 "crop-to-subject does not go with --measure" fit set --measure whole.fxs --crop-to-subject
+fails "--log and --cameras-only" 2 "cameras-only: nothing is fitted: leave out --log" fit set -o x.fxs --cameras-only --log fit.log
 fails "--log of block 0" 2 "--block 0: nothing is fitted" fit set -o x.ply --block 0/2 --coarse set.fit --log fit.log
 rm -f part.fxs.fit set.fit fit.log new.log
 
@@ -298,8 +298,8 @@ fails "--resume: another quality" 2 "--quality: few.fxs.fit was begun with anoth
     --resume few.fxs.fit --quality best
 succeeds "--resume: with its quality" fit set -o again.fxs --resume few.fxs.fit --quality draft
 check "--resume: with its quality" cmp few.fxs again.fxs
-fails "--quality and --recipe" 2 "leave out --recipe" fit set -o x.fxs --quality good \
-    --recipe fast
+fails "--quality and --recipe" 2 "^fixsplat: --recipe does not go with --quality: it includes a recipe$" fit set \
+    -o x.fxs --quality good --recipe fast
 rm -rf large few.fxs.fit
 
 # ---- Stopped and resumed ---------------------------------------------------------------------------------------------

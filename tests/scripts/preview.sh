@@ -111,8 +111,8 @@ check "no room for a scene: said once, and it goes on" equal "$? $(grep -c \
 
 fails "--port without it" 2 "port needs --preview" fit set -o x.fxs --port 80
 fails "--port 65536" 2 "port 65536: expected" fit set -o x.fxs --preview --port 65536
-fails "with --measure" 2 "preview: nothing is fitted" fit set --measure whole.fxs --preview
-fails "with --cameras-only" 2 "preview: nothing is fitted" fit set -o x.fxs --cameras-only --preview
+fails "with --measure" 2 "preview does not go with --measure: nothing is fitted" fit set --measure whole.fxs --preview
+fails "with --cameras-only" 2 "cameras-only: nothing is fitted: leave out --preview" fit set -o x.fxs --cameras-only --preview
 FIXSPLAT_WEB=$work/none fails "no page" 1 "FIXSPLAT_WEB=$work/none: the page is not there" fit set -o x.fxs --preview
 fails "no photographs" 1 "none" fit none -o x.fxs --preview --port 0 --quiet
 rm page/viewer/fit.html

@@ -150,9 +150,11 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
 {
     fxs_fit_options *o = &c->options;
     int devices[DEVICES_MOST];
+    const char *of_devices = is_given("device") ? "device" : is_given("max-memory") ? "max-memory" : 0;
+    if (strcmp(backend->name, "cpu") && !(backend->can & FXS_CAN_DEVICES))
+        return fail(EXIT_USAGE, "fit: --backend %s: expected cpu or cuda", backend->name);
     if (!(backend->can & FXS_CAN_DEVICES))
-        return strcmp(backend->name, "cpu") ? fail(EXIT_USAGE, "fit: --backend %s: expected cpu or cuda", backend->name)
-                                            : 0;
+        return of_devices ? fail(EXIT_USAGE, "--%s is for --backend cuda, not for %s", of_devices, backend->name) : 0;
     const int count = choose_devices(&c->frame, devices);
     for (int i = 0; i < count && i < 8; i++)
         o->devices[i] = devices[i];
@@ -196,17 +198,25 @@ static int finish_options(fit_command *c)
     return status;
 }
 
+static const option_rule rules[] = {
+    {"recipe", "quality", 0, "it includes a recipe"},
+    {"output recipe exposure refine-poses antialiased sky steps batch block coarse max-gaussians seed crop-to-subject "
+     "cameras-only write-cameras save-every metrics-every preview log resume", "measure", 0, "nothing is fitted"},
+    {"coarse", 0, "block", "I/N"},
+    {"port", 0, "preview", 0},
+    {0}
+};
+
 static int check_options(const fit_command *c)
 {
+    const char *other = c->cameras_only ? given_beside("cameras-only output quality frames masks invert-masks skip-bad "
+                                                       "threads quiet") : 0;
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
-    if (is_given("quality") && is_given("recipe"))
-        return fail(EXIT_USAGE, "--quality includes a recipe: leave out --recipe");
-    if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name || c->crops))
-        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras, --log "
-                    "and --crop-to-subject");
-    if (c->cameras_only && (c->cameras || c->log_name))
-        return fail(EXIT_USAGE, "--cameras-only: nothing is fitted: leave out --write-cameras and --log");
+    if (check_rules(rules))
+        return EXIT_USAGE;
+    if (other)
+        return fail(EXIT_USAGE, "--cameras-only: nothing is fitted: leave out --%s", other);
     if (c->blocks && !c->block && (c->cameras || c->log_name || c->compare || c->metrics_every))
         return fail(EXIT_USAGE, "--block 0: nothing is fitted: leave out --write-cameras, --log, --compare and "
                     "--metrics-every");
@@ -218,14 +228,10 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "--sky with --block needs --coarse, whose sky it uses");
     if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
         return fail(EXIT_USAGE, "--crop-to-subject needs a whole fit, to .fxs or .ply");
-    if (c->coarse && !c->blocks)
-        return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
         return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
-    if (c->preview && (c->measure || c->cameras_only || (c->blocks && !c->block)))
-        return fail(EXIT_USAGE, "--preview: nothing is fitted: leave out --measure, --cameras-only and --block 0");
-    if (is_given("port") && !c->preview)
-        return fail(EXIT_USAGE, "--port needs --preview");
+    if (c->preview && c->blocks && !c->block)
+        return fail(EXIT_USAGE, "--preview: nothing is fitted: leave out --block 0");
     if (c->blocks && !ends_with(c->out, ".ply"))
         return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, for convert to merge", c->out);
     return 0;

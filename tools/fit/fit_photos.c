@@ -74,6 +74,12 @@ static void say_masks(const fit_command *c, const fxs_photos *photos)
         note("%s: %.1f %% of the pixels are ignored", c->in, 100 * share_ignored(photos));
 }
 
+static int check_masks(const fit_command *c, const fxs_photos *photos)
+{
+    return c->reading.invert_masks && !photos->with_mask
+               ? fail(EXIT_FAILED, "--invert-masks: no photograph of %s has a mask", c->in) : 0;
+}
+
 static void say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
 {
     if (photos->skipped)
@@ -176,7 +182,8 @@ static int fit_whole(fit_command *c)
     say_photos(c, &photos, photos.point_count);
     const int status = c->options.sky && photos.points_are_random && !c->resume
                            ? fail(EXIT_FAILED, "--sky: %s has no points to find the sky from", c->in)
-                           : make_fit(c, &photos, 0);
+                       : check_masks(c, &photos) ? EXIT_FAILED
+                                                 : make_fit(c, &photos, 0);
     fxs_photos_free(&photos);
     return status;
 }
@@ -195,9 +202,11 @@ static int measure_scene(fit_command *c)
     say_masks(c, &photos);
     if (c->compare)
         result_tell_pictures(&photos, c->compare);
-    int status = files_check();
+    int status = check_masks(c, &photos);
     if (!status)
-        status = world_open_file(&scene, c->measure, &c->frame.load);
+        status = files_check();
+    if (!status)
+        status = world_open(&scene, &(world_options){.scenes = (char **)&c->measure, .scene_count = 1}, &c->frame.load);
     if (!status)
         status = result_measure(&q, &scene, &photos, &c->frame, c->compare);
     if (!status)

@@ -561,7 +561,7 @@ static int find_masks(work *w)
     if (given && *given)
         return fail(EXIT_FAILED, "%s: no such folder of masks", given);
     *w->masked = 0;
-    return 0;
+    return w->options->invert_masks ? fail(EXIT_FAILED, "--invert-masks: %s has no masks", w->options->in) : 0;
 }
 
 static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t frames)
