@@ -315,6 +315,7 @@ static void test_graph_shows_the_times(void)
 
 #include <fixsplat/image.h>
 #include <fixsplat/scene.h>
+#include "tools/command/cmd_view.h"
 #include "tools/view/viewer.h"
 
 /* Simulates a screen with several pixels for each unit of window coordinates. */
@@ -916,7 +917,7 @@ static void test_levels(void)
     key(&v, ',');
     CHECK(v.options.render.budget == 0 && strstr(v.note, "no levels of detail"));
     drop(&v, path);
-    CHECK(viewer_has_levels(&v) && viewer_budget_most(&v) == 20000 && v.gaussians >= 20000);
+    CHECK(has_levels(&v.world) && viewer_budget_most(&v) == 20000 && v.gaussians >= 20000);
     CHECK(shows(&v, v.view, 64, 48));
     picture whole = {.pixels = 0};
     renderer r;
@@ -1500,6 +1501,117 @@ static void test_failures_to_open(void)
     setenv("SDL_VIDEODRIVER", "dummy", 1);
 }
 
+/* ---- Options of the command ------------------------------------------------------------------------------------- */
+
+static char levels[64];
+static int tried_options, refused_options;
+
+/* Options of `fixsplat view` with a value; null: no value. */
+static const struct {
+    const char *name, *value;
+} of_window[] = {
+    {"cameras", cameras}, {"view", "1"}, {"eye", "1,-2,-9"}, {"look", "0,1,0"}, {"up", "0.3,-1,0"}, {"auto-up", 0},
+    {"fov", "30"}, {"tangents", "-1,1.2,1,-1"}, {"ortho", "3"}, {"near", "7"}, {"size", "60x30"}, {"stereo", "0.2"},
+    {"place", "0:0,0,0,0.5,0.5,0.5,0.5"}, {"scene", "none.json"}, {"bg", "303030"}, {"cutoff", "square"},
+    {"sh-degree", "0"}, {"device", "1"}, {"profile", "small"}, {"budget", "100"}, {"detail", "9"}, {"lod", "1"},
+    {"axes", "rdf"}, {"pool", "1M"}, {"fps", "30"}, {"no-open", 0}, {"qr", 0}, {"levels", 0}, {"port", "1"},
+    {"bind", "::1"}, {"host", "here"}, {"cert", "a.pem"}, {"key", "a.pem"}
+};
+
+static uint64_t sum_of(uint64_t sum, const void *data, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i++)
+        sum = (sum ^ ((const uint8_t *)data)[i]) * 1099511628211u;
+    return sum;
+}
+
+/* Opens the window of a command line. Returns a sum of its picture and directions; 0: the command line is refused. */
+static uint64_t opened(const char *const *place, int count, const char *option, const char *value)
+{
+    static view_options o;
+    char *words[8] = {0};
+    viewer v;
+    uint64_t sum = 0;
+    memcpy(words, place, (size_t)count * sizeof *words);
+    words[count] = (char *)(uintptr_t)option;
+    words[count + 1] = (char *)(uintptr_t)value;
+    optind = 1;
+    if (view_options_take(&o, count + !!option + !!value, words) || viewer_open(&v, &o.frame, o.screenshot, o.rate))
+        return 0;
+    settle(&v);
+    if (!v.quit) {
+        sum = sum_of(1, v.picture.pixels, 4 * (size_t)v.picture.width * (size_t)v.picture.height);
+        sum = sum_of(sum_of(sum, &v.view.near, sizeof v.view.near), v.up, sizeof v.up);
+    }
+    viewer_close(&v);
+    return sum;
+}
+
+static int is_row_tried(const option_row *row)
+{
+    static const char by_design[] = " screenshot web threads max-memory cpu backend max-gaussians import-memory ";
+    char name[40];
+    snprintf(name, sizeof name, " %s ", row->name);
+    int found = strstr(by_design, name) != 0;
+    for (size_t i = 0; i < sizeof of_window / sizeof *of_window; i++)
+        found |= !strcmp(of_window[i].name, row->name);
+    return found;
+}
+
+/* Each option but those of `kept` changes the window of a place, or is refused. */
+static void try_options(int count, const char *const *place, const char *kept)
+{
+    const uint64_t plain = opened(place, count, 0, 0);
+    CHECK(plain);
+    for (size_t i = 0; i < sizeof of_window / sizeof *of_window; i++) {
+        char option[40], name[40];
+        snprintf(option, sizeof option, "--%s", of_window[i].name);
+        snprintf(name, sizeof name, " %s ", of_window[i].name);
+        if (!strcmp(option, place[2]) || strstr(kept, name))
+            continue;
+        const uint64_t sum = opened(place, count, option, of_window[i].value);
+        tried_options++;
+        refused_options += !sum;
+        if (!CHECK(sum != plain))
+            printf("no effect: %s with %s\n", option, place[count - 1]);
+    }
+}
+
+static void test_options_change_the_window_or_are_refused(void)
+{
+    const char *const of_floats[] = {"view", knot, "--size", "64x48"},
+               *const of_levels[] = {"view", levels, "--size", "64x48"},
+               *const of_cameras[] = {"view", knot, "--cameras", cameras},
+               *const of_eye[] = {"view", knot, "--eye", "0,-2,-9"};
+    char *arguments[] = {"convert", knot, levels, "--levels", "--quiet", 0};
+    snprintf(levels, sizeof levels, "%s/levels.fxs", folder);
+    optind = 1;
+    CHECK(command_convert.run(5, arguments) == EXIT_OK);
+    for (const option_table *t = command_view.tables; t->rows != common_rows; t++)
+        for (const option_row *row = t->rows; row->help; row++)
+            if (row->name && !CHECK(is_row_tried(row)))
+                printf("not tried: %s\n", row->name);
+    try_options(4, of_floats, " auto-up ");             /* the scene is upright */
+    try_options(4, of_levels, " auto-up fps pool ");    /* they change pictures in motion, and memory */
+    try_options(4, of_cameras, "");
+    try_options(4, of_eye, " auto-up ");
+    printf("%d pairs of an option and a place, %d refused\n", tried_options, refused_options);
+}
+
+static void test_a_dropped_file_takes_options_as_far_as_they_apply(void)
+{
+    static view_options o;
+    char *words[] = {"view", levels, "--budget", "100", "--size", "64x48", 0};
+    viewer v;
+    optind = 1;
+    if (!CHECK(!view_options_take(&o, 6, words) && !viewer_open(&v, &o.frame, 0, 0)))
+        return;
+    settle(&v);
+    drop(&v, cubes);
+    CHECK(!v.quit && v.world.gaussians == 300);
+    viewer_close(&v);
+}
+
 static void test_files_are_made(void)
 {
     static const char view[] = "{\"id\": 0, \"img_name\": \"%s\", \"width\": 80, \"height\": 60, \"fx\": 70, "
@@ -1580,6 +1692,8 @@ int main(void)
     RUN(test_rate);
     RUN(test_pool);
     RUN(test_tangents);
+    RUN(test_options_change_the_window_or_are_refused);
+    RUN(test_a_dropped_file_takes_options_as_far_as_they_apply);
     RUN(test_failures_to_open);
     remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras);
     snprintf(cubes, sizeof cubes, "%s/state/fixsplat/recent", folder);

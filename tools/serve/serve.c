@@ -174,6 +174,19 @@ static int add_pages(site *s, const frame_options *o)
     return status;
 }
 
+/* Refuses options of packing if every scene is an .fxs, which is served as it is. */
+static int check_packing(const site *s)
+{
+    const char *option = is_given("profile") ? "profile" : is_given("levels") ? "levels" : 0;
+    if (!option)
+        return 0;
+    for (size_t i = 0; i < s->list.count; i++)
+        if (!ends_with(s->list.scenes[i].path, ".fxs"))
+            return 0;
+    return fail(EXIT_USAGE, "--%s: %s is served as it is; convert --%s packs it anew", option,
+                s->list.scenes[0].path, option);
+}
+
 static int fill_site(site *s, const frame_options *o)
 {
     int status = page_folder_find(s->folder);
@@ -182,6 +195,7 @@ static int fill_site(site *s, const frame_options *o)
     memcpy(s->how.background, o->render.background, sizeof s->how.background);
     for (int i = 0; i < o->world.scene_count && !status; i++)
         status = scene_list_add(&s->list, o->world.scenes[i]);
+    status = status ? status : check_packing(s);
     status = status ? status : add_scenes(s, o);
     status = status ? status : add_pages(s, o);
     s->served.files = s->files;

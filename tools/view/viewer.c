@@ -122,6 +122,25 @@ static void note_why(loading *l)
     snprintf(l->why, sizeof l->why, "%.255s", why);
 }
 
+int has_levels(const world *w)
+{
+    for (uint32_t i = 0; i < w->count; i++)
+        if (w->objects[i].scene->nodes)
+            return 1;
+    return 0;
+}
+
+static int open_given(viewer *v, const load_options *how)
+{
+    loading *l = &v->loading;
+    const int status = world_open(&l->world, &l->options.world, how);
+    if (status || v->rate_wanted <= 0 || has_levels(&l->world))
+        return status;
+    fail(EXIT_FAILED, "%s: has no levels of detail for --fps; convert --levels makes them", l->world.placed.files[0]);
+    world_close(&l->world);
+    return EXIT_FAILED;
+}
+
 static void load(void *argument)
 {
     viewer *v = argument;
@@ -133,7 +152,7 @@ static void load(void *argument)
     frame_options all = l->options;
     all.view = "all";
     l->views = 0;
-    l->status = l->path ? world_open_file(&l->world, l->path, &how) : world_open(&l->world, &l->options.world, &how);
+    l->status = l->path ? world_open_file(&l->world, l->path, &how) : open_given(v, &how);
     if (l->status) {
         note_why(l);
         return;
@@ -339,14 +358,6 @@ static void take_way(viewer *v, uint64_t now)
         ask_film(v);
 }
 
-int viewer_has_levels(const viewer *v)
-{
-    for (uint32_t i = 0; i < v->world.count; i++)
-        if (v->world.objects[i].scene->nodes)
-            return 1;
-    return 0;
-}
-
 /* Returns the largest budget (Gaussians per frame). Half of each memory pool is left for prefetched and recently
    visible chunks (256 Gaussians each). */
 uint32_t viewer_budget_most(const viewer *v)
@@ -373,7 +384,7 @@ static double budget_of(const viewer *v)
 
 static void change_budget(viewer *v, int key)
 {
-    if (!viewer_has_levels(v)) {
+    if (!has_levels(&v->world)) {
         snprintf(v->note, sizeof v->note, "no levels of detail: convert --levels makes them");
         return;
     }
@@ -395,7 +406,7 @@ void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
 {
     const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
     const double change = fmin(fmax(wanted / (double)(nanoseconds ? nanoseconds : 1), 0.8), 1.25);
-    if (viewer_has_levels(v) && (change < 0.95 || (change > 1.05 && drawn > budget / 2)))
+    if (has_levels(&v->world) && (change < 0.95 || (change > 1.05 && drawn > budget / 2)))
         set_budget(v, fmin(budget, change < 1 ? fmax(drawn, BUDGET_LEAST) : budget) * change);
 }
 

@@ -165,7 +165,7 @@ void crop_world(world *w, const crop_box *crop);
 /* Replaces the current scenes of the window by the loaded scenes. No frame may be in progress. */
 void viewer_install(viewer *v);
 
-int viewer_has_levels(const viewer *v);
+int has_levels(const world *w);
 uint32_t viewer_budget_most(const viewer *v);
 
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn);

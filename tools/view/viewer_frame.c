@@ -258,6 +258,14 @@ static void print_level(const load_options *o)
         printf(" --lod %d", o->lod);
 }
 
+static int has_floats(const world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (!is_packed(&w->scenes[i]))
+            return 1;
+    return 0;
+}
+
 static void print_scenes(const world_options *o)
 {
     if (o->file)
@@ -319,7 +327,8 @@ static void print_command(const viewer *v, const fxs_view *view, const fxs_optio
         printf(" --detail %.9g", render_options->detail_q8 / 256.0);
     printf(" --near %.17g", view->near);
     print_level(&v->options.load);
-    printf(" --profile %s", profile_names[v->options.load.profile]);
+    if (v->options.load.profile && has_floats(&v->world))
+        printf(" --profile %s", profile_names[v->options.load.profile]);
     print_named(" -o", path);
     puts("");
     fflush(stdout);

@@ -321,7 +321,7 @@ static void add_rate(panels *p, const viewer *v)
 {
     char text[160];
     int used = snprintf(text, sizeof text, "%.0f frames/s", v->times.frame > 0 ? 1000 / v->times.frame : 0);
-    if (v->path && viewer_has_levels(v))
+    if (v->path && has_levels(&v->world))
         used += snprintf(text + used, sizeof text - (size_t)used, ", %.3g of %.3g million Gaussians",
                          v->gaussians * 1e-6, v->world.gaussians * 1e-6);
     if (v->missing)
