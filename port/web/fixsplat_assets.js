@@ -83,21 +83,34 @@ function inflated(name) {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
 }
 
+const MODULE = { type: 'module' }
+
 /** Starts a worker. Its script is the first of: the embedded script, the start function for bundlers, the script in the
     folder of setAssets, the script in the folder `home`. */
 export function startWorker(name, home = own) {
-  if (files) return startText(files[name])
-  if (!folder && starts[name]) return starts[name]()
-  const url = addressIn(name, home)
-  // Browsers refuse a worker script of another origin, but a script of the page's own origin may import such a script.
-  if (url.origin !== location.origin) return startText(`import ${JSON.stringify(url.href)}`)
-  return new Worker(url, { type: 'module' })
+  if (files) return new Worker(scriptOf(files[name]), MODULE)
+  if (folder || !starts[name]) return new Worker(reachable(addressIn(name, home)), MODULE)
+  // Bundlers recognise only a literal `new Worker(new URL(...))`. Here this literal calls another function.
+  const Own = globalThis.Worker
+  globalThis.Worker = function (url, how) {
+    return new Own(reachable(new URL(url, location.href), how), how)
+  }
+  try {
+    return starts[name]()
+  } finally {
+    globalThis.Worker = Own
+  }
 }
 
-function startText(text) {
-  const url = URL.createObjectURL(new Blob([text], { type: 'text/javascript' }))
-  return new Worker(url, { type: 'module' })
+/** Browsers refuse a worker script of another origin, but a script of the page's own origin may import such a script.
+    Some bundlers make classic scripts for workers. */
+function reachable(url, { type } = MODULE) {
+  if ([location.origin, 'null'].includes(url.origin)) return url
+  const address = JSON.stringify(url.href)
+  return scriptOf(type === 'module' ? `import ${address}` : `importScripts(${address})`)
 }
+
+const scriptOf = (text) => URL.createObjectURL(new Blob([text], { type: 'text/javascript' }))
 
 export async function startThread(data) {
   if (inNode) return (await ofSystem()).startThread(data)

@@ -309,6 +309,24 @@ add('none, of another server', 'a line', EVERYTHING, async () => {
   await shows(project('far', { 'index.html': page, 'main.js': mainOf(load, viewer) })).finally(far.end)
 }, true)
 
+// The files of a program are on another server than its page, as on a content delivery network.
+const FAR_BUILDS = {
+  'vite 8': [VITE, 'vite#vite build --base FAR', (folder) => readFileSync(join(folder, 'index.html'), 'utf8')],
+  'webpack 5': [WEBPACK, `webpack#webpack --mode production ${FROM} --output-path dist --output-public-path FAR`,
+    (_, far) => pageOf(`<script crossorigin src="${far}main.js"></script>`)],
+}
+for (const [tool, [files, line, pageAt]] of Object.entries(FAR_BUILDS))
+  add(tool, 'build, of another server', [], async () => {
+    const folder = project(`${tool} far`, files)
+    const far = await served(join(folder, 'dist'), OF_OTHERS)
+    try {
+      await build(folder, line.replace('FAR', far.address))
+      await shows(project(`${tool} near`, { 'index.html': pageAt(join(folder, 'dist'), far.address) }))
+    } finally {
+      far.end()
+    }
+  }, tool === 'vite 8')
+
 const POLICY =
   "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; img-src data:"
 add('none, strict policy', 'a line', EVERYTHING, () => {
