@@ -884,6 +884,25 @@ const tests = {
     )
   },
 
+  async 'without a network: words, and the scene when the network is there'() {
+    const late = `${scenes}/late.ply`
+    await without(
+      () => Object.defineProperty(Navigator.prototype, 'onLine', { configurable: true, get: () => false }),
+      async () => {
+        await go('?scene=http://127.0.0.1:9/scene.ply')
+        assert.match(await wordsOf(), /^This machine is not connected.*loaded when it is$/)
+        await go('?scene=/scenes/late.ply')
+        await wordsOf()
+        copyFileSync(`${scenes}/scene.ply`, late)
+        await page.evaluate(() => dispatchEvent(new Event('online')))
+        await still()
+        assert.equal(await inside(`return $('error').hidden`), true)
+        assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      }
+    )
+    rmSync(late)
+  },
+
   async 'too little memory for a picture: a smaller one, and words'() {
     const begin = 'async draw(id, camera, options) {'
     const least = 'if (options.width * options.height > 1e5) throw new Error("out of memory");'

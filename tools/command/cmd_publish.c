@@ -177,7 +177,8 @@ static void print_scene(FILE *file, const char *title, const char *name, const c
         "<fixsplat-viewer src=\"%s.fxs\" label=\"%s\" poster=\"%s.jpg\"";
     static const char in_scene[] =
         ">\n<img src=\"%s.jpg\" alt=\"\">\n"
-        "<p>This page needs a server of files, say: python3 -m http.server</p>\n</fixsplat-viewer>\n"
+        "<p>The scripts of this page are missing: reload it. "
+        "A page in a folder needs a server: python3 -m http.server</p>\n</fixsplat-viewer>\n"
         "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
     print_page_head(file, title);
     print_html(file, of_scene, name, name, title, name);

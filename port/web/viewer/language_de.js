@@ -118,7 +118,8 @@ export const words = {
   'This browser keeps the mouse to itself': 'Dieser Browser gibt die Maus nicht her',
   'This browser keeps the page as it is': 'Dieser Browser lässt die Seite, wie sie ist',
   'This is what there was before': 'Das hier ist, was vorher da war',
-  'This machine is not connected to the network': 'Dieses Gerät ist nicht mit dem Netz verbunden',
+  'This machine is not connected to the network. The scene is loaded when it is':
+    'Dieses Gerät ist nicht mit dem Netz verbunden. Sobald es verbunden ist, wird die Szene geladen',
   'This scene has no levels of detail: all of it is drawn': 'Diese Szene hat keine Detailstufen: alles wird gezeichnet',
   'This scene is a file of yours: a link cannot hold it': 'Diese Szene ist eine eigene Datei: ein Link kann sie nicht enthalten',
   Time: 'Zeit',

@@ -112,7 +112,7 @@ export const words = {
   'This browser keeps the mouse to itself': '此浏览器不允许锁定鼠标',
   'This browser keeps the page as it is': '此浏览器不允许全屏',
   'This is what there was before': '这里显示的是之前的内容',
-  'This machine is not connected to the network': '本机未连接网络',
+  'This machine is not connected to the network. The scene is loaded when it is': '本机未连接网络。连接后会加载场景',
   'This scene has no levels of detail: all of it is drawn': '此场景没有细节层次，全部绘制',
   'This scene is a file of yours: a link cannot hold it': '此场景是您的本地文件，链接无法包含它',
   Time: '时间',

@@ -692,7 +692,17 @@ export class Viewer extends HTMLElement {
     this.dispatchEvent(new CustomEvent(event, { detail }))
   }
 
+  /** Loads the scenes again that could not be loaded without a network. */
+  #retry() {
+    if (!this.#isHere) return
+    for (const item of this.#items) item.failed = false
+    if (!this.#scene && !this.#opening) this.#src = null
+    this.#readSrc()
+    this.#gather()
+  }
+
   async #fail(cause, { source } = {}) {
+    if (source && navigator.onLine === false) addEventListener('online', () => this.#retry(), { once: true })
     // If words.js, which translates errors, cannot be loaded, the message of the error is shown unchanged.
     const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) }
     const { wordsOf } = await import('./words.js').catch(() => bare)

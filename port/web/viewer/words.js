@@ -20,8 +20,8 @@ const TABLE = [
   ['damaged', /^(.*?): (header line .*)/, (say, ...words) => say('{0}: the file is damaged ({1})', ...words)],
   ['damaged', /though its header asks for/],
   ['missing', /no such file/],
-  ['network', /cannot be reached/, (say) =>
-    navigator.onLine === false ? say('This machine is not connected to the network') : undefined],
+  ['network', /cannot be reached/, (say) => (navigator.onLine === false
+    ? say('This machine is not connected to the network. The scene is loaded when it is') : undefined)],
   ['network', /broke off|: the server |on its server|no address/],
   ['memory', /out of memory|allocation failed|could not allocate|can be read$/i, (say) =>
     say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
