@@ -179,7 +179,7 @@ const MODULE = '<script type="module" src="/main.js"></script>'
 const mainOf = (load, viewer) => textOf('./bundlers/main.js').replace('@LOAD@', load).replace('@VIEWER@', viewer)
 const MAIN = mainOf('fixsplat', 'fixsplat-viewer')
 const INLINE = mainOf('fixsplat/inline', 'fixsplat-viewer/inline')
-const REACT = textOf('../../docs/examples/react.jsx')
+const REACT = textOf('../../docs/examples/react.tsx')
 
 const served = (folder, headers) =>
   serveFiles(folder, { '/scene.ply': scene, '/published/': published, '/cdn/': cdn }, headers)
@@ -251,9 +251,9 @@ add('rollup', 'build, inline', BUILD, () => {
 const REACTS = {
   'index.html': pageOf('<script type="module" src="/main.jsx"></script>'),
   'main.jsx': `import { createRoot } from 'react-dom/client'
-    import App from './react.jsx'
+    import App from './react.tsx'
     createRoot(document.body.appendChild(document.createElement('div'))).render(<App />)`,
-  'react.jsx': REACT,
+  'react.tsx': REACT,
 }
 add('React 19 (vite 8)', 'build', BUILD, () => built('react build', REACTS, ['vite#vite build'], { see: reacts }))
 add('React 19 (vite 8)', 'dev', DEV, () =>
@@ -274,7 +274,7 @@ const NEXT = {
   'app/react/page.jsx': `'use client'
     export { default } from '../../react.jsx'`,
   'main.js': MAIN,
-  'react.jsx': REACT,
+  'react.jsx': createRequire(resolve(modules, 'of'))('esbuild').transformSync(REACT, { loader: 'tsx', jsx: 'preserve' }).code,
 }
 for (const [tool, flag] of [['Next.js (Turbopack)', '--turbopack'], ['Next.js (webpack)', '--webpack']]) {
   const pages = { '': works, react: reacts }

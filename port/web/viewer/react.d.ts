@@ -1,9 +1,10 @@
 import type { ClassAttributes, HTMLAttributes } from 'react'
-import type { Place, PlacedScene, Viewer, ViewerAttributes } from './viewer.js'
+import type { Place, PlacedScene, Viewer, ViewerAttributes, ViewerHandlers } from './viewer.js'
 
 export * from './viewer.js'
 
-type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttributes & { class?: string }
+type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttributes & ViewerHandlers &
+  { class?: string }
 type SceneProps = ClassAttributes<PlacedScene> & Omit<HTMLAttributes<PlacedScene>, keyof Place> & Place &
   { src?: string; class?: string }
 

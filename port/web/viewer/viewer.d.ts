@@ -362,6 +362,9 @@ export interface ViewerAttributes {
   joystick?: '' | 'none'
 }
 
+/** The events of <fixsplat-viewer> as properties in JSX, as onframe, for React 19. */
+export type ViewerHandlers = { [Name in keyof ViewerEvents as `on${Name}`]?: (event: ViewerEvents[Name]) => void }
+
 /** A camera in the format of a cameras.json file. */
 export interface EyeCamera {
   width: number

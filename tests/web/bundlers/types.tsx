@@ -50,6 +50,9 @@ export function Component({ src }: { src: string }) {
       <fixsplat-viewer eye-height={1.6} joystick="none" />
       <fixsplat-viewer onPointerDown={(event) => event.currentTarget.replace(src)} suppressHydrationWarning />
       <fixsplat-viewer settings="settings.json" ui="annotations" label="A" annotation={1} skybox="sky.jpg" lang="de" />
+      <fixsplat-viewer onframe={({ detail }) => console.log(detail.milliseconds.toFixed())} onload={undefined} />
+      {/* @ts-expect-error: not the event's type */}
+      <fixsplat-viewer oncamera={(event: ErrorEvent) => console.log(event)} />
       {/* @ts-expect-error: no part of the interface */}
       <fixsplat-viewer ui="everything" />
       {/* @ts-expect-error: an address */}

@@ -1,17 +1,27 @@
 // The element in React 18 and 19: it comes and goes with a component, and its attributes follow the component's state.
-// TypeScript knows it by the same import.
+// The first import also brings the types of the element to JSX.
 import 'fixsplat-viewer/react'
+import type { Viewer, ViewerEvents } from 'fixsplat-viewer'
 import { useEffect, useRef, useState } from 'react'
 
 const VIEW = '0.3,-0.9,-4,0,0,0,0,-1,0'
 
-/** A scene; `onPicture` is told of each picture, `onFault` why there is none. */
-export function Splats({ src, view, onPicture, onFault }) {
-  const viewer = useRef(null)
+interface Props {
+  src: string
+  view: string
+  /** Receives the facts of each picture. */
+  onPicture?: (facts: ViewerEvents['frame']['detail']) => void
+  /** Receives the reason if the scene cannot be shown. */
+  onFault?: (words: string) => void
+}
+
+export function Splats({ src, view, onPicture, onFault }: Props) {
+  const viewer = useRef<Viewer>(null)
   useEffect(() => {
     const element = viewer.current
-    const drawn = (event) => onPicture?.(event.detail)
-    const failed = (event) => onFault?.(event.message)
+    if (!element) return
+    const drawn = (event: ViewerEvents['frame']) => onPicture?.(event.detail)
+    const failed = (event: ErrorEvent) => onFault?.(event.message)
     element.addEventListener('frame', drawn)
     element.addEventListener('error', failed)
     return () => {
@@ -21,6 +31,7 @@ export function Splats({ src, view, onPicture, onFault }) {
   }, [onPicture, onFault])
   const style = { width: 320, height: 200 }
   // The element has attributes of its own (`state`), which may be there before React takes over what a server has made.
+  // React 19 also takes events as properties: onframe={drawn} onerror={failed}.
   return <fixsplat-viewer suppressHydrationWarning ref={viewer} src={src} view={view} noui="" style={style} />
 }
 
