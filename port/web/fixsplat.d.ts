@@ -161,6 +161,9 @@ export interface FrameOptions {
   /** The smallest detail to draw, 1/256 to 16384 pixels, for scenes with levels of detail. Coarse Gaussians replace
       smaller details. The default is 0: no limit. */
   detail?: number
+  /** For `render`: the first row and the number of rows to render. The default is the whole picture. A picture that is
+      too large for the memory can be rendered in such parts, which have the same bytes. */
+  rows?: readonly [number, number]
   /** False draws a streamed scene with its loaded parts and requests no other parts. True by default. */
   fetch?: boolean
   /** The largest number of bytes of working memory. The default is the memory of a whole frame. With less memory, a
@@ -461,6 +464,8 @@ export class Screen {
   free(): void
 }
 
-/** Encodes a picture as a .png file. `pixels` has rows from the top, with four bytes a pixel: red, green, blue,
-    alpha. */
-export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Bytes>
+/** Encodes a picture as a .png file. `pixels` has rows from the top, with four bytes a pixel: red, green, blue, alpha.
+    An iterable has the picture in parts of whole rows, as `FrameOptions.rows` renders them. */
+export function png(
+  pixels: Uint8ClampedArray | AsyncIterable<Uint8ClampedArray>, width: number, height: number,
+): Promise<Bytes>

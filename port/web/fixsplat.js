@@ -749,7 +749,14 @@ function draw(core, width, height, eyes, options) {
 }
 
 export function render(objects, camera = {}, options = {}) {
-  return draw(...begin(objects, camera, options), 1, options)[0]
+  const [core, width, height] = begin(objects, camera, options)
+  const { rows } = options
+  if (!rows) return draw(core, width, height, 1, options)[0]
+  const [first, count] = rows
+  const is = [first, count].every(Number.isInteger) && first >= 0 && count >= 1 && first + count <= height
+  need(is, `rows ${rows}: expected the first row and the number of rows, of ${height}`, RangeError)
+  core.c.crop(first, count)
+  return draw(core, width, count, 1, options)[0]
 }
 
 export function renderStereo(objects, left, right, options = {}) {
@@ -1010,22 +1017,49 @@ function chunkOf(type, data) {
   return chunk
 }
 
+/** Inserts the filter byte 0 before each row of a picture. */
+function filtered(pixels, width) {
+  const rows = new Uint8Array(pixels.length + pixels.length / (4 * width))
+  for (let at = 0, to = 1; at < pixels.length; at += 4 * width, to += 4 * width + 1)
+    rows.set(pixels.subarray(at, at + 4 * width), to)
+  return rows
+}
+
+async function* partsOf(pixels, width, bytes) {
+  let there = 0
+  for await (const part of ArrayBuffer.isView(pixels) ? [pixels] : pixels) {
+    need(ArrayBuffer.isView(part) && part.length % (4 * width) === 0, 'png: pixels: expected parts of whole rows')
+    there += part.length
+    yield filtered(part, width)
+  }
+  need(there === bytes, `png: ${there} bytes of pixels: expected ${bytes}`, RangeError)
+}
+
 export async function png(pixels, width, height) {
-  need(ArrayBuffer.isView(pixels), 'png: pixels: expected an array of bytes')
+  const isMany = isObject(pixels) && Symbol.asyncIterator in pixels
+  need(isMany || ArrayBuffer.isView(pixels), 'png: pixels: expected an array of bytes')
   const isSize = [width, height].every((n) => Number.isInteger(n) && n >= 1)
   need(isSize, `png: ${width} x ${height} pixels: expected 1 or more each`, RangeError)
   const bytes = 4 * width * height
-  need(pixels.length === bytes, `png: ${pixels.length} bytes of pixels: ${width} x ${height} have ${bytes}`, RangeError)
-  const rows = new Uint8Array((4 * width + 1) * height)
-  for (let y = 0; y < height; y++)
-    rows.set(pixels.subarray(4 * width * y, 4 * width * (y + 1)), (4 * width + 1) * y + 1)
+  const words = `png: ${pixels.length} bytes of pixels: ${width} x ${height} have ${bytes}`
+  need(isMany || pixels.length === bytes, words, RangeError)
   const header = new DataView(new ArrayBuffer(13))
   header.setUint32(0, width)
   header.setUint32(4, height)
   header.setUint16(8, 0x0806)   // PNG header: 8 bits a channel, RGBA
-  const deflated = new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))
+  const parts = partsOf(pixels, width, bytes)
+  let fault
+  const rows = new ReadableStream({
+    async pull(stream) {
+      const { value, done } = await parts.next().catch((error) => (fault = error, { done: true }))
+      if (done) stream.close()
+      else stream.enqueue(value)
+    },
+  })
+  const deflated = rows.pipeThrough(new CompressionStream('deflate'))
   const body = new Uint8Array(await new Response(deflated).arrayBuffer())
+  if (fault) throw fault
   const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', body], ['IEND', new Uint8Array(0)]]
-  const parts = [Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10), ...chunks.map(([type, data]) => chunkOf(type, data))]
-  return new Uint8Array(await new Blob(parts).arrayBuffer())
+  const whole = [Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10), ...chunks.map(([type, data]) => chunkOf(type, data))]
+  return new Uint8Array(await new Blob(whole).arrayBuffer())
 }

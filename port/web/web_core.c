@@ -293,6 +293,17 @@ EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_
     return take_camera(view.near);
 }
 
+/* Crops the picture of the last camera to `height` rows, from the row `first`. */
+EXPORT(crop) void fxs_web_crop(int first, int height)
+{
+    fxs_camera *camera = &cameras[eyes - 1];
+    camera->whole_width = camera->width;
+    camera->whole_height = camera->height;
+    camera->whole_y = first;
+    camera->cy_q12 -= first * 4096;
+    camera->height = height;
+}
+
 /* ---- Frame ------------------------------------------------------------------------------------------------------- */
 
 static void free_working(void)

@@ -884,6 +884,26 @@ const tests = {
     )
   },
 
+  async 'a picture larger than the page, in strips: the bytes of the command'() {
+    const small = (text) => text.replace('STRIP = 1 << 22', 'STRIP = 1 << 13')
+    await changed('/viewer/worker.js', small, () => open(SCENE, 170, 160))
+    await inside(`HTMLAnchorElement.prototype.click = function () { v.saved = this.href }
+      const select = v.shadowRoot.querySelector('[name=enlarge]')
+      select.value = '4'
+      select.dispatchEvent(new InputEvent('input', { bubbles: true }))
+      v.shadowRoot.getElementById('stage').focus()`)
+    await page.keyboard.press('i')
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').saved)
+    const [size, seen] = await inside(`const seen = await createImageBitmap(await (await fetch(v.saved)).blob())
+      const { width, height } = seen, context = new OffscreenCanvas(width, height).getContext('2d')
+      context.drawImage(seen, 0, 0)
+      let h = 0xcbf29ce484222325n
+      for (const b of context.getImageData(0, 0, width, height).data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n)
+      return [[width, height].join('x'), h.toString(16).padStart(16, '0')]`)
+    assert.deepEqual([size, seen], ['680x640', native('scene.ply', await viewOf(), '680x640')])
+    assert.match(await inside('return v.picture({ scale: 200 }).catch((error) => error.message)'), /expected 1 to 16384/)
+  },
+
   async 'without a network: words, and the scene when the network is there'() {
     const late = `${scenes}/late.ply`
     await without(

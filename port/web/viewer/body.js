@@ -90,6 +90,8 @@ const settings = `
 <label>Picture <select name="sharpness">
   <option value="1">Sharp</option><option value="0.6667">Medium</option>
   <option value="0.5">Quick</option></select></label>
+<label>Saved picture <select name="enlarge">
+  <option value="1">As shown</option>${[2, 4, 8].map((n) => `<option value="${n}">× ${n}</option>`).join('')}</select></label>
 <label id="levels" hidden>Splats <output id="budget"></output>
   <input name="budget" type="range" min="0" max="11" aria-label="Splats of a picture at most"></label>
 <label>Upright <select name="up">

@@ -10,6 +10,7 @@ export const words = {
   'Annotation {0}': 'Anmerkung {0}',
   'Annotation {0} of {1}': 'Anmerkung {0} von {1}',
   'As in the file': 'Wie in der Datei',
+  'As shown': 'Wie gezeigt',
   'As it looks': 'Wie es aussieht',
   'Back to the page': 'Zurück zur Seite',
   'Back to the start (R)': 'Zurück zum Anfang (R)',
@@ -27,6 +28,7 @@ export const words = {
   'Drag to turn, Ctrl and wheel to zoom. H: keys': 'Ziehen dreht, Strg und Rad zoomen. H: Tasten',
   'Drag to turn, pinch to zoom': 'Ziehen dreht, zwei Finger zoomen',
   'Drag to turn, wheel to zoom. H: keys': 'Ziehen dreht, das Rad zoomt. H: Tasten',
+  'Drawing the picture': 'Das Bild wird gezeichnet',
   'Drawn by': 'Gezeichnet von',
   'Drop a scene here:': 'Eine Szene hierher ziehen:',
   'Film saved: {0} frames of {1}, by {2}, which changes their bytes: what went in is exact':
@@ -75,6 +77,7 @@ export const words = {
   'Right drag': 'Rechts ziehen',
   'Save a film': 'Film speichern',
   'Save a picture (I)': 'Bild speichern (I)',
+  'Saved picture': 'Gespeichertes Bild',
   'Save settings': 'Einstellungen speichern',
   Scenes: 'Szenen',
   'See it in your room': 'Im Zimmer ansehen',

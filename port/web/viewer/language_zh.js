@@ -10,6 +10,7 @@ export const words = {
   'Annotation {0}': '标注 {0}',
   'Annotation {0} of {1}': '标注 {0}，共 {1} 个',
   'As in the file': '按文件',
+  'As shown': '如所示',
   'As it looks': '按画面判断',
   'Back to the page': '返回页面',
   'Back to the start (R)': '回到起点 (R)',
@@ -26,6 +27,7 @@ export const words = {
   'Drag to turn, Ctrl and wheel to zoom. H: keys': '拖动旋转，Ctrl 加滚轮缩放。H：按键',
   'Drag to turn, pinch to zoom': '拖动旋转，双指缩放',
   'Drag to turn, wheel to zoom. H: keys': '拖动旋转，滚轮缩放。H：按键',
+  'Drawing the picture': '正在绘制图片',
   'Drawn by': '绘制方式',
   'Drop a scene here:': '将场景拖放到此处：',
   'Film saved: {0} frames of {1}, by {2}, which changes their bytes: what went in is exact':
@@ -73,6 +75,7 @@ export const words = {
   'Right drag': '右键拖动',
   'Save a film': '保存影片',
   'Save a picture (I)': '保存图片 (I)',
+  'Saved picture': '保存的图片',
   'Save settings': '保存设置',
   Scenes: '场景',
   'See it in your room': '在房间里查看',

@@ -105,6 +105,8 @@ export interface Settings {
   sharpness: number
   /** True draws colours that depend on the direction of view (spherical harmonics). True by default. */
   colours: boolean
+  /** The size of a picture that the user saves, as a factor for the size of the shown picture; 1 by default. */
+  enlarge: number
   /** True shows the frame rate and other numbers of the picture. */
   readout: boolean
   /** The size of the scene in AR. 'table', the default, makes the longest side half a metre. 'true' makes a scene
@@ -277,6 +279,9 @@ export class Viewer extends HTMLElement {
   /** Moves the camera in `duration` milliseconds, 1000 by default; at once if the user prefers reduced motion. Returns
       true on arrival, or false if another motion of the camera came between. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
+  /** Renders a .png file of the present view, `scale` times as wide and high as the shown picture (default 1, at most
+      16384 pixels a side). The picture has the bytes of `fixsplat render`. */
+  picture(options?: { scale?: number }): Promise<Blob>
   /** Finds the Gaussian at a point of the element, in CSS pixels; null if no Gaussian is there. */
   pick(x: number, y: number): Promise<Found | null>
   /** A copy of the annotations. A new list takes effect a moment later. An error in the list causes an event

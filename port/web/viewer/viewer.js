@@ -63,7 +63,7 @@ export class Viewer extends HTMLElement {
   #stuck = false
   #movedAt = -Infinity
   #hintedAt = -Infinity
-  #settings = { sharpness: 1, colours: true }
+  #settings = { sharpness: 1, colours: true, enlarge: 1 }
   #language = new Language()
   #acts
   #stick = null
@@ -1050,16 +1050,26 @@ export class Viewer extends HTMLElement {
 
   // ---- Buttons and keys ---------------------------------------------------------------------------------------------
 
+  async picture({ scale = 1 } = {}) {
+    if (!this.#scene) throw new Error('no scene')
+    const frame = this.#frame()
+    const [width, height] = [frame.width, frame.height].map((n) => Math.round(scale * n))
+    const options = { ...frame, width, height }
+    const bytes = await this.#engine.ask('png', this.#pilot.rendered(options), options)
+    return new Blob([bytes], { type: 'image/png' })
+  }
+
   async #screenshot() {
     if (!this.#scene) return
-    const options = this.#frame()
     const { name } = this.#scene
-    const bytes = await this.#engine
-      .ask('png', this.#pilot.rendered(options), options)
-      .catch((error) => this.#fail(error))
-    if (!bytes) return
-    this.#save(new Blob([bytes], { type: 'image/png' }), `${name}.png`)
-    this.#panels.note('Picture saved')
+    const { enlarge } = this.#settings
+    if (enlarge > 1) this.#panels.note('Drawing the picture')
+    try {
+      this.#save(await this.picture({ scale: enlarge }), `${name}.png`)
+      this.#panels.note('Picture saved')
+    } catch (error) {
+      this.#fail(error)
+    }
   }
 
   #save(blob, name) {
@@ -1185,6 +1195,7 @@ export class Viewer extends HTMLElement {
     up: [() => [...this.#pilot.up], (value) => this.#pilot.upright(value ? [...value] : undefined)],
     sharpness: [() => this.#settings.sharpness, (value) => (this.#settings.sharpness = Number(value))],
     colours: [() => this.#settings.colours, (value) => (this.#settings.colours = !!value)],
+    enlarge: [() => this.#settings.enlarge, (value) => (this.#settings.enlarge = Number(value) || 1)],
     readout: [() => !this.#ui.readout.hidden, (value) => (this.#ui.readout.hidden = !value)],
   }
 

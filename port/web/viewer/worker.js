@@ -10,6 +10,7 @@ const AHEAD_MS = 600 // milliseconds of camera motion to extrapolate for prefetc
 const STOPPED_MS = 300 // milliseconds between two pictures after which the camera counts as stopped
 const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depth value of one scene unit: depths have 16 fraction bits
+const STRIP = 1 << 22 // pixels of a strip of a saved picture
 const screens = {}
 const scenes = new Map()
 let placed = []
@@ -98,6 +99,18 @@ async function draw(id, camera, options) {
     if (facts) postMessage({ stage: 'lost', id })
     else if (!screen.lost) throw error
     return null
+  }
+}
+
+/** Renders a picture in strips, so that its size is not limited by the memory of the WebAssembly module. */
+async function* strips(camera, { backdrop, ...options }) {
+  const { width, height } = options
+  const most = Math.ceil(STRIP / width)
+  for (let first = 0; first < height; first += most) {
+    const rows = [first, Math.min(most, height - first)]
+    const [from, to] = [first, first + rows[1]].map((row) => 4 * width * row)
+    const targets = { colour: true, backdrop: backdrop?.subarray(from, to) }
+    yield render(objects(), camera, { ...options, rows, targets }).colour
   }
 }
 
@@ -219,8 +232,9 @@ const words = {
   },
 
   async png(camera, options) {
-    const { pixels } = await draw(0, camera, await withSky(options, camera))
-    return png(pixels, options.width, options.height)
+    const { width, height } = options
+    for (const { scene } of objects()) if (scene.paged && !scene.failure) await scene.complete(camera, options)
+    return png(strips(camera, await withSky(options, camera)), width, height)
   },
 
   heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
