@@ -8,7 +8,7 @@ import { pathToFileURL } from 'node:url'
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
-const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
+const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker|fixsplat render)$/,
   /^(The headset:|the headset's picture:)$/,
   /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/, /: left out$/]
 

@@ -328,6 +328,40 @@ const tests = {
     await until('v.tracks.length === 2')
   },
 
+  async 'keys of a track: moved in time, past another key, and removed; the command of its film'() {
+    await open(WITH('tour.json'))
+    const field = (i) => `v.shadowRoot.querySelectorAll('#keyList input')[${i}]`
+    const times = () => inside('return v.tracks.map(({ keys, duration }) => [...keys.map(({ time }) => time), duration])')
+    const put = (i, time) => inside(`${field(i)}.value = '${time}'; ${field(i)}.dispatchEvent(new Event('change'))`)
+    await inside(`$('editKeys').click()`)
+    await until(field(2))
+    await picture('keys')
+    const eyes = () => inside('return v.tracks[0].keys.map(({ eye }) => eye[0])')
+    await put(1, 0.8)
+    assert.deepEqual(await times(), [[0, 0.8, 1, 1], [0, 0.8, 0.8]])
+    await put(1, 2.5)
+    assert.deepEqual([await times(), await eyes()], [[[0, 1, 2.5, 2.5], [0, 0.8, 0.8]], [0, -9, -6]])
+    for (const wrong of ['1', '-1', '']) await put(2, wrong)
+    assert.equal(await noteOf(), 'Another key has this time')
+    assert.deepEqual(await inside(`return [${field(2)}.value, v.tracks[0].keys.length]`), ['2.5', 3])
+    await inside(`$('show1').click()`)
+    await moved()
+    near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
+    await inside(`$('remove2').click()`)
+    assert.deepEqual(await times(), [[0, 1, 1], [0, 0.8, 0.8]])
+    const command = "fixsplat render 'scene.fxs' --path settings.json --fps 30 --size 640x360 --bg 203040 -o film.mp4"
+    await inside(`HTMLAnchorElement.prototype.click = function () { v.saved = this.download }
+      navigator.clipboard.writeText = async (text) => { v.copied = text }; $('saveTrack').click()`)
+    await until('v.saved && v.copied')
+    assert.deepEqual(await inside(`return [v.saved, v.copied, $('command').value]`), ['settings.json', command, command])
+    await inside(`$('track').value = 1; $('track').onchange()`)
+    assert.match(await inside(`return $('command').value`), /settings.json --track 1 --fps/)
+    await inside(`$('remove0').click(); $('remove0').click()`)
+    assert.deepEqual(await times(), [[0, 1, 1]])
+    await page.keyboard.press('Escape')
+    assert.equal(await inside(`return $('trackKeys').hidden`), true)
+  },
+
   async 'languages: by the attribute and by the browser, every word of the page; English fetches none'() {
     const asked = []
     const late = /\/(?:language_(..)|(tour|tour_style|markers|player|settings|track|film|sky|walk|gamepad|joystick))\.js/

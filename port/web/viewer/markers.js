@@ -8,7 +8,7 @@ const AGAIN_MS = 250
 const SMALL = 320
 
 const LINK = ICONS.share
-const REMOVE = 'M5 7h14M10 7V4h4v3M7 7l1 13h8l1-13'
+export const REMOVE = 'M5 7h14M10 7V4h4v3M7 7l1 13h8l1-13'
 
 const captionBody = `
 <p id="captionText"></p>

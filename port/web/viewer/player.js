@@ -4,6 +4,7 @@ import { button } from './body.js'
 
 const PLAY = 'M7 4.5v15l12-7.5z'
 const PAUSE = 'M8 5v14M16 5v14'
+const KEYS = 'M3 12h18M7 9l3 3-3 3-3-3zM17 9l3 3-3 3-3-3z'
 const FILM = 'M4 5h16v14H4zM8 5v14M16 5v14M4 9.5h4M4 14.5h4M16 9.5h4M16 14.5h4'
 
 export class Player {
@@ -19,7 +20,7 @@ export class Player {
     bar.innerHTML = `${button('play', 'Play (K)', PLAY)}
       <select id="track" aria-label="Track" translate="no" hidden></select>
       <input id="time" type="range" min="0" step="any" aria-label="Time"><output id="clock" aria-live="off" translate="no"></output>
-      ${button('film', 'Save a film', FILM)}`
+      ${button('film', 'Save a film', FILM)}${button('editKeys', 'Keys of the track', KEYS)}`
     host.ui.note.before(bar)
     for (const element of bar.querySelectorAll('[id]')) this.#ui[element.id] = element
     const ui = (this.#ui = { ...this.#ui, bar })
@@ -30,6 +31,7 @@ export class Player {
     }
     ui.track.onchange = () => acts.choose(Number(ui.track.value))
     ui.film.onclick = () => acts.film()
+    ui.editKeys.onclick = () => acts.edit()
     host.language.write(bar)
   }
 

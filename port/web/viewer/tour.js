@@ -2,7 +2,7 @@
 import { staysInside } from 'fixsplat/read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
-import { listsOf, settingsOf, textOfSettings } from './settings.js'
+import { MOST_SECONDS, listsOf, settingsOf, textOfSettings } from './settings.js'
 import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
 import { addressOf, nameOf, textAt } from './views.js'
@@ -25,6 +25,7 @@ export class Tour {
   #host
   #markers
   #player
+  #keys = null
   #annotations = []
   #tracks = []
   #index = -1
@@ -58,6 +59,7 @@ export class Tour {
       seek: (time) => this.seek(time),
       choose: (index) => this.choose(index),
       film: () => this.#saveFilm(),
+      edit: () => this.#editKeys(),
     })
   }
 
@@ -148,6 +150,7 @@ export class Tour {
     const range = length ? `, expected ${from} to ${from + length - 1}` : ''
     if (!one) throw new Error(`annotation ${index + from}: there are ${length}${range}`)
     this.pause()
+    this.#keys?.toggle(false)
     this.#choose(index)
     const current = this.#host.current()
     if (!current) return false
@@ -163,6 +166,11 @@ export class Tour {
 
   close() {
     if (this.#index >= 0) this.#choose(-1)
+  }
+
+  escape() {
+    this.close()
+    this.#keys?.toggle(false)
   }
 
   #choose(index) {
@@ -212,18 +220,68 @@ export class Tour {
     this.#track = index
     this.#seconds = 0
     this.#player.show(this.#tracks, index)
+    this.#showKeys()
     this.#tell()
   }
 
   addKey() {
-    const key = this.#poseOf(this.#host.current())
-    const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
-    const time = track.keys.length ? track.keys.at(-1).time + KEY_S : 0
-    const longer = { ...track, keys: [...track.keys, { time, ...key }], duration: Math.max(time, 1) }
+    const keys = this.#tracks[this.#track]?.keys ?? []
+    const time = keys.length ? keys.at(-1).time + KEY_S : 0
+    this.#setKeys([...keys, { time, ...this.#poseOf(this.#host.current()) }])
+    return keys.length + 1
+  }
+
+  /** Gives the chosen track other keys. The track still ends with its last key, if it did. A track without keys is
+      removed. */
+  #setKeys(keys) {
     const index = this.#track
-    this.tracks = this.#tracks.length ? this.#tracks.map((one) => (one === track ? longer : one)) : [longer]
-    this.choose(index)
-    return longer.keys.length
+    const track = this.#tracks[index] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [], duration: 0 }
+    const end = (list) => list.at(-1)?.time || 1
+    const duration = track.duration > end(track.keys) ? Math.max(track.duration, end(keys)) : end(keys)
+    const tracks = [...this.#tracks]
+    tracks.splice(index, 1, ...(keys.length ? [{ ...track, keys, duration }] : []))
+    this.tracks = tracks
+    if (tracks[index]) this.choose(index)
+  }
+
+  #moveKey(i, time) {
+    const { keys } = this.#tracks[this.#track]
+    const [key, others] = [{ ...keys[i], time }, keys.filter((one) => one !== keys[i])]
+    const isFree = others.every((one) => one.time !== time)
+    if (!isFree) this.#host.note('Another key has this time')
+    const moved = [...others, key].sort((a, b) => a.time - b.time)
+    if (isFree && time >= 0 && time <= MOST_SECONDS) this.#setKeys(moved)
+    this.#showKeys(moved.indexOf(key))
+  }
+
+  async #editKeys() {
+    const { Keys } = await import('./keys.js')
+    this.#keys ??= new Keys(this.#host, {
+      seek: (time) => this.seek(time),
+      move: (i, time) => this.#moveKey(i, time),
+      remove: (i) => {
+        this.#setKeys(this.#tracks[this.#track].keys.filter((_, k) => k !== i))
+        this.#showKeys(i)
+      },
+      save: (command) => this.#host.saveTrack(command),
+    })
+    this.close()
+    this.#showKeys()
+    this.#keys.toggle()
+  }
+
+  #showKeys(index) {
+    this.#keys?.show(this.#tracks[this.#track], this.#command, index)
+  }
+
+  /** The command that renders the film of the chosen track, from the settings file that the page saves. */
+  get #command() {
+    const { scene, size, element } = this.#host
+    const [width, height] = ['width', 'height'].map((name) => Math.max(2 * Math.round(size()[name] / 2), 2))
+    const file = `'${scene().replaceAll("'", "'\\''")}'`
+    const track = this.#track ? ` --track ${this.#track}` : ''
+    const how = `--fps 30 --size ${width}x${height} --bg ${element.settings.background.slice(1)}`
+    return `fixsplat render ${file} --path settings.json${track} ${how} -o film.mp4`
   }
 
   get duration() {
@@ -348,6 +406,7 @@ export class Tour {
   rename() {
     this.#markers.name()
     this.#player.show(this.#tracks, this.#track)
+    this.#showKeys()
     this.#tell()
   }
 }

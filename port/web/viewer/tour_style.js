@@ -18,7 +18,8 @@ export const rules = `
 :host(:is(:not([ui]), [ui~="tracks"])) #player:not([hidden]) ~ * { --track: 48px; }
 section.panel { --under: calc(var(--bar) + var(--track, 0px) + var(--below, 0px)); bottom: calc(14px + var(--under));
   max-height: calc(100% - 32px - var(--under)); }
-section#caption { right: auto; left: calc(14px + var(--left, 0px)); flex-direction: column; overflow: hidden; }
+section:is(#caption, #trackKeys) { right: auto; left: calc(14px + var(--left, 0px)); }
+section#caption { flex-direction: column; overflow: hidden; }
 section#caption:not([hidden]) { display: flex; }
 #caption header { gap: 8px; align-items: start; }
 #caption h2 { max-height: 4.8em; padding-top: 8px; overflow: auto; overflow-wrap: anywhere; }
@@ -26,8 +27,13 @@ section#caption:not([hidden]) { display: flex; }
 #captionText { padding-right: 10px; white-space: pre-line; overflow-wrap: anywhere; }
 #caption footer { display: flex; align-items: center; gap: 2px; margin-top: 6px; color: var(--quiet); }
 #place { flex: 1; text-align: center; font-variant-numeric: tabular-nums; }
-#caption :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0; padding: 7px 9px; font: inherit;
-  color: inherit; background: transparent; border: 1px solid var(--line); border-radius: 7px; }
+:is(#caption, #trackKeys) :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0; padding: 7px 9px;
+  font: inherit; color: inherit; background: transparent; border: 1px solid var(--line); border-radius: 7px; }
+#keyList { padding: 0 10px 0 22px; font-variant-numeric: tabular-nums; }
+#keyList li::marker { color: var(--quiet); }
+#trackKeys li > * { display: inline-block; vertical-align: middle; }
+#trackKeys li input { width: 110px; }
+#trackKeys li svg { margin: auto; }
 #caption textarea { height: 90px; resize: vertical; }
 
 #player { position: absolute; bottom: calc(8px + var(--bar) + var(--below, 0px)); left: 50%; transform: translateX(-50%);

@@ -289,6 +289,8 @@ export class Viewer extends HTMLElement {
       linkTo: (index) => this.#linkTo(index),
       copy: (link) => this.#copyAddress(link),
       save: (blob, name) => this.#save(blob, name),
+      saveTrack: (command) => this.#saveSettings(command),
+      scene: () => this.#shown[0].name,
       note: (...words) => this.#panels.note(...words),
       say: (error) => this.#fail(error),
       tell: (name, detail) => this.#tell(name, detail),
@@ -387,11 +389,15 @@ export class Viewer extends HTMLElement {
     this.#panels.note('The track has {0} views', (await this.#tourNow()).addKey())
   }
 
-  async #saveSettings() {
+  async #saveSettings(command = '') {
     if (!this.#scene) return
     const { savedText } = await this.#tourNow()
     this.#save(new Blob([savedText], { type: 'application/json' }), 'settings.json')
-    this.#panels.note('Settings saved')
+    this.#panels.note((await this.#copies(command)) ? 'Settings saved, command copied' : 'Settings saved')
+  }
+
+  async #copies(text) {
+    return !!text && navigator.clipboard?.writeText(text).then(() => true, () => false)
   }
 
   async #choose() {
@@ -1084,11 +1090,7 @@ export class Viewer extends HTMLElement {
 
   async #copyAddress(link) {
     if (!this.#address) return this.#panels.note('This scene is a file of yours: a link cannot hold it')
-    const copied = await navigator.clipboard?.writeText(link).then(
-      () => true,
-      () => false
-    )
-    this.#panels.note(copied ? 'Link copied: it opens this view' : link)
+    this.#panels.note((await this.#copies(link)) ? 'Link copied: it opens this view' : link)
   }
 
   #toggle(panel) {
@@ -1155,7 +1157,7 @@ export class Viewer extends HTMLElement {
     const pilot = this.#pilot
     const does = {
       h: () => this.#toggle(this.#ui.help),
-      Escape: () => [this.#toggle(null), this.#tour?.close()],
+      Escape: () => [this.#toggle(null), this.#tour?.escape()],
       k: () => this.#tour?.toggle(),
       ',': () => this.#tour?.step(-1),
       '.': () => this.#tour?.step(1),
