@@ -40,11 +40,12 @@ of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player
 of_hands="walk.js gamepad.js joystick.js"        # files that the page loads for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
 of_keys=keys.js                  # file that the page loads to edit a camera track
+of_looks=look.js                 # file that the page loads with a settings file, a tone curve, an exposure or a vignette
 of_headsets='xr.js eyes.js'      # files that the page loads with a headset
 of_rooms=ar.js                   # file that the page loads for augmented reality
 of_drops=drop.js                 # file that the page loads when a scene is dropped
 of_errors=words.js               # file that the page loads with the first error
-others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
+others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js)
 # Of this size, 1.3 KB find the package's other files, also on another server, and report missing ones. 3.4 KB end slow,
 # endless or wrong downloads, keep a scene to its folder's files, and check calls.
@@ -54,6 +55,7 @@ check "size of what scenes in parts need" at_most 7500 $of_parts
 check "size of annotations, tracks and settings files" at_most 13100 $of_tours
 check "size of walking, gamepads and the stick" at_most 5500 $(printf "$package/viewer/%s " $of_hands)
 check "size of a track's keys" at_most 1100 "$package/viewer/keys.js"
+check "size of tone curves and vignette" at_most 1150 "$package/viewer/look.js"
 check "size of films" at_most 2800 "$package/viewer/film.js"
 check "size of skies" at_most 2100 "$package/viewer/sky.js"
 check "size of headsets" at_most 6300 $(printf "$package/viewer/%s " $of_headsets)

@@ -274,7 +274,8 @@ const NEXT = {
   'app/react/page.jsx': `'use client'
     export { default } from '../../react.jsx'`,
   'main.js': MAIN,
-  'react.jsx': createRequire(resolve(modules, 'of'))('esbuild').transformSync(REACT, { loader: 'tsx', jsx: 'preserve' }).code,
+  'react.jsx': createRequire(resolve(modules, 'of'))('esbuild')
+    .transformSync(REACT, { loader: 'tsx', jsx: 'preserve' }).code,
 }
 for (const [tool, flag] of [['Next.js (Turbopack)', '--turbopack'], ['Next.js (webpack)', '--webpack']]) {
   const pages = { '': works, react: reacts }

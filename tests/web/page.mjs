@@ -898,10 +898,38 @@ const tests = {
       const { width, height } = seen, context = new OffscreenCanvas(width, height).getContext('2d')
       context.drawImage(seen, 0, 0)
       let h = 0xcbf29ce484222325n
-      for (const b of context.getImageData(0, 0, width, height).data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n)
+      for (const b of context.getImageData(0, 0, width, height).data)
+        h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n)
       return [[width, height].join('x'), h.toString(16).padStart(16, '0')]`)
     assert.deepEqual([size, seen], ['680x640', native('scene.ply', await viewOf(), '680x640')])
-    assert.match(await inside('return v.picture({ scale: 200 }).catch((error) => error.message)'), /expected 1 to 16384/)
+    const tooLarge = await inside('return v.picture({ scale: 200 }).catch((error) => error.message)')
+    assert.match(tooLarge, /expected 1 to 16384/)
+  },
+
+  async 'tone curve, exposure and vignette: on the screen, never in the pixels of the canvas'() {
+    const grey = '&background=%23808080&noui#view=0,0,-9,0,0,0,0,-1,0,40'
+    const seen = async (places) => inside(`const bytes = Uint8Array.from(atob(args[0]), (c) => c.charCodeAt())
+      const image = await createImageBitmap(new Blob([bytes])), context = new OffscreenCanvas(640, 360).getContext('2d')
+      context.drawImage(image, 0, 0)
+      return args[1].map(([x, y]) => context.getImageData(x, y, 1, 1).data[0])`,
+    await page.screenshot({ encoding: 'base64' }), places)
+    // 255 s(2^exposure l(128 / 255)), with l and s of sRGB; for filmic and aces, of the curve's value
+    const curves = { 'exposure=1': 176, 'exposure=-1': 92, 'tone=filmic': 80, 'tone=aces&exposure=1': 198 }
+    const wanted = { ...curves, 'vignette=0.5': 112 }
+    for (const [look, value] of Object.entries(wanted)) {
+      await open(`${SCENE}&${look}${grey}`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('look'))
+      await pause(200)
+      const [middle, edge] = await seen([[120, 180], [1, 180]])
+      assert.ok(Math.abs(middle - value) <= 2, `${look}: ${middle}, and not ${value}`)
+      assert.ok(Math.abs(edge - (/vignette/.test(look) ? 64 : value)) <= 3, `${look}: ${edge} at the edge`)
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '808080'))
+    }
+    await inside(`v.settings = { vignette: null, tone: 'filmic', exposure: 0.5 }`)
+    assert.match(await inside('return v.link'), /tone=filmic&exposure=0.5/)
+    await inside(`v.settings = { tone: 'linear', exposure: 0 }`)
+    await pause(200)
+    assert.deepEqual([await seen([[1, 180]]), await inside('return v.link.includes("tone")')], [[128], false])
   },
 
   async 'without a network: words, and the scene when the network is there'() {

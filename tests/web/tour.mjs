@@ -49,10 +49,10 @@ const TOUR = {
 }
 const THEIRS = {
   version: 2,
-  tonemapping: 'none',
+  tonemapping: 'filmic',
   highPrecisionRendering: false,
   background: { color: [0.2, 0.4, 0.6] },
-  postEffectSettings: { bloom: { enabled: true, intensity: 0.1, blurLevel: 2 }, vignette: { enabled: false } },
+  postEffectSettings: { bloom: { enabled: true, intensity: 0.1, blurLevel: 2 }, vignette: { enabled: true, intensity: 0.25 } },
   animTracks: [
     {
       name: 'theirs', duration: 2, frameRate: 30, loopMode: 'repeat', interpolation: 'spline', smoothness: 0.5,
@@ -230,6 +230,7 @@ const tests = {
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)
+    assert.deepEqual(await inside('return [v.settings.tone, v.settings.vignette]'), ['filmic', 0.25])
     assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360', '336699'))
     const { annotations, tracks } = await inside('return { annotations: v.annotations, tracks: v.tracks }')
     assert.deepEqual(annotations[0].position, [-0.5, -0.25, -2])
@@ -387,7 +388,7 @@ const tests = {
       const words = await texts()
       assert.ok(words.includes(one), words.join())
       const same = english.filter((text) => words.includes(text))
-      const known = /^(fixsplat|Splats|Text|Shift|Around|Track 2|Behind|The knot|.*\.(ply|fxs).*|\d+ splats)$/
+      const known = /^(fixsplat|ACES|Splats|Text|Shift|Around|Track 2|Behind|The knot|.*\.(ply|fxs).*|\d+ splats)$/
       assert.deepEqual(same.filter((text) => !known.test(text)), [])
       await inside(`v.setAttribute('lang', 'en')`)
       await speaks('en')

@@ -91,7 +91,8 @@ const settings = `
   <option value="1">Sharp</option><option value="0.6667">Medium</option>
   <option value="0.5">Quick</option></select></label>
 <label>Saved picture <select name="enlarge">
-  <option value="1">As shown</option>${[2, 4, 8].map((n) => `<option value="${n}">× ${n}</option>`).join('')}</select></label>
+  <option value="1">As shown</option>
+  ${[2, 4, 8].map((n) => `<option value="${n}">× ${n}</option>`).join('')}</select></label>
 <label id="levels" hidden>Splats <output id="budget"></output>
   <input name="budget" type="range" min="0" max="11" aria-label="Splats of a picture at most"></label>
 <label>Upright <select name="up">
@@ -104,6 +105,10 @@ const settings = `
 <p class="fine" id="draws"></p>
 <label id="arSize" hidden>In your room <select name="ar">
   <option value="table">On the table</option><option value="true">True size</option></select></label>
+<label>Tone curve <select name="tone"><option value="linear">None</option><option value="filmic">Filmic</option>
+  <option value="hejl">Hejl</option><option value="aces">ACES</option></select></label>
+<label>Exposure <input name="exposure" type="range" min="-4" max="4" step="0.1"></label>
+<label>Vignette <input name="vignette" type="range" min="0" max="1" step="0.05"></label>
 ${check('colours', 'Gloss and reflections', 'checked')}
 ${check('flat', 'Without perspective')}
 ${check('turn', 'Turns by itself')}

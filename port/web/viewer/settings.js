@@ -1,6 +1,7 @@
 // Reads and writes settings files of the viewer. Reads settings files of supersplat-viewer too, versions 1 and 2. A
 // faulty part is left out and reported by a line of text. A camera is { eye, look, up, fov, longer }. With `longer`,
 // fov is the field of view of the longer side of the picture.
+import { CURVES } from './look.js'
 import { LOOPS } from './track.js'
 import { hasNumbers } from './views.js'
 
@@ -13,7 +14,7 @@ export const MOST_SECONDS = 86400
 const MOST_WORDS = 5
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
-  ['eyeHeight', 0, FAR]]
+  ['eyeHeight', 0, FAR], ['exposure', -8, 8], ['vignette', 0, 1]]
 const SIZES = ['table', 'true', 'off']
 const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
@@ -123,11 +124,14 @@ const hex = (colour) => (isVector(colour) ? `#${colour.map(byte).join('')}` : co
 
 const eachOf = (list, of) => (Array.isArray(list) ? list.map(of) : list)
 
+const hasCurve = (name) => Object.hasOwn(CURVES, name)
+
 function sayLeftOut({ postEffectSettings, soundUrl, tonemapping }, words) {
   const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {})
-  const names = effects.filter(([, effect]) => effect?.enabled).map(([name]) => name)
+  const names = effects.filter(([name, effect]) => effect?.enabled && name !== 'vignette').map(([name]) => name)
   if (names.length) words.push(`postEffectSettings: ${names.join(', ')}: not drawn here`)
-  if (tonemapping && !['none', 'linear'].includes(tonemapping)) words.push(`tonemapping: ${tonemapping}: not drawn here`)
+  if (![undefined, 'none', ...Object.keys(CURVES)].includes(tonemapping))
+    words.push(`tonemapping: ${tonemapping}: not drawn here`)
   if (soundUrl) words.push('soundUrl: no sound is played here')
 }
 
@@ -147,6 +151,8 @@ function fromTheirs(file, words) {
     annotations: eachOf(annotations, annotationOfTheirs),
     start: { animTrack: 'track', annotation: 'annotation' }[start],
     turn: start === 'orbit' || undefined,
+    tone: hasCurve(file.tonemapping) ? file.tonemapping : undefined,
+    vignette: file.postEffectSettings?.vignette?.enabled ? file.postEffectSettings.vignette.intensity : undefined,
   }
 }
 
@@ -178,6 +184,7 @@ function checked(file, words) {
   take('skybox', (url) => (need(typeof url === 'string', 'skybox: expected an address'), url))
   take('start', (start) => (need(STARTS.includes(start), `start: expected one of ${STARTS.join(', ')}`), start))
   take('ar', (size) => (need(SIZES.includes(size), `ar: expected one of ${SIZES.join(', ')}`), size))
+  take('tone', (tone) => (need(hasCurve(tone), `tone: expected one of ${Object.keys(CURVES).join(', ')}`), tone))
   take('mode', (mode) => (need(MODES.includes(mode), `mode: expected one of ${MODES.join(', ')}`), mode))
   for (const name of ['turn', 'colours']) take(name, (is) => is === true)
   for (const [name, low, high] of NUMBERS) take(name, number(name, low, high))

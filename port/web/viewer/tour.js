@@ -13,7 +13,7 @@ const NEARER = 0.6
 const LONGEST_S = 0.5 // longest time step of a playing track in seconds
 const WAIT_MS = 100 // milliseconds until a frame of a film with missing parts of the scene is drawn again
 const PATIENCE_MS = 30000 // longest wait of a film for missing parts of a streamed scene, in milliseconds
-const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar']
+const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar', 'tone', 'exposure', 'vignette']
 const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight']
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))

@@ -27,8 +27,9 @@ section#caption:not([hidden]) { display: flex; }
 #captionText { padding-right: 10px; white-space: pre-line; overflow-wrap: anywhere; }
 #caption footer { display: flex; align-items: center; gap: 2px; margin-top: 6px; color: var(--quiet); }
 #place { flex: 1; text-align: center; font-variant-numeric: tabular-nums; }
-:is(#caption, #trackKeys) :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0; padding: 7px 9px;
-  font: inherit; color: inherit; background: transparent; border: 1px solid var(--line); border-radius: 7px; }
+:is(#caption, #trackKeys) :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0;
+  padding: 7px 9px; font: inherit; color: inherit; background: transparent; border: 1px solid var(--line);
+  border-radius: 7px; }
 #keyList { padding: 0 10px 0 22px; font-variant-numeric: tabular-nums; }
 #keyList li::marker { color: var(--quiet); }
 #trackKeys li > * { display: inline-block; vertical-align: middle; }

@@ -105,6 +105,13 @@ export interface Settings {
   sharpness: number
   /** True draws colours that depend on the direction of view (spherical harmonics). True by default. */
   colours: boolean
+  /** The tone curve of the shown picture; 'linear', the default, changes nothing. Tone curve, exposure and vignette
+      change the picture on the screen, not the pixels of the canvas, of saved pictures and of films. */
+  tone: 'linear' | 'filmic' | 'hejl' | 'aces'
+  /** The exposure of the shown picture in stops: 1 doubles the light; 0 by default. */
+  exposure: number
+  /** The darkness of the corners of the shown picture, 0 to 1; 0 by default. */
+  vignette: number
   /** The size of a picture that the user saves, as a factor for the size of the shown picture; 1 by default. */
   enlarge: number
   /** True shows the frame rate and other numbers of the picture. */
@@ -351,6 +358,9 @@ export interface ViewerAttributes {
       held. */
   wheel?: 'page' | ''
   ar?: Settings['ar']
+  tone?: Settings['tone']
+  exposure?: number | string
+  vignette?: number | string
   /** The time in seconds that a removed scene stays in memory; 60 by default. */
   keep?: number | string
   /** The address of a settings file. */

@@ -19,6 +19,7 @@ const KEPT_S = 60
 const HINT_MS = 5000
 // Steps of the quality slider: the largest number of Gaussians in a picture. One more step means no limit.
 const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6]
+const LOOK = ['tone', 'exposure', 'vignette']
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
 // user agents of headset browsers, which offer WebXR on secure pages only
@@ -34,7 +35,7 @@ sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
-    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar']
+    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar', ...LOOK]
 
   #headset = null
   #room = null
@@ -114,6 +115,7 @@ export class Viewer extends HTMLElement {
     for (const name of still ? ['poster'] : ['poster', 'turn'])
       this.attributeChangedCallback(name, null, this.getAttribute(name))
     this.#choose()
+    this.#look()
     if (this.hasAttribute('settings')) this.#readSettings()
     this.#readSrc()
     this.#gather()
@@ -167,6 +169,7 @@ export class Viewer extends HTMLElement {
     if (name === 'eye-height') this.#pilot.walker?.stand()
     if (['joystick', 'noui', 'ui'].includes(name)) this.#showStick()
     if (name === 'ar') this.#findHeadset()
+    if (LOOK.includes(name)) this.#look()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -254,7 +257,7 @@ export class Viewer extends HTMLElement {
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
     for (const name of ['settings', 'skybox'])
       if (this.hasAttribute(name)) link.searchParams.set(name, addressOf(this.getAttribute(name)))
-    for (const name of ['label', 'background', 'budget', 'detail', 'eye-height'])
+    for (const name of ['label', 'background', 'budget', 'detail', 'eye-height', ...LOOK])
       if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
     link.hash = `view=${this.view}`
     return link.href
@@ -432,6 +435,17 @@ export class Viewer extends HTMLElement {
   async #changeViews(url) {
     const views = await this.#fetchViews()
     if (this.#scene && url === this.getAttribute('cameras')) this.#takeViews(views)
+  }
+
+  get #hasLook() {
+    return LOOK.some((name) => this.hasAttribute(name))
+  }
+
+  async #look() {
+    if (!this.#hasLook && !this.shadowRoot.getElementById('look')) return
+    const { look } = await import('./look.js')
+    const { tone, exposure, vignette } = this.settings
+    look(this.shadowRoot, { tone, exposure, vignette })
   }
 
   #showPoster(url) {
@@ -1072,7 +1086,7 @@ export class Viewer extends HTMLElement {
     if (enlarge > 1) this.#panels.note('Drawing the picture')
     try {
       this.#save(await this.picture({ scale: enlarge }), `${name}.png`)
-      this.#panels.note('Picture saved')
+      this.#panels.note(this.#hasLook ? 'Picture saved, without tone curve, exposure and vignette' : 'Picture saved')
     } catch (error) {
       this.#fail(error)
     }
@@ -1102,6 +1116,7 @@ export class Viewer extends HTMLElement {
     const { camera, turns } = this.#pilot
     const [background, flat, ar] = [this.#colour, !!camera?.flat, this.#inRoom]
     this.#panels.set({ background, flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace, ar })
+    for (const name of LOOK) this.#panels.set({ [name]: this.#table[name][0]() })
     this.#ui.levels.hidden = !this.#scene?.levels
     this.#ui.budget.textContent = this.#budget
       ? this.#language.of('at most {0}', this.#language.number(this.#budget))
@@ -1197,6 +1212,18 @@ export class Viewer extends HTMLElement {
     up: [() => [...this.#pilot.up], (value) => this.#pilot.upright(value ? [...value] : undefined)],
     sharpness: [() => this.#settings.sharpness, (value) => (this.#settings.sharpness = Number(value))],
     colours: [() => this.#settings.colours, (value) => (this.#settings.colours = !!value)],
+    tone: [
+      () => this.getAttribute('tone') || 'linear',
+      (value) => this.#setAttribute('tone', value === 'linear' ? null : value),
+    ],
+    exposure: [
+      () => Number(this.getAttribute('exposure')) || 0,
+      (value) => this.#setAttribute('exposure', Number(value) || null),
+    ],
+    vignette: [
+      () => Math.min(this.#numberOf('vignette'), 1),
+      (value) => this.#setAttribute('vignette', Number(value) || null),
+    ],
     enlarge: [() => this.#settings.enlarge, (value) => (this.#settings.enlarge = Number(value) || 1)],
     readout: [() => !this.#ui.readout.hidden, (value) => (this.#ui.readout.hidden = !value)],
   }
