@@ -1,6 +1,6 @@
 // node types.mjs FIXSPLAT.tgz VIEWER.tgz MODULES PAGE_MODULES [all]: compiles code with strict TypeScript, to check the
-// npm packages' types. The code comes from docs/web.md, from the packages' README.md, from docs/examples/react.tsx
-// and from bundlers/types.tsx. With `all`, compiles also with Node's module resolution, and with React 18.
+// npm packages' types. The code comes from docs/web.md, from the packages' README.md, from docs/examples and from
+// bundlers/types.tsx. With `all`, compiles also with Node's module resolution, and with React 18.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { basename, dirname, join, resolve } from 'node:path'
@@ -32,7 +32,7 @@ for (const file of ['port/web/README.md', 'port/web/viewer/README.md', 'docs/web
     writeFileSync(join(folder, name), `${code}\nexport {}\n`)
     names.push(name)
   }
-for (const path of ['tests/web/bundlers/types.tsx', 'docs/examples/react.tsx'])
+for (const path of ['tests/web/bundlers/types.tsx', 'docs/examples/react.tsx', 'docs/examples/fiber.tsx'])
   cpSync(path, join(folder, basename(path)))
 cpSync('tests/web/bundlers/names.d.ts', join(folder, 'names.d.ts'))
 for (const [name, file] of Object.entries({ fixsplat: tarball, 'fixsplat-viewer': viewerTarball })) {
