@@ -910,6 +910,8 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
     FXS_TRY(find_inner_bounds(p));
     FXS_TRY(find_slots(p));
+    if (p->options.slots)
+        memcpy(p->options.slots, p->slots, (size_t)p->info->count * sizeof *p->slots);
     if (p->by_part)
         FXS_TRY(p->by_part->plan(p));
     fxs_release(p->options.allocator, p->entries);

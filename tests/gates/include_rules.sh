@@ -34,7 +34,7 @@ src/base      allocator message scene system output
 src/gaussian  pack start
 src/camera    camera view_more
 src/image     image picture_metrics
-src/scene     world placements
+src/scene     world placements edits
 src/fit       fit fit_more
 kernels       kernels
 kernels/gl    gl gl_contexts

@@ -270,6 +270,46 @@ for option in '--crop 90,0,0,91,1,1' '--sphere 90,0,0,1' '--prune 1 --sphere 90,
 done
 fails "--drop-floaters: nothing left" 1 "rows.ply: none of the 5 Gaussians is left" convert rows.ply x.ply --drop-floaters
 
+# ---- Edits by hand ---------------------------------------------------------------------------------------------------
+
+# edits ACT CHECKSUM: writes edits of knot.ply: a lasso of a camera before the knot, front only, and less a sphere.
+edits() {
+    echo "{\"format\": \"fixsplat edits\", \"version\": 1, \"scene\": {\"gaussians\": 3000, \"checksum\": \"$2\"},
+        \"edits\": [{\"act\": \"$1\", \"select\": [{\"shape\": \"lasso\", \"front\": true, \"camera\": {\"width\": 320,
+        \"height\": 180, \"fx\": 190, \"fy\": 190, \"cx\": 160, \"cy\": 90, \"rotation\": [1, 0, 0, 0, 1, 0, 0, 0, 1],
+        \"position\": [0, 0, -9], \"near\": 0.2}, \"points\": [40, 10, 200, 20, 170, 150, 90, 170]},
+        {\"shape\": \"sphere\", \"subtract\": true, \"numbers\": [-2, 0, 0, 1]}]}]}" >edits.json
+}
+edits delete 00000000
+fails "--edits: of another scene" 1 'edits are for another scene: of 3000 Gaussians with the checksum 00000000' \
+    convert knot.ply edited.csv --edits edits.json
+checksum=$(sed 's/.*not of 3000 with //' logs/err)
+edits delete "$checksum"
+"$fixsplat" convert knot.ply knot.csv
+"$fixsplat" convert knot.ply plain.fxs --quiet
+run convert knot.ply edited.csv --edits edits.json
+check "--edits: what is deleted is said" says "knot.ply: the edits delete 386 of 3000 Gaussians"
+check "--edits: the others keep their floats" equal "$(grep -Fxf edited.csv knot.csv | cksum)" "$(cksum <edited.csv)"
+"$fixsplat" convert plain.fxs packed.csv --edits edits.json --quiet
+check "--edits of the .fxs: the same Gaussians" equal "$(wc -l <packed.csv)" "$(wc -l <edited.csv)"
+"$fixsplat" convert knot.ply both.csv --edits edits.json --translate 1,0,0 --crop 1,-9,-9,9,9,9 --quiet
+"$fixsplat" convert knot.ply edited.ply --edits edits.json --quiet
+"$fixsplat" convert edited.ply after.csv --translate 1,0,0 --crop 1,-9,-9,9,9,9 --quiet
+check "--edits, then placed and cropped" cmp both.csv after.csv
+edits keep "$checksum"
+run convert knot.ply edited.fxs --edits edits.json
+check "--edits: keep" says "knot.ply: the edits delete 2614 of 3000 Gaussians"
+check "--edits: into an .fxs" grep -q '"packed": 386,' <<END
+$("$fixsplat" info edited.fxs --json)
+END
+echo '{"format": "fixsplat edits"' >bad.json
+fails "--edits: a file that breaks off" 1 'bad.json' convert knot.ply new.ply --edits bad.json
+fails "--edits: a missing file" 1 'none.json' convert knot.ply new.ply --edits none.json
+fails "--edits of two scenes" 2 '--edits is for one scene' convert knot.ply row.ply new.ply --edits edits.json
+cp edits.json edits.ply
+fails "--edits: OUT is the file of edits" 2 'edits.ply' convert knot.ply edits.ply --edits edits.ply
+check "--edits: nothing is written" [ ! -e new.ply ]
+
 # ---- Statistics ------------------------------------------------------------------------------------------------------
 
 succeeds "info --stats" info rows.ply --stats

@@ -17,6 +17,7 @@
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"
+#include "hand_edits.h"
 #include "quality.h"
 #include "start_option.h"
 #include "src/pack/part.h"
@@ -41,7 +42,8 @@ typedef struct convert_options {
     start_option start;
     int refine_steps;
     int has_refine;
-    const char *cameras;
+    const char *cameras, *edits;
+    uint8_t *deleted;                       /* --edits: a byte for each Gaussian of the scene */
     uint32_t block, blocks;                 /* --block: which part of a large scene, from 1, and the number of parts;
                                                0: the whole scene */
 } convert_options;
@@ -168,6 +170,8 @@ static int take_force(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
+    {"edits", "FILE", TEXT(edits), .help =
+     "first delete the Gaussians that were deleted by hand in the viewer, which saved FILE for this scene"},
     {.help =
      "First, the whole scene is rotated, scaled and moved, always in this order, SH included. Axes are as in a .ply "
      "(x right, y down, z to the front):"},
@@ -246,7 +250,7 @@ static const option_row own_rows[] = {
 static int is_filtered(void)
 {
     return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") ||
-           is_given("drop-floaters") || is_given("sh-degree") || is_given("decimate");
+           is_given("drop-floaters") || is_given("sh-degree") || is_given("decimate") || is_given("edits");
 }
 
 static int read_options(convert_options *o, int argc, char **argv)
@@ -278,6 +282,8 @@ static int read_options(convert_options *o, int argc, char **argv)
     if (o->blocks && (o->has_refine || o->start.given))
         return fail(EXIT_USAGE, "--%s is for a whole scene, not for a --block of it",
                     o->has_refine ? "refine" : "start-view");
+    if (o->edits && (o->world.file || o->world.scene_count > 1 || o->world.place_count))
+        return fail(EXIT_USAGE, "--edits is for one scene; edit it first, then merge or --place it");
     if (o->has_level + o->auto_up + is_given("up") > 1)
         return fail(EXIT_USAGE, "--up, --auto-up and --level: give one");
     if (o->start.given && !ends_with(o->out, ".fxs"))
@@ -673,6 +679,8 @@ static int check_files(const convert_options *o)
     const fxs_world *placed = &o->placed;
     for (uint32_t i = 0; i < placed->file_count; i++)
         files_read(placed->files[i]);
+    if (o->edits)
+        files_read(o->edits);
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
         files_force(FILES_REFUSE);          /* no input may be replaced, since the comparison of views reads it again */
@@ -700,12 +708,16 @@ static int run(int argc, char **argv)
         status = place_whole(&o);
     if (!status)
         status = check_files(&o);
+    if (!status && o.edits)
+        status = edits_find(o.edits, o.in, &o.load, &o.deleted);
+    o.filter.deleted = o.deleted;
     o.load.filter = &o.filter;
     if (!status)
         status = o.blocks ? to_part(&o)
                  : packed ? to_fxs(&o)
                           : convert_merged(o.out, o.spz_version, o.spz_fine, &o.placed, o.in, &o.load);
     fxs_world_free(&o.placed);
+    free(o.deleted);
     return status;
 }
 

@@ -53,6 +53,8 @@ typedef struct fxs_pack_options {
                                  more. The packed scene becomes about twice as large. Building the tree takes 6 MB, 2 MB
                                  a thread and 120 bytes a chunk more */
     uint32_t unused;               /* 0: room for a field of a later version */
+    uint32_t *slots;          /* receives the slot of each Gaussian of the file, as in fxs_id; FXS_NOTHING if it is
+                                 dropped. Has room for info->count numbers; null: not wanted */
 } fxs_pack_options;
 FXS_INIT(fxs_pack_options)
 

@@ -315,6 +315,8 @@ typedef struct fxs_scene_filter {
     const fxs_filter_shape *shapes;
     uint32_t shape_count;
     uint32_t unused;               /* 0: room for a field of a later version */
+    const uint8_t *deleted;        /* a byte for each Gaussian of the stream; not 0: the Gaussian is dropped, and not
+                                      counted in the report. Null: none. The caller keeps it like `shapes` */
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {

@@ -24,6 +24,7 @@ typedef struct filter_reader {
     fxs_scene_filter filter;
     fxs_scene_filter_report report;
     fxs_floaters floaters;
+    uint64_t next;             /* number of the next Gaussian of the stream */
 } filter_reader;
 
 void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
@@ -79,6 +80,8 @@ static int passes(filter_reader *r, fxs_gaussian *g)
     const int coefficients = 3 * r->filter.sh_degree * (r->filter.sh_degree + 2);
     const double place[3] = {r->origin[0] + (double)g->position[0], r->origin[1] + (double)g->position[1],
                              r->origin[2] + (double)g->position[2]};
+    if (r->filter.deleted && r->filter.deleted[r->next++])
+        return 0;
     r->report.read++;
     if (!is_inside(&r->filter, place) || !is_in_shapes(&r->filter, place))
         return r->report.outside++, 0;
@@ -117,6 +120,7 @@ static int filter_rewind(void *handle, fxs_message *message)
     filter_reader *r = handle;
     memset(&r->report, 0, sizeof r->report);
     r->floaters.next = 0;
+    r->next = 0;
     return r->reader->rewind(r->data, message);
 }
 

@@ -1,0 +1,241 @@
+/* Reads a list of edits by hand from a JSON file, and does the edits. docs/convert.md describes the file. */
+#include <fixsplat/internal/edits.h>
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/internal/allocator.h>
+#include "src/base/text_internal.h"
+
+#ifdef FXS_WITH_CJSON
+
+#include <cjson/cJSON.h>
+
+#define FARTHEST 0x1p28   /* largest coordinate of a camera, scene units */
+#define OUTSIDE 0x1p20    /* largest coordinate of a lasso or a brush, pixels */
+
+typedef struct reader {
+    fxs_edits *edits;
+    const char *path;
+    fxs_message *message;
+} reader;
+
+static int wrong(const reader *r, const char *what)
+{
+    return fxs_fail(r->message, "%s: edit %u: %s", r->path, (unsigned)r->edits->count + 1, what);
+}
+
+static const cJSON *item_of(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+static int is_text(const cJSON *object, const char *name, const char *text)
+{
+    const char *value = fxs_json_string(object, name);
+    return value && !strcmp(value, text);
+}
+
+/* The fields of a camera in the file: real numbers, which are rounded to integers with `bits` fraction bits. */
+static const struct {
+    const char *name;
+    size_t at;
+    int count, bits;          /* bits of 32: an int64_t, else an int32_t */
+    double most;
+} camera_fields[] = {
+    {"width", offsetof(fxs_camera, width), 1, 0, FXS_MAX_SIZE},
+    {"height", offsetof(fxs_camera, height), 1, 0, FXS_MAX_SIZE},
+    {"fx", offsetof(fxs_camera, fx_q12), 1, 12, 524287},
+    {"fy", offsetof(fxs_camera, fy_q12), 1, 12, 524287},
+    {"cx", offsetof(fxs_camera, cx_q12), 1, 12, 524287},
+    {"cy", offsetof(fxs_camera, cy_q12), 1, 12, 524287},
+    {"rotation", offsetof(fxs_camera, rotation_q30), 9, 30, 1},
+    {"position", offsetof(fxs_camera, position_q32), 3, 32, FARTHEST},
+    {"near", offsetof(fxs_camera, near_q32), 1, 32, FARTHEST}
+};
+
+static int take_camera(const reader *r, const cJSON *camera, fxs_camera *out)
+{
+    double numbers[9];
+    for (size_t i = 0; i < sizeof camera_fields / sizeof *camera_fields; i++) {
+        const cJSON *item = item_of(camera, camera_fields[i].name);
+        const int count = camera_fields[i].count, bits = camera_fields[i].bits;
+        if (count > 1 ? !fxs_json_numbers(item, numbers, count) : !cJSON_IsNumber(item))
+            return wrong(r, "\"camera\" needs width, height, fx, fy, cx, cy, near, 9 numbers rotation and 3 position");
+        if (count == 1)
+            numbers[0] = item->valuedouble;
+        for (int k = 0; k < count; k++) {
+            if (!(fabs(numbers[k]) <= camera_fields[i].most))
+                return wrong(r, "a number of \"camera\" is out of range");
+            const int64_t value = (int64_t)floor(ldexp(numbers[k], bits) + 0.5);
+            char *at = (char *)out + camera_fields[i].at;
+            if (bits == 32)
+                ((int64_t *)(void *)at)[k] = value;
+            else
+                ((int32_t *)(void *)at)[k] = (int32_t)value;
+        }
+    }
+    out->projection = cJSON_IsTrue(item_of(camera, "orthographic")) ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
+    return 0;
+}
+
+static int take_points(const reader *r, const cJSON *list, fxs_edit_shape *shape)
+{
+    const int each = shape->kind == FXS_EDIT_LASSO ? 2 : 3, count = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
+    const cJSON *item;
+    uint32_t n = 0;
+    if (!count || count % each || (uint32_t)count > FXS_EDIT_NUMBERS_MOST)
+        return wrong(r, "\"points\" of a lasso is a list of x, y, of a brush of x, y, radius, at most 196608 numbers");
+    int32_t *points = fxs_allocate(NULL, (size_t)count, sizeof *points);
+    if (!points)
+        return fxs_fail_memory(r->message, r->path, (uint64_t)count * sizeof *points);
+    shape->points = points;
+    cJSON_ArrayForEach(item, list) {
+        const double x = cJSON_IsNumber(item) ? item->valuedouble : NAN;
+        const int is_radius = each == 3 && n % 3 == 2;
+        if (!(x == floor(x) && x >= (is_radius ? 0 : -OUTSIDE) && x <= (is_radius ? FXS_BRUSH_MOST : OUTSIDE)))
+            return wrong(r, "\"points\" are whole pixels, up to 2^20, a radius 0 to 1024");
+        points[n++] = (int32_t)x;
+    }
+    shape->point_numbers = n;
+    return 0;
+}
+
+static int take_shape(const reader *r, const cJSON *item, fxs_edit_shape *shape)
+{
+    static const char *const names[FXS_EDIT_KINDS] = {"box", "sphere", "lasso", "brush"};
+    int kind = 0;
+    while (kind < FXS_EDIT_KINDS && !is_text(item, "shape", names[kind]))
+        kind++;
+    if (kind == FXS_EDIT_KINDS)
+        return wrong(r, "\"shape\" is box, sphere, lasso or brush");
+    shape->kind = (enum fxs_edit_kind)kind;
+    shape->subtract = cJSON_IsTrue(item_of(item, "subtract"));
+    shape->front = cJSON_IsTrue(item_of(item, "front"));
+    if (kind >= FXS_EDIT_LASSO) {
+        const int error = take_camera(r, item_of(item, "camera"), &shape->camera);
+        return error ? error : take_points(r, item_of(item, "points"), shape);
+    }
+    const int count = kind == FXS_EDIT_BOX ? 6 : 4;
+    int is_finite = fxs_json_numbers(item_of(item, "numbers"), shape->numbers, count);
+    for (int i = 0; i < count; i++)
+        is_finite &= isfinite(shape->numbers[i]) != 0;
+    return is_finite ? 0 : wrong(r, "\"numbers\" of a box are 6, of a sphere 4");
+}
+
+static int take_edit(const reader *r, const cJSON *edit)
+{
+    fxs_edits *all = r->edits;
+    const cJSON *list = item_of(edit, "select"), *item;
+    const int keep = is_text(edit, "act", "keep");
+    if (!keep && !is_text(edit, "act", "delete"))
+        return wrong(r, "\"act\" is delete or keep");
+    if (!cJSON_IsArray(list) || !cJSON_GetArraySize(list))
+        return wrong(r, "\"select\" is not a list of shapes");
+    all->edits[all->count].keep = keep;
+    all->edits[all->count].first = all->shape_count;
+    cJSON_ArrayForEach(item, list) {
+        const int error = take_shape(r, item, &all->shapes[all->shape_count++]);
+        if (error)
+            return error;
+    }
+    all->edits[all->count++].end = all->shape_count;
+    return 0;
+}
+
+static int take_scene(const reader *r, const cJSON *scene)
+{
+    size_t gaussians;
+    char *end;
+    const char *text = fxs_json_string(scene, "checksum");
+    const unsigned long checksum = text ? strtoul(text, &end, 16) : 0;
+    if (!text || strlen(text) != 8 || *end || !fxs_json_whole(item_of(scene, "gaussians"), FXS_MAX_COUNT, &gaussians))
+        return fxs_fail(r->message, "%s: \"scene\" needs the number of its gaussians, and a checksum of 8 digits",
+                        r->path);
+    r->edits->gaussians = (uint32_t)gaussians;
+    r->edits->checksum = (uint32_t)checksum;
+    return 0;
+}
+
+static int take_root(const reader *r, const cJSON *root)
+{
+    const cJSON *list = item_of(root, "edits"), *item, *version = item_of(root, "version");
+    uint64_t shapes = 0;
+    if (!is_text(root, "format", "fixsplat edits") || !cJSON_IsArray(list))
+        return fxs_fail(r->message, "%s: is no file of edits, which the viewer saves", r->path);
+    if (!cJSON_IsNumber(version) || version->valuedouble != 1)
+        return fxs_fail(r->message, "%s: edits of another version; this program reads version 1", r->path);
+    FXS_TRY(take_scene(r, item_of(root, "scene")));
+    cJSON_ArrayForEach(item, list)
+        shapes += (uint64_t)cJSON_GetArraySize(item_of(item, "select"));
+    if ((uint64_t)cJSON_GetArraySize(list) > FXS_EDITS_MOST || shapes > FXS_EDITS_MOST)
+        return fxs_fail(r->message, "%s: more than %u edits or shapes", r->path, FXS_EDITS_MOST);
+    r->edits->edits = fxs_allocate_zeroed(NULL, (size_t)cJSON_GetArraySize(list) + 1, sizeof *r->edits->edits);
+    r->edits->shapes = fxs_allocate_zeroed(NULL, (size_t)shapes + 1, sizeof *r->edits->shapes);
+    if (!r->edits->edits || !r->edits->shapes)
+        return fxs_fail_memory(r->message, r->path, shapes * sizeof *r->edits->shapes);
+    cJSON_ArrayForEach(item, list)
+        FXS_TRY(take_edit(r, item));
+    return 0;
+}
+
+static int read_text(fxs_edits *edits, const fxs_text *text, fxs_message *message)
+{
+    const reader r = {edits, text->path, message};
+    cJSON *root;
+    int error = fxs_json_parse(text, NULL, &root, message);
+    if (error)
+        return error;
+    error = take_root(&r, root);
+    cJSON_Delete(root);
+    return error;
+}
+
+#else
+
+static int read_text(fxs_edits *edits, const fxs_text *text, fxs_message *message)
+{
+    (void)edits;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot be read: built without cJSON", text->path);
+}
+
+#endif
+
+int fxs_edits_read(fxs_edits *edits, const char *path, fxs_message *message)
+{
+    fxs_text text;
+    memset(edits, 0, sizeof *edits);
+    if (fxs_text_load(path, &text, message))
+        return FXS_ERR_FILE;
+    const int error = read_text(edits, &text, message);
+    free(text.data);
+    if (error)
+        fxs_edits_free(edits);
+    return error;
+}
+
+void fxs_edits_free(fxs_edits *edits)
+{
+    for (uint32_t i = 0; i < edits->shape_count; i++)
+        fxs_release(NULL, (void *)(uintptr_t)edits->shapes[i].points);
+    fxs_release(NULL, edits->shapes);
+    fxs_release(NULL, edits->edits);
+    memset(edits, 0, sizeof *edits);
+}
+
+int fxs_edits_do(const fxs_edits *edits, fxs_editor *editor, const fxs_context *context, fxs_message *message)
+{
+    const uint32_t checksum = fxs_edit_checksum(&editor->scene);
+    if (edits->gaussians != editor->left || edits->checksum != checksum)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the edits are for another scene: of %u Gaussians with the "
+                           "checksum %08x, not of %u with %08x", (unsigned)edits->gaussians, (unsigned)edits->checksum,
+                           (unsigned)editor->left, (unsigned)checksum);
+    for (uint32_t i = 0; i < edits->count; i++) {
+        for (uint32_t k = edits->edits[i].first; k < edits->edits[i].end; k++)
+            FXS_TRY(fxs_editor_select(editor, context, &edits->shapes[k], message));
+        FXS_TRY(fxs_editor_act(editor, edits->edits[i].keep, message));
+    }
+    return 0;
+}
