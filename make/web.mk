@@ -16,7 +16,7 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
-WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_edit.c port/web/web_paged.c src/scene/edit/editor.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c within.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
@@ -86,7 +86,7 @@ WASM := $(MODULES:%=$(WEB)/%.wasm)
 
 HAS_ESBUILD := $(shell command -v $(ESBUILD))
 WEB_INLINE := $(if $(HAS_ESBUILD),$(addprefix $(WEB)/inline/,with_files.js files.js package.json))
-WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js \
+WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js editor.js store.js thread.js node.js \
                                    system.js thread_node.js)
 # The viewer's page consists of scripts, styles and HTML files, in the folder viewer of the npm package fixsplat. They
 # import fixsplat by relative paths, so a browser needs no bundler. The npm package fixsplat-viewer has the same files

@@ -418,6 +418,50 @@ export interface ScreenOptions extends FrameOptions {
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
+/** A shape that selects the Gaussians with centres in it. */
+export interface EditShape {
+  shape: 'box' | 'sphere' | 'lasso' | 'brush'
+  /** Box: smallest x, y, z and largest. Sphere: middle and radius. */
+  numbers?: number[]
+  /** Whole pixels. Lasso: x, y of each corner. Brush: x, y and radius of each disc. */
+  points?: number[]
+  /** Lasso, brush: leaves out Gaussians behind the surface that the picture shows. */
+  front?: boolean
+  /** Takes the Gaussians out of the selection. */
+  subtract?: boolean
+}
+
+/** Numbers of Gaussians that are left and that are selected, and of edits that are done and all. */
+export interface EditFacts {
+  left: number
+  chosen: number
+  done: number
+  last: number
+}
+
+/** Selects and deletes Gaussians of a scene. Call `forget` of each Screen with 'webgpu' after `act` and `go`. */
+export interface Editor {
+  readonly scene: Scene
+  readonly facts: EditFacts
+  /** The edits that are done, as the content of a file for `fixsplat convert --edits`. */
+  readonly edits: object
+  /** Adds the Gaussians in a shape to the selection; the camera and the size are for a lasso or a brush. */
+  select(shape: EditShape, camera?: Camera, options?: FrameOptions): EditFacts
+  clear(): EditFacts
+  /** Deletes the selected Gaussians, or with 'keep' all others. */
+  act(act: 'delete' | 'keep'): EditFacts
+  /** Takes edits back or does them again, until the first `done` edits are done. */
+  go(done: number): EditFacts
+  /** Returns a picture with dots at the centres of the selected Gaussians. */
+  marks(camera: Camera, options: FrameOptions): { pixels: Uint8ClampedArray; width: number; height: number }
+  /** Returns the edited scene as the bytes of an .fxs file without levels of detail. */
+  write(): Uint8Array
+  free(): void
+}
+
+/** Experimental: begins to edit a scene that is wholly in memory. The scene loses its levels of detail. */
+export function edit(scene: Scene): Promise<Editor>
+
 type Backend = 'wasm' | 'webgl2' | 'webgpu'
 
 /** A Screen draws any number of pictures on a canvas, in the page or in a Worker. A canvas keeps the kind of its
@@ -460,6 +504,8 @@ export class Screen {
   /** Returns the pixels of the last picture from the top row down, four bytes each: red, green, blue, alpha. The
       back end 'webgpu' returns a promise of the pixels. */
   pixels(): Pixels | Promise<Pixels>
+  /** Drops the device's copy of a scene that an Editor has changed. */
+  forget(scene: Scene): void
   /** Frees the memory of the Screen. The canvas keeps its picture. Further calls do nothing. */
   free(): void
 }

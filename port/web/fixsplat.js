@@ -792,6 +792,12 @@ export function pick(x, y, objects, camera = {}, options = {}) {
   return { object, gaussian, depth, position }
 }
 
+/** Returns an Editor, which selects and deletes Gaussians of a scene. */
+export async function edit(scene) {
+  const { Editor } = await import('./editor.js')
+  return new Editor(scene, begin)
+}
+
 // ---- Screens --------------------------------------------------------------------------------------------------
 
 function divided(pixels) {
@@ -986,6 +992,11 @@ export class Screen {
 
   async finish() {
     await this.inside.finish()
+  }
+
+  /** Drops the device's copy of a scene that was edited. */
+  forget(scene) {
+    this.inside.forget?.(scene)
   }
 
   free() {

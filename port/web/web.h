@@ -38,6 +38,10 @@ void fxs_web_want(void *argument, const fxs_scene *scene, uint32_t chunk, int th
 double *fxs_web_numbers(void);
 struct fxs_message *fxs_web_message(void);
 
+/* Return the context of the module, and the first camera of the frame that was begun. */
+const fxs_context *fxs_web_context(void);
+const fxs_camera *fxs_web_eye(void);
+
 /* Reads facts of a scene from the header in `data`. Out: number of Gaussians, SH degree, profile, low and high corner
    of the box, 1 with levels of detail. */
 void fxs_web_describe(fxs_web_scene *scene);

@@ -68,6 +68,16 @@ double *fxs_web_numbers(void)
     return numbers;
 }
 
+const fxs_context *fxs_web_context(void)
+{
+    return &context;
+}
+
+const fxs_camera *fxs_web_eye(void)
+{
+    return cameras;
+}
+
 /* Allocates memory aligned to 64 bytes. malloc of this module (web_heap.c) returns such blocks. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {

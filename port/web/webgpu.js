@@ -187,6 +187,7 @@ export class Computed {
   #status
   #place
   #scenes = new Map()
+  #edited = new Set()
   #next
   #running
   #failure
@@ -288,6 +289,11 @@ export class Computed {
     return this.#scenes.get(scene)
   }
 
+  /** Uploads a scene anew with the next frame. */
+  forget(scene) {
+    this.#edited.add(scene)
+  }
+
   #forget(which) {
     for (const [scene, { heads, rows }] of this.#scenes)
       if (which(scene)) {
@@ -344,7 +350,8 @@ export class Computed {
 
   async #carryOut(frame) {
     const core = this.#core
-    this.#forget((scene) => scene.isFreed)
+    this.#forget((scene) => scene.isFreed || this.#edited.has(scene))
+    this.#edited.clear()
     const { texture, over = false } = frame.into ?? {}
     const format = texture?.format ?? this.#format
     const show = format && (await programsOf(this.device).show(format, over))

@@ -43,9 +43,10 @@ of_keys=keys.js                  # file that the page loads to edit a camera tra
 of_looks=look.js                 # file that the page loads with a settings file, a tone curve, an exposure or a vignette
 of_headsets='xr.js eyes.js'      # files that the page loads with a headset
 of_rooms=ar.js                   # file that the page loads for augmented reality
+of_edits="edit.js editor.js"      # files that the page loads for editing by hand
 of_drops=drop.js                 # file that the page loads when a scene is dropped
 of_errors=words.js               # file that the page loads with the first error
-others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_hands $of_headsets $of_rooms $of_drops $of_errors paged.js store.js webgpu.js \
+others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_hands $of_headsets $of_rooms $of_drops $of_edits $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js)
 # Of this size, 1.3 KB find the package's other files, also on another server, and report missing ones. 3.4 KB end slow,
 # endless or wrong downloads, keep a scene to its folder's files, and check calls.
@@ -60,14 +61,16 @@ check "size of films" at_most 2800 "$package/viewer/film.js"
 check "size of skies" at_most 2100 "$package/viewer/sky.js"
 check "size of headsets" at_most 6300 $(printf "$package/viewer/%s " $of_headsets)
 check "size of AR" at_most 4300 "$package/viewer/ar.js"
-check "size of German" at_most 4450 "$package/viewer/language_de.js"
-check "size of Chinese" at_most 4650 "$package/viewer/language_zh.js"
+check "size of editing by hand" at_most 6200 "$package/editor.js" "$package/viewer/edit.js"
+check "size of German" at_most 4850 "$package/viewer/language_de.js"
+check "size of Chinese" at_most 5100 "$package/viewer/language_zh.js"
 check "words in each language" node tests/web/language.mjs "$package/viewer"
 check "size of what WebGPU needs" at_most 29500 $of_webgpu
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"
 asks tour.mjs "${PICTURES:-$work}" "$B/fixsplat"
+asks edit.mjs "${PICTURES:-$work}" "$B/fixsplat"
 if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs "${PICTURES:-$work}" "$B/fixsplat"; fi
 cat "$work/sizes"
 finish

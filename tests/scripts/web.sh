@@ -175,7 +175,7 @@ start_node package package
 start_node import import
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-for size in core.wasm:55800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \
+for size in core.wasm:57800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \
     import_sog.wasm:90500 import_core.wasm:117900 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done

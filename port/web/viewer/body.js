@@ -115,7 +115,8 @@ ${check('turn', 'Turns by itself')}
 ${check('readout', 'Show pictures a second')}
 <p class="making"><button id="mark" type="button">Mark a place</button>
 <button id="addKey" type="button">Add this view to the track</button>
-<button id="save" type="button">Save settings</button></p>`
+<button id="save" type="button">Save settings</button>
+<button id="edit" type="button" hidden>Edit by hand</button></p>`
 
 export const panel = (id, name, close, inside) => `
 <section id="${id}" class="panel" aria-label="${name}" hidden>

@@ -5,6 +5,7 @@ import { followAddress } from './views.js'
 
 const scene = new URLSearchParams(location.search).get('scene')
 const viewer = document.createElement('fixsplat-viewer')
+viewer.toggleAttribute('edit', true)
 if (scene !== null) viewer.setAttribute('src', scene)
 followAddress(viewer)
 document.getElementById('local').remove()

@@ -45,6 +45,7 @@ function begin(address, name) {
   viewer = document.createElement('fixsplat-viewer')
   viewer.setAttribute('src', address)
   viewer.setAttribute('label', name)
+  viewer.toggleAttribute('edit', true)
   followAddress(viewer)
   document.body.append(viewer)
   viewer.focus({ focusVisible: false })

@@ -375,6 +375,8 @@ export interface ViewerAttributes {
   /** The on-screen stick for flying and walking: '' shows the stick, 'none' hides the stick. The default shows the
       stick on touchscreens, unless `noui` or `ui` is set. */
   joystick?: '' | 'none'
+  /** Offers to edit the scene by hand, in the panel of settings. */
+  edit?: '' | true
 }
 
 /** The events of <fixsplat-viewer> as properties in JSX, as onframe, for React 19. */

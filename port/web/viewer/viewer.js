@@ -35,7 +35,8 @@ sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
-    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar', ...LOOK]
+    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar', 'edit',
+    ...LOOK]
 
   #headset = null
   #room = null
@@ -72,6 +73,7 @@ export class Viewer extends HTMLElement {
   #tour = null
   #touring = null
   #begins = null
+  #editing = null
   #noSky = ''
   #ui
   #panels
@@ -170,6 +172,7 @@ export class Viewer extends HTMLElement {
     if (['joystick', 'noui', 'ui'].includes(name)) this.#showStick()
     if (name === 'ar') this.#findHeadset()
     if (LOOK.includes(name)) this.#look()
+    if (name === 'edit') this.#ui.edit.hidden = value === null
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -401,6 +404,28 @@ export class Viewer extends HTMLElement {
 
   async #copies(text) {
     return !!text && navigator.clipboard?.writeText(text).then(() => true, () => false)
+  }
+
+  async #edit() {
+    const [item, ...more] = this.#shown
+    if (!item) return
+    this.#toggle(null)
+    const isMoved = Object.keys(item.place).length > 0
+    if (more.length || isMoved || this.#scene.paged)
+      return this.#panels.note('To edit, open one scene alone, whole and where it is')
+    const { Edit } = await import('./edit.js')
+    this.#editing ??= new Edit({
+      ...this.#tourHost(),
+      edit: (...args) => this.#engine.ask('edit', this.#shown[0].key, ...args),
+      rendered: (size, camera) => this.#pilot.rendered(size, camera),
+      name: () => this.#shown[0].name.replace(/\.[^.]*$/, ''),
+      changed: ({ left }) => {
+        this.#scene.count = left
+        this.#entitle()
+        this.#change()
+      },
+    })
+    await this.#editing.begin()
   }
 
   async #choose() {
@@ -1270,6 +1295,7 @@ export class Viewer extends HTMLElement {
     ui.mark.onclick = () => this.#mark()
     ui.addKey.onclick = () => this.#addKey()
     ui.save.onclick = () => this.#saveSettings()
+    ui.edit.onclick = () => this.#edit().catch((error) => this.#fail(error))
     ui.set.onclick = () => this.#toggle(ui.options)
     for (const id of ['closeHelp', 'closeOptions']) ui[id].onclick = () => this.#toggle(null)
     ui.file.onchange = () => this.#openFiles([...ui.file.files]).then(() => (ui.file.value = ''))

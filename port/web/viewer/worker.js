@@ -1,7 +1,7 @@
 // The worker of a viewer, which loads and draws the scenes. The page (engine.js) sends requests { id, word, args }; the
 // table `words` has the function of each word. Every request gets an answer { id, result } or { id, error }. Messages
 // with a `stage` need no request.
-import { firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
+import { edit, firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
 
 const SEEN = 40000 // smallest number of Gaussians in an early preview
 const SEEN_SHARE = 1 / 3 // downloaded share of the file after which a preview may have fewer than SEEN Gaussians
@@ -13,6 +13,7 @@ const UNIT = 65536 // depth value of one scene unit: depths have 16 fraction bit
 const STRIP = 1 << 22 // pixels of a strip of a saved picture
 const screens = {}
 const scenes = new Map()
+const editors = new Map()
 let placed = []
 let how
 let drawn = () => {}
@@ -59,8 +60,14 @@ function whole() {
 
 const factsOf = ({ name, count, low, high }) => ({ name, count, low, high, whole: whole() })
 
-function put(key, scene) {
+function drop(key) {
+  editors.get(key)?.then((editor) => editor.free())
+  editors.delete(key)
   scenes.get(key)?.free()
+}
+
+function put(key, scene) {
+  drop(key)
   scenes.set(key, scene)
 }
 
@@ -191,7 +198,7 @@ const words = {
   },
 
   free(key) {
-    scenes.get(key)?.free()
+    drop(key)
     scenes.delete(key)
   },
 
@@ -224,7 +231,16 @@ const words = {
     return { pictures: renderStereo(objects(), ...cameras, options) }
   },
 
-  packed: (key) => scenes.get(key).packed,
+  packed: async (key) => (await editors.get(key))?.write() ?? scenes.get(key).packed,
+
+  /** Calls a method of a scene's Editor, or returns a property of it. */
+  async edit(key, name, ...args) {
+    if (!editors.has(key)) editors.set(key, edit(scenes.get(key)))
+    const editor = await editors.get(key)
+    const result = typeof editor[name] === 'function' ? editor[name](...args) : editor[name]
+    if (name === 'act' || name === 'go') for (const screen of Object.values(screens)) screen.forget(editor.scene)
+    return result
+  },
 
   pick(x, y, camera, options) {
     const found = pick(x, y, objects(), camera, options)

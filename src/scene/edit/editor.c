@@ -22,10 +22,25 @@ typedef struct picture {
     uint32_t *depths;
 } picture;
 
+static unsigned char *rows_of(const fxs_editor *e, uint32_t chunk)
+{
+    return (unsigned char *)(uintptr_t)e->scene.rows + (size_t)chunk * e->scene.chunk_bytes;
+}
+
+static const unsigned char *header_of(const fxs_editor *e, uint32_t chunk)
+{
+    return e->scene.chunks + (size_t)chunk * sizeof(fxs_chunk);
+}
+
+static fxs_codes codes_of(const fxs_editor *e, uint32_t slot)
+{
+    return fxs_codes_of(&e->scene, rows_of(e, slot / FXS_CHUNK), slot % FXS_CHUNK);
+}
+
 static unsigned char *opacity_at(const fxs_editor *e, uint32_t slot)
 {
     const uint32_t at = e->scene.profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR;
-    return (unsigned char *)(uintptr_t)fxs_rows(&e->scene, slot / FXS_CHUNK) + at + 4 * (slot % FXS_CHUNK) + 3;
+    return rows_of(e, slot / FXS_CHUNK) + at + 4 * (slot % FXS_CHUNK) + 3;
 }
 
 static int is_deleted(const fxs_edit_slot *s, uint32_t done)
@@ -49,7 +64,8 @@ uint32_t fxs_edit_checksum(const fxs_scene *scene)
     uint32_t crc = 0;
     fxs_crc32_fill(&table);
     for (uint32_t i = 0; i < scene->chunk_count; i++)
-        crc = fxs_crc32(&table, crc, fxs_header(scene, i) + offsetof(fxs_chunk, checksum), sizeof(uint32_t));
+        crc = fxs_crc32(&table, crc, scene->chunks + i * sizeof(fxs_chunk) + offsetof(fxs_chunk, checksum),
+                        sizeof(uint32_t));
     return crc;
 }
 
@@ -63,10 +79,11 @@ int fxs_editor_open(fxs_editor *e, const fxs_scene *scene, fxs_message *message)
     if (!e->slots)
         return fxs_fail_memory(message, NULL, (uint64_t)e->count * sizeof *e->slots);
     for (uint32_t i = 0; i < e->count; i++) {
-        const int is_empty = fxs_slot_is_empty(scene, fxs_rows(scene, i / FXS_CHUNK), i % FXS_CHUNK);
-        e->slots[i].opacity = *opacity_at(e, i);
-        e->slots[i].flags = is_empty ? EMPTY : 0;
-        e->left += !is_empty;
+        const fxs_codes codes = codes_of(e, i);
+        const int is_full = codes.rotation || codes.colour >> 24;
+        e->slots[i].opacity = (uint8_t)(codes.colour >> 24);
+        e->slots[i].flags = is_full ? 0 : EMPTY;
+        e->left += (uint32_t)is_full;
     }
     return 0;
 }
@@ -80,9 +97,9 @@ void fxs_editor_close(fxs_editor *e)
 static void place_of(const fxs_editor *e, uint32_t slot, int64_t place_q32[3])
 {
     fxs_chunk chunk;
-    memcpy(&chunk, fxs_header(&e->scene, slot / FXS_CHUNK), sizeof chunk);
+    memcpy(&chunk, header_of(e, slot / FXS_CHUNK), sizeof chunk);
     fxs_chunk_turn(&chunk);
-    const fxs_codes codes = fxs_codes_of(&e->scene, fxs_rows(&e->scene, slot / FXS_CHUNK), slot % FXS_CHUNK);
+    const fxs_codes codes = codes_of(e, slot);
     for (int i = 0; i < 3; i++)
         place_q32[i] = (int64_t)((uint64_t)chunk.origin_q32[i] +
                                  ((uint64_t)codes.position[i] * chunk.step_q32[i] << chunk.step_shift % 64));
@@ -324,17 +341,17 @@ size_t fxs_editor_bytes(const fxs_editor *e)
     return fxs_scene_bytes(slots_left(e), s->sh_degree, s->profile, s->palette_entries);
 }
 
-/* Empties a slot: sets all codes except SH to 0. */
+/* Empties slot g of a chunk: sets all codes except SH to 0. The rows are three of 16 bits and three of 32 bits, in
+   profile small three of 32 bits and one of 8 bits. */
 static void empty(const fxs_scene *s, unsigned char *rows, uint32_t g)
 {
-    static const struct {
-        uint16_t at, bytes;
-    } codes[2][6] = {{{0, 2}, {2 * FXS_CHUNK, 2}, {4 * FXS_CHUNK, 2}, {FXS_ROW_ROTATION, 4}, {FXS_ROW_SCALE, 4},
-                      {FXS_ROW_COLOUR, 4}},
-                     {{FXS_SMALL_A, 4}, {FXS_SMALL_B, 4}, {FXS_SMALL_C, 4}, {FXS_SMALL_D, 1}}};
     const int is_small = s->profile == FXS_PROFILE_SMALL;
-    for (int i = 0; i < 6; i++)
-        memset(rows + codes[is_small][i].at + codes[is_small][i].bytes * g, 0, codes[is_small][i].bytes);
+    for (int i = 0; i < 3 && !is_small; i++, rows += 2 * FXS_CHUNK)
+        memset(rows + 2 * g, 0, 2);
+    for (int i = 0; i < 3; i++, rows += 4 * FXS_CHUNK)
+        memset(rows + 4 * g, 0, 4);
+    if (is_small)
+        rows[g] = 0;
 }
 
 static void write_header(const fxs_editor *e, const void *data, void *out)
@@ -381,8 +398,8 @@ void fxs_editor_write(const fxs_editor *e, const void *data, void *out)
         memcpy(palette, s->palette, palette_bytes);
     for (uint32_t i = 0; i < s->chunk_count; i++)
         if (is_left(e, i)) {
-            memcpy(header, fxs_header(s, i), sizeof(fxs_chunk));
-            memcpy(rows, fxs_rows(s, i), s->chunk_bytes);
+            memcpy(header, header_of(e, i), sizeof(fxs_chunk));
+            memcpy(rows, rows_of(e, i), s->chunk_bytes);
             for (uint32_t g = 0; g < FXS_CHUNK; g++)
                 if (!is_there(e, i * FXS_CHUNK + g))
                     empty(s, rows, g);
