@@ -1168,6 +1168,47 @@ static void test_crop(void)
     viewer_close(&v);
 }
 
+static int orange_pixels(const viewer *v)
+{
+    int count = 0;
+    for (int i = 0; i < v->picture.width * v->picture.height; i++)
+        count += !memcmp(v->picture.pixels + 4 * i, "\xff\x7d\x3d", 3);
+    return count;
+}
+
+static void test_edits(void)
+{
+    viewer v;
+    const frame_options options = framed_options();
+    if (start(&v, &options))
+        return;
+    key(&v, SDLK_DELETE), key(&v, 'u');
+    CHECK(strstr(v.note, "no edits yet") && drawn(&v) == 2000);
+    key(&v, 'l');
+    push_button(SDL_MOUSEBUTTONDOWN, 1, 10, 5);
+    move_to(&v, SDL_BUTTON_LMASK, 50, 5);
+    move_to(&v, SDL_BUTTON_LMASK, 30, 40);
+    CHECK(v.edit.stroke_count == 3 && !memcmp(&v.view.position, v.views[0].position, sizeof v.view.position));
+    push_button(SDL_MOUSEBUTTONUP, 1, 30, 40);
+    rest(&v);
+    const uint32_t chosen = v.edit.editor.chosen;
+    CHECK(chosen > 100 && chosen < 1900 && !v.edit.stroke_count && orange_pixels(&v) > 50);
+    key(&v, SDLK_DELETE);
+    CHECK(drawn(&v) == 2000 - chosen && !orange_pixels(&v) && v.world.gaussians == 2000 - chosen);
+    key(&v, SDLK_ESCAPE), key(&v, 'c'), key(&v, SDLK_RETURN);
+    CHECK(strstr(v.note, "not written: the scene is edited"));
+    drag_handle(&v, 1, -8, 0);
+    key(&v, SDLK_DELETE);
+    CHECK(v.edit.list.count == 2 && v.edit.list.shapes[1].kind == FXS_EDIT_BOX);
+    key(&v, SDLK_ESCAPE), key(&v, 'u'), key(&v, 'u');
+    CHECK(drawn(&v) == 2000 && v.edit.editor.last == 2);
+    drop(&v, cubes);
+    CHECK(drawn(&v) == 300 && !v.edit.copy && !v.edit.list.count);
+    key(&v, SDLK_ESCAPE);
+    CHECK(v.quit);
+    viewer_close(&v);
+}
+
 static void test_crop_handles(void)
 {
     viewer v;
@@ -1679,6 +1720,7 @@ int main(void)
     RUN(test_focus);
     RUN(test_measure);
     RUN(test_crop);
+    RUN(test_edits);
     RUN(test_crop_handles);
     RUN(test_crop_of_objects);
     RUN(test_crop_not_written);

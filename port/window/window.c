@@ -143,8 +143,8 @@ static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in,
         return;
     if (in->type == SDL_MOUSEBUTTONDOWN)
         out->type = FXS_EVENT_PRESS;
-    else if (window->moved <= 3)
-        out->type = FXS_EVENT_CLICK;
+    else
+        out->type = window->moved <= 3 ? FXS_EVENT_CLICK : FXS_EVENT_RELEASE;
     window->moved = 0;
     out->count = in->clicks;
     out->x = in->x * scale;

@@ -16,13 +16,14 @@ enum fxs_window_event_type {
     FXS_EVENT_POINTER,
     FXS_EVENT_PRESS,
     FXS_EVENT_CLICK,            /* the left button went down and up at one place */
+    FXS_EVENT_RELEASE,          /* the left button went up at another place */
     FXS_EVENT_WHEEL,
     FXS_EVENT_DROP,
     FXS_EVENT_CHANGED,          /* the window's content must be drawn again */
     FXS_EVENT_WOKEN
 };
 
-enum { FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
+enum { FXS_KEY_BACKSPACE = 8, FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_DELETE = 127, FXS_KEY_SHIFT };
 
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;

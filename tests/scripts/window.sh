@@ -204,6 +204,55 @@ if open "$B/fixsplat"; then
     check "a signal: status 0" [ $status = 0 ]
 fi
 
+# ---- Edits by hand ---------------------------------------------------------------------------------------------------
+
+stroke() {
+    xdotool mousemove --window "$window" 100 40 mousedown 1
+    for step in '60 10' '60 -10' '30 60' '-30 60' '-80 -20'; do xdotool mousemove_relative -- $step; done
+    xdotool mouseup 1
+}
+
+# An edited scene has no command that renders it again, so the title tells when the picture is written.
+shoot() {
+    xdotool key p
+    until_ 100 titled 'written: .*shot.png' && mv "$work/shot.png" "$work/$1.png"
+}
+
+if open "$B/fixsplat"; then
+    shoot unedited
+    xdotool key l
+    until_ 50 titled 'lasso: drag'
+    stroke
+    check "a lasso selects" until_ 100 titled ' - [1-9][0-9]* selected of 2000'
+    xdotool key j l
+    until_ 50 titled 'brush: drag'
+    xdotool keydown shift mousemove --window "$window" 60 100 mousedown 1 mousemove_relative 20 10 mouseup 1 keyup shift
+    until_ 100 titled ' selected of 2000'
+    xdotool key Delete
+    check "delete" until_ 100 titled ' - 0 selected of 1[0-9]*'
+    shoot edited
+    check "it shows" differ unedited edited
+    xdotool key u
+    check "undo" until_ 100 titled ' - 0 selected of 2000, some edits undone'
+    shoot undone
+    check "undone: the picture before" cmp "$work/unedited.png" "$work/undone.png"
+    xdotool key shift+u
+    check "redo" until_ 100 titled ' - 0 selected of 1[0-9]*'
+    shoot redone
+    check "redone: the same picture" cmp "$work/edited.png" "$work/redone.png"
+    xdotool key Return
+    check "written" until_ 100 titled "written: $work/knot-edited-001.fxs"
+    close xdotool key Escape Escape
+    check "escape leaves the tool, then the window: status 0" [ $status = 0 ]
+    check "edits: not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
+    "$B/fixsplat" convert "$work/knot.ply" "$work/knot.fxs" --quiet
+    "$B/fixsplat" convert "$work/knot.fxs" "$work/again.ply" --edits "$work/knot-edits-001.json" --quiet
+    "$B/fixsplat" convert "$work/knot-edited-001.fxs" "$work/edited.ply" --quiet
+    check "convert --edits gives the same Gaussians" cmp "$work/edited.ply" "$work/again.ply"
+    "$B/fixsplat" render "$work/knot-edited-001.fxs" --cameras "$work/cameras.json" -o "$work/rendered.png"
+    check "the written scene: the same picture" cmp "$work/edited.png" "$work/rendered.png"
+fi
+
 # ---- Missing and unreadable scenes -----------------------------------------------------------------------------------
 
 "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
@@ -290,6 +339,12 @@ elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full 
     xdotool key g h n x v z z m t      # key b is not pressed, because Mesa would leak some hundred bytes
     shot checked
     xdotool key c
+    sleep 1
+    xdotool key Escape l
+    stroke
+    xdotool key Delete
+    sleep 1
+    xdotool key u
     sleep 1
     close xdotool key Escape Escape
     check "Valgrind" [ $status = 0 ]

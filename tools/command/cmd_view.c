@@ -22,9 +22,10 @@ const char viewer_keys[] =
     "k              film the way from here; again: write it, fixsplat-001.y4m\n"
     "z i            depths, ids; again: colours\n"
     "c              crop box, by its handles; again: the whole scene\n"
-    "enter          write what is in the crop box, SCENE-cropped-001\n"
-    "x              cut-off\n"
-    "0 1 2 3        SH degree\n"
+    "enter          write the crop box or the edits, SCENE-cropped-001\n"
+    "l j            lasso (shift adds), brush, neither; front only\n"
+    "delete u       delete selection or crop box, undo; shift: keep, redo\n"
+    "x 0 1 2 3      cut-off, SH degree\n"
     "v              resolution in motion\n"
     "b              back end\n"
     "f g            frames a second and what is drawn, frame times\n"
@@ -155,7 +156,8 @@ const command command_view = {
     "The window opens files that are dropped on it. Without a scene, it lists the last ten scenes, from the file\n"
     "$XDG_STATE_HOME/fixsplat/recent (default ~/.local/state/fixsplat/recent; Windows: %APPDATA%\\fixsplat\\recent).\n"
     "Key c shows a crop box; key enter writes its contents beside the scene, in the same format or else as .ply, and\n"
-    "prints the convert command that does the same. With --cameras, the default of --up is the mean of the views.\n",
+    "prints the convert command that does the same. After key l, enter writes SCENE-edited-001.fxs, and the edits for\n"
+    "convert --edits in SCENE-edits-001.json. With --cameras, the default of --up is the mean of the views.\n",
     list_keys,
     "  $ fixsplat view scene.ply\n"
     "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"

@@ -227,6 +227,7 @@ void viewer_install(viewer *v)
     const frame_options *o = &l->options;
     const int first = !v->path;
     world_close(&v->world);
+    edit_end(&v->edit);
     free(v->views);
     free(v->path);
     v->path = l->path ? l->path : strdup(o->world.file ? o->world.file : o->world.scenes[0]);
@@ -278,7 +279,7 @@ static int is_writing(const viewer *v)
 static void write_crop(viewer *v, int key)
 {
     (void)key;
-    if (v->crop.on && !is_writing(v))
+    if (!edit_write(v) && v->crop.on && !is_writing(v))
         ask_crop(v);
 }
 
@@ -425,9 +426,17 @@ static void leave(viewer *v, int key)
         fxs_worker_stop(v->drawer);
     else if (v->crop.on)
         crop_toggle(v);
-    else
+    else if (!edit_leave(v))
         v->quit = 1;
 }
+
+static void next_tool(viewer *v, int key) { (void)key; edit_tool(v); }
+
+static void delete_chosen(viewer *v, int key) { (void)key; edit_delete(v); }
+
+static void undo(viewer *v, int key) { (void)key; edit_undo(v); }
+
+static void toggle_front(viewer *v, int key) { (void)key; edit_front(v); }
 
 static void press(viewer *v, int pressed)
 {
@@ -440,6 +449,8 @@ static void press(viewer *v, int pressed)
                 {'=', 1, change_speed}, {'-', 1, change_speed}, {'z', 1, show_other}, {'i', 1, show_other},
                 {'m', 1, toggle_measure}, {'k', 1, toggle_film}, {'f', 0, toggle_rate}, {'g', 0, toggle_graph},
                 {',', 1, change_budget}, {'.', 1, change_budget}, {'o', 1, toggle_levels},
+                {'l', 1, next_tool}, {'j', 1, toggle_front}, {'u', 1, undo}, {FXS_KEY_DELETE, 1, delete_chosen},
+                {FXS_KEY_BACKSPACE, 1, delete_chosen},
                 {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
@@ -467,7 +478,7 @@ static int point_at_handle(viewer *v, const fxs_window_event *event)
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
-    if (point_at_handle(v, event))
+    if (point_at_handle(v, event) || edit_drag(v, event))
         return;
     fxs_window_size(v->window, &width, &height);
     double turn = acos(-1) / height, pixels = (double)v->view.height / height;
@@ -505,6 +516,8 @@ static void press_at(viewer *v, const fxs_window_event *event)
     v->face = v->crop.on ? crop_face_at(v, event->x, event->y) : CROP_NONE;
     v->dragged = v->face != CROP_NONE;
     v->exposed |= v->dragged;
+    if (v->edit.tool != EDIT_OFF && !v->dragged)
+        edit_press(v, event->x, event->y);
 }
 
 static void click(viewer *v, const fxs_window_event *event)
@@ -512,7 +525,9 @@ static void click(viewer *v, const fxs_window_event *event)
     *v->note = 0;
     if (v->dragged)
         return;
-    if (v->measuring)
+    if (v->edit.tool != EDIT_OFF)
+        edit_release(v);
+    else if (v->measuring)
         ask_end(v, event->x, event->y);
     else if (event->count == 2)
         ask_focus(v, event->x, event->y);
@@ -551,6 +566,7 @@ static void take(viewer *v, const fxs_window_event *event)
     case FXS_EVENT_PRESS:
     case FXS_EVENT_WHEEL:
     case FXS_EVENT_CLICK:
+    case FXS_EVENT_RELEASE:
         if (!v->path)
             choose_recent(v, event);
         else if (event->type == FXS_EVENT_POINTER)
@@ -559,6 +575,8 @@ static void take(viewer *v, const fxs_window_event *event)
             press_at(v, event);
         else if (event->type == FXS_EVENT_WHEEL)
             zoom(v, event->dy);
+        else if (event->type == FXS_EVENT_RELEASE)
+            edit_release(v);
         else
             click(v, event);
         break;
@@ -720,6 +738,8 @@ void viewer_close(viewer *v)
     free(v->loading.path);
     free(v->loading.next);
     world_close(&v->world);                             /* closed before the window, which threads of the world wake */
+    edit_end(&v->edit);
+    free(v->edit.stroke);
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);

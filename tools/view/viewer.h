@@ -1,5 +1,5 @@
 /* State of the window of `fixsplat view`. There are three threads: the window's (viewer.c, viewer_crop.c,
-   viewer_panels.c), the renderer's (viewer_frame.c), and one that loads scenes. */
+   viewer_edit.c, viewer_panels.c), the renderer's (viewer_frame.c), and one that loads scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
@@ -7,6 +7,7 @@
 #include "port/window/window.h"
 #include "port/window/worker.h"
 #include "tools/command/drawing.h"
+#include <fixsplat/internal/edits.h>
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };
@@ -17,6 +18,21 @@ typedef struct crop_box {
     int on;
     double low[3], high[3];
 } crop_box;
+
+enum edit_tool { EDIT_OFF, EDIT_LASSO, EDIT_BRUSH };
+enum edit_act { EDIT_SELECT, EDIT_DELETE, EDIT_KEEP, EDIT_CLEAR, EDIT_UNDO, EDIT_REDO, EDIT_WRITE };
+
+/* Editing by hand. */
+typedef struct editing {
+    enum edit_tool tool;
+    int front;                              /* 1: selects only in front of the surface */
+    double (*stroke)[2];                    /* the stroke that is drawn, window pixels */
+    int stroke_count;
+    void *copy;                             /* the edited scene; null: not edited. With the editor and the list, it
+                                               belongs to the renderer's thread */
+    fxs_editor editor;
+    fxs_edits list;
+} editing;
 
 typedef struct viewer viewer;
 
@@ -30,6 +46,9 @@ typedef struct request {
     int moves, shows_part;
     enum viewer_picture shown;
     crop_box crop;
+    enum edit_act edit;
+    fxs_edit_shape shape;                   /* shape to select by; the renderer's thread frees its points */
+    int adds;                               /* 1: adds to the selection */
     int status;
     char path[4096];
     int unwritten;
@@ -97,6 +116,7 @@ struct viewer {
     int way_count;
     uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 
+    editing edit;
     crop_box crop;
     int face, dragged;                      /* crop box face under the pointer or CROP_NONE; 1: the face is dragged */
     int crop_written;
@@ -125,6 +145,7 @@ void viewer_step(viewer *v, int milliseconds);
 int viewer_busy(const viewer *v);
 
 /* Each ask function queues a request for the renderer's thread, or does nothing if the queue is full. */
+request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor);
 void ask_open(viewer *v);
 void ask_frame(viewer *v);
 
@@ -140,6 +161,12 @@ int ask_install(viewer *v);
 
 /* Finishes the request that the renderer's thread has completed, and starts the next request. */
 void viewer_collect(viewer *v);
+
+void tell(viewer *v, const char *text);
+void tell_written(viewer *v, const request *r);
+
+/* Names a new file SCENE-WORD-001ENDING beside the scene. Returns 0, or nonzero and a message. */
+int name_beside(const viewer *v, request *r, const char *word, const char *ending);
 
 /* Returns the number of eyes drawn: 1, or 2 side by side in the window. */
 int eyes_of(const viewer *v);
@@ -161,6 +188,28 @@ void crop_drag(viewer *v, double x, double y);
 
 /* Crops all objects of the world by the box. Runs on the renderer's thread. */
 void crop_world(world *w, const crop_box *crop);
+
+/* Keys and pointer of editing by hand. edit_leave and edit_write return 0 if there is no tool, edit_drag 0 if no stroke
+   is drawn. */
+void edit_tool(viewer *v);
+void edit_delete(viewer *v);
+void edit_undo(viewer *v);
+void edit_front(viewer *v);
+int edit_leave(viewer *v);
+int edit_write(viewer *v);
+void edit_press(viewer *v, double x, double y);
+int edit_drag(viewer *v, const fxs_window_event *event);
+void edit_release(viewer *v);
+double edit_brush(const viewer *v);
+
+/* Marks the selected Gaussians in a picture of the request. Runs on the renderer's thread. */
+void edit_mark(const viewer *v, const request *r, const picture *p);
+
+/* True if Gaussians are deleted. Runs on the renderer's thread, or after a request. */
+int is_edited(const viewer *v);
+
+/* Frees the edited scene. No request may be queued, and the world must be closed. */
+void edit_end(editing *e);
 
 /* Replaces the current scenes of the window by the loaded scenes. No frame may be in progress. */
 void viewer_install(viewer *v);

@@ -41,7 +41,7 @@ static fxs_view fit_view(const viewer *v, int divisor)
 }
 
 /* Queues a request for the renderer's thread. Returns null if the queue is full. */
-static request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor)
+request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor)
 {
     if (v->request_count == REQUESTS_MOST)
         return 0;
@@ -78,7 +78,7 @@ void viewer_collect(viewer *v)
     }
 }
 
-static void tell(viewer *v, const char *text)
+void tell(viewer *v, const char *text)
 {
     snprintf(v->note, sizeof v->note, "%.255s", text);
     v->exposed = 1;
@@ -171,6 +171,8 @@ static void render(viewer *v, request *r)
         fxs_paint_depths(&out, p->depths);
     else if (!r->status && r->shown == SHOW_IDS)
         fxs_paint_ids(&out, p->ids);
+    if (!r->status && r->shows_part)
+        edit_mark(v, r, p);
 }
 
 static void take_frame(viewer *v, request *r)
@@ -334,7 +336,7 @@ static void print_command(const viewer *v, const fxs_view *view, const fxs_optio
     fflush(stdout);
 }
 
-static void tell_written(viewer *v, const request *r)
+void tell_written(viewer *v, const request *r)
 {
     char text[256];
     snprintf(text, sizeof text, "written: %.200s", r->path);
@@ -349,7 +351,7 @@ static void take_written(viewer *v, request *r)
     if (r->status)
         return;
     tell_written(v, r);
-    if (!r->unwritten && r->shown == SHOW_COLOUR && !r->crop.on)
+    if (!r->unwritten && r->shown == SHOW_COLOUR && !r->crop.on && !is_edited(v))
         print_command(v, &r->view, &r->render, r->path);
 }
 
@@ -421,16 +423,16 @@ static const char *cropped_ending(const viewer *v)
     return v->path + strlen(v->path) - strcspn(format->endings, " ");
 }
 
-static int name_cropped(const viewer *v, request *r)
+int name_beside(const viewer *v, request *r, const char *word, const char *ending)
 {
-    const char *ending = cropped_ending(v), *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
+    const char *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
     char stem[4096];
     size_t length = ends_with(v->path, ending) ? strlen(v->path) - strlen(ending)
                     : dot && dot > (slash ? slash + 1 : v->path) ? (size_t)(dot - v->path) : strlen(v->path);
     const int is_piped = !strcmp(v->path, "-");
     if (length >= sizeof stem)
         return fxs_fail(&r->message, "not written: the name of the scene is too long");
-    snprintf(stem, sizeof stem, "%.*s-cropped", is_piped ? 5 : (int)length, is_piped ? "scene" : v->path);
+    snprintf(stem, sizeof stem, "%.*s-%s", is_piped ? 5 : (int)length, is_piped ? "scene" : v->path, word);
     return name_file(r, stem, ending);
 }
 
@@ -446,7 +448,9 @@ static void write_cropped(viewer *v, request *r)
     load.filter = &filter;
     load.again = 1;
     load.progress = (fxs_progress){fxs_worker_tell, v->drawer};
-    r->unwritten = name_cropped(v, r);
+    r->unwritten = is_edited(v) ? fxs_fail(&r->message, "not written: the scene is edited; shift and delete keeps the "
+                                           "box, l and enter write it")
+                                : name_beside(v, r, "cropped", cropped_ending(v));
     if (!r->unwritten)
         r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);
 }

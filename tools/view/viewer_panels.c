@@ -309,6 +309,17 @@ static void add_crop(panels *p, const viewer *v)
     }
 }
 
+/* Draws the stroke of a lasso or a brush. */
+static void add_stroke(panels *p, const viewer *v)
+{
+    const editing *e = &v->edit;
+    const int is_lasso = e->tool == EDIT_LASSO;
+    const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
+    for (int i = 0; i < e->stroke_count && panel; i++)
+        fxs_draw_line(&panel->picture, e->stroke[i], e->stroke[is_lasso ? (i + 1) % e->stroke_count : i ? i - 1 : 0],
+                      is_lasso ? 2 * p->scale : 2 * edit_brush(v), is_lasso ? 0xff7d3dff : 0xff7d3d80);
+}
+
 static void add_graph(panels *p, const viewer *v)
 {
     const fxs_panel *panel = add(p, 12 * p->scale, 12 * p->scale, FXS_GRAPH_WIDTH * p->scale,
@@ -349,6 +360,8 @@ static void add_all(panels *p, const viewer *v)
         add_measure(p, v);
     if (v->crop.on && v->seen.width)
         add_crop(p, v);
+    if (v->edit.stroke_count)
+        add_stroke(p, v);
     if (v->graph)
         add_graph(p, v);
     if (v->rate)

@@ -1,4 +1,5 @@
-/* Reads a list of edits by hand from a JSON file, and does the edits. docs/convert.md describes the file. */
+/* Lists of edits by hand: reads and writes them as JSON files, and does the edits. docs/convert.md describes the
+   files. */
 #include <fixsplat/internal/edits.h>
 
 #include <math.h>
@@ -7,13 +8,36 @@
 #include <string.h>
 
 #include <fixsplat/internal/allocator.h>
+#include "src/base/number.h"
+#include "src/base/output_internal.h"
 #include "src/base/text_internal.h"
+
+#define FARTHEST 0x1p28   /* largest coordinate of a camera, scene units */
+
+static const char *const names[FXS_EDIT_KINDS] = {"box", "sphere", "lasso", "brush"};
+
+/* The fields of a camera in the file: real numbers, which are rounded to integers with `bits` fraction bits. */
+static const struct {
+    const char *name;
+    size_t at;
+    int count, bits;          /* bits of 32: an int64_t, else an int32_t */
+    double most;
+} camera_fields[] = {
+    {"width", offsetof(fxs_camera, width), 1, 0, FXS_MAX_SIZE},
+    {"height", offsetof(fxs_camera, height), 1, 0, FXS_MAX_SIZE},
+    {"fx", offsetof(fxs_camera, fx_q12), 1, 12, 524287},
+    {"fy", offsetof(fxs_camera, fy_q12), 1, 12, 524287},
+    {"cx", offsetof(fxs_camera, cx_q12), 1, 12, 524287},
+    {"cy", offsetof(fxs_camera, cy_q12), 1, 12, 524287},
+    {"rotation", offsetof(fxs_camera, rotation_q30), 9, 30, 1},
+    {"position", offsetof(fxs_camera, position_q32), 3, 32, FARTHEST},
+    {"near", offsetof(fxs_camera, near_q32), 1, 32, FARTHEST}
+};
 
 #ifdef FXS_WITH_CJSON
 
 #include <cjson/cJSON.h>
 
-#define FARTHEST 0x1p28   /* largest coordinate of a camera, scene units */
 #define OUTSIDE 0x1p20    /* largest coordinate of a lasso or a brush, pixels */
 
 typedef struct reader {
@@ -37,24 +61,6 @@ static int is_text(const cJSON *object, const char *name, const char *text)
     const char *value = fxs_json_string(object, name);
     return value && !strcmp(value, text);
 }
-
-/* The fields of a camera in the file: real numbers, which are rounded to integers with `bits` fraction bits. */
-static const struct {
-    const char *name;
-    size_t at;
-    int count, bits;          /* bits of 32: an int64_t, else an int32_t */
-    double most;
-} camera_fields[] = {
-    {"width", offsetof(fxs_camera, width), 1, 0, FXS_MAX_SIZE},
-    {"height", offsetof(fxs_camera, height), 1, 0, FXS_MAX_SIZE},
-    {"fx", offsetof(fxs_camera, fx_q12), 1, 12, 524287},
-    {"fy", offsetof(fxs_camera, fy_q12), 1, 12, 524287},
-    {"cx", offsetof(fxs_camera, cx_q12), 1, 12, 524287},
-    {"cy", offsetof(fxs_camera, cy_q12), 1, 12, 524287},
-    {"rotation", offsetof(fxs_camera, rotation_q30), 9, 30, 1},
-    {"position", offsetof(fxs_camera, position_q32), 3, 32, FARTHEST},
-    {"near", offsetof(fxs_camera, near_q32), 1, 32, FARTHEST}
-};
 
 static int take_camera(const reader *r, const cJSON *camera, fxs_camera *out)
 {
@@ -105,7 +111,6 @@ static int take_points(const reader *r, const cJSON *list, fxs_edit_shape *shape
 
 static int take_shape(const reader *r, const cJSON *item, fxs_edit_shape *shape)
 {
-    static const char *const names[FXS_EDIT_KINDS] = {"box", "sphere", "lasso", "brush"};
     int kind = 0;
     while (kind < FXS_EDIT_KINDS && !is_text(item, "shape", names[kind]))
         kind++;
@@ -238,4 +243,103 @@ int fxs_edits_do(const fxs_edits *edits, fxs_editor *editor, const fxs_context *
         FXS_TRY(fxs_editor_act(editor, edits->edits[i].keep, message));
     }
     return 0;
+}
+
+/* ---- Writing ----------------------------------------------------------------------------------------------------- */
+
+int fxs_edits_add_shape(fxs_edits *edits, const fxs_edit_shape *shape, fxs_message *message)
+{
+    fxs_edit_shape *shapes = fxs_enlarge(NULL, edits->shapes, edits->shape_count, (size_t)edits->shape_count + 1,
+                                         sizeof *shapes);
+    int32_t *points = shapes ? fxs_allocate(NULL, (size_t)shape->point_numbers + 1, sizeof *points) : NULL;
+    edits->shapes = shapes ? shapes : edits->shapes;
+    if (!points)
+        return fxs_fail_memory(message, NULL, (uint64_t)shape->point_numbers * sizeof *points);
+    if (shape->point_numbers)
+        memcpy(points, shape->points, shape->point_numbers * sizeof *points);
+    shapes[edits->shape_count] = *shape;
+    shapes[edits->shape_count++].points = points;
+    return 0;
+}
+
+void fxs_edits_drop_shapes(fxs_edits *edits, uint32_t first, uint32_t end)
+{
+    for (uint32_t i = first; i < end; i++)
+        fxs_release(NULL, (void *)(uintptr_t)edits->shapes[i].points);
+    for (uint32_t i = end; i < edits->shape_count; i++)
+        edits->shapes[first + i - end] = edits->shapes[i];
+    edits->shape_count -= end - first;
+}
+
+int fxs_edits_add(fxs_edits *edits, uint32_t done, int keep, fxs_message *message)
+{
+    const uint32_t first = done ? edits->edits[done - 1].end : 0;
+    const uint32_t chosen = edits->count ? edits->edits[edits->count - 1].end : 0;
+    void *more = fxs_enlarge(NULL, edits->edits, done, (size_t)done + 1, sizeof *edits->edits);
+    if (!more)
+        return fxs_fail_memory(message, NULL, (uint64_t)done * sizeof *edits->edits);
+    edits->edits = more;
+    fxs_edits_drop_shapes(edits, first, chosen);
+    edits->edits[done].keep = keep;
+    edits->edits[done].first = first;
+    edits->edits[done].end = edits->shape_count;
+    edits->count = done + 1;
+    return 0;
+}
+
+static void print_list(FILE *file, const char *name, const double *numbers, int count)
+{
+    fprintf(file, ", \"%s\": %s", name, count > 1 ? "[" : "");
+    for (int i = 0; i < count; i++) {
+        fputs(i ? ", " : "", file);
+        fxs_print_number(file, 17, numbers[i]);
+    }
+    fputs(count > 1 ? "]" : "", file);
+}
+
+static void print_camera(FILE *file, const fxs_camera *camera)
+{
+    fprintf(file, ", \"camera\": {\"orthographic\": %s", camera->projection == FXS_ORTHOGRAPHIC ? "true" : "false");
+    for (size_t i = 0; i < sizeof camera_fields / sizeof *camera_fields; i++) {
+        const char *at = (const char *)camera + camera_fields[i].at;
+        double numbers[9];
+        for (int k = 0; k < camera_fields[i].count; k++)
+            numbers[k] = ldexp(camera_fields[i].bits == 32 ? (double)((const int64_t *)(const void *)at)[k]
+                                                           : ((const int32_t *)(const void *)at)[k],
+                               -camera_fields[i].bits);
+        print_list(file, camera_fields[i].name, numbers, camera_fields[i].count);
+    }
+    fputs("}", file);
+}
+
+static void print_shape(FILE *file, const fxs_edit_shape *s)
+{
+    fprintf(file, "{\"shape\": \"%s\", \"front\": %s, \"subtract\": %s", names[s->kind], s->front ? "true" : "false",
+            s->subtract ? "true" : "false");
+    if (s->kind < FXS_EDIT_LASSO)
+        print_list(file, "numbers", s->numbers, s->kind == FXS_EDIT_BOX ? 6 : 4);
+    else
+        print_camera(file, &s->camera);
+    for (uint32_t i = 0; i < s->point_numbers; i++)
+        fprintf(file, "%s%ld", i ? ", " : ", \"points\": [", (long)s->points[i]);
+    fputs(s->point_numbers ? "]}" : "}", file);
+}
+
+int fxs_edits_write(const fxs_edits *edits, uint32_t done, const char *path, fxs_message *message)
+{
+    fxs_output out;
+    FXS_TRY(fxs_output_open(&out, path, 0, message));
+    fprintf(out.file, "{\"format\": \"fixsplat edits\", \"version\": 1, \"scene\": {\"gaussians\": %lu, \"checksum\": "
+            "\"%08lx\"},\n\"edits\": [", (unsigned long)edits->gaussians, (unsigned long)edits->checksum);
+    for (uint32_t i = 0; i < done; i++) {
+        fprintf(out.file, "%s\n{\"act\": \"%s\", \"select\": [", i ? "," : "",
+                edits->edits[i].keep ? "keep" : "delete");
+        for (uint32_t k = edits->edits[i].first; k < edits->edits[i].end; k++) {
+            fputs(k > edits->edits[i].first ? ",\n " : "", out.file);
+            print_shape(out.file, &edits->shapes[k]);
+        }
+        fputs("]}", out.file);
+    }
+    fputs("]}\n", out.file);
+    return fxs_output_close(&out, message);
 }

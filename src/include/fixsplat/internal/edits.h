@@ -95,6 +95,13 @@ typedef struct fxs_edits {
 FXS_EXPERIMENTAL int fxs_edits_read(fxs_edits *edits, const char *path, fxs_message *message);
 FXS_EXPERIMENTAL void fxs_edits_free(fxs_edits *edits);
 
+/* Make a list: add a shape to the selection after the last edit, which is copied; drop shapes; or replace all edits
+   after the first `done` by an edit of the selection. fxs_edits_write writes the first `done` edits of a list. */
+FXS_EXPERIMENTAL int fxs_edits_add_shape(fxs_edits *edits, const fxs_edit_shape *shape, fxs_message *message);
+FXS_EXPERIMENTAL void fxs_edits_drop_shapes(fxs_edits *edits, uint32_t first, uint32_t end);
+FXS_EXPERIMENTAL int fxs_edits_add(fxs_edits *edits, uint32_t done, int keep, fxs_message *message);
+FXS_EXPERIMENTAL int fxs_edits_write(const fxs_edits *edits, uint32_t done, const char *path, fxs_message *message);
+
 /* Does all edits of a list. Errors: FXS_ERR_ARGUMENT for another scene, and as the functions above. */
 FXS_EXPERIMENTAL int fxs_edits_do(const fxs_edits *edits, fxs_editor *editor, const fxs_context *context,
                                   fxs_message *message);
