@@ -70,8 +70,9 @@ void fxs_program_become(const char *path, char **argv)
     execvp(path, argv);
 }
 
-/* Starts a program in the process group `group`; 0: a group of its own. */
-static int start(const char *const *arguments, pid_t group, int output, int log, const sigset_t *mask, pid_t *child)
+/* Starts a program in the process group `group`; 0: a group of its own. `input` below 0: none. */
+static int start(const char *const *arguments, pid_t group, int input, int output, int log, const sigset_t *mask,
+                 pid_t *child)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -86,7 +87,8 @@ static int start(const char *const *arguments, pid_t group, int output, int log,
     posix_spawnattr_setsigmask(&attributes, mask);
     posix_spawnattr_setpgroup(&attributes, group);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
-    error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    error = input < 0 ? posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0)
+                      : posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
     /* posix_spawnp does not change the arguments, although its type lacks const */
@@ -217,7 +219,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const pid_t guard = start_guard(life, ends);
-    const int error = start(arguments, guard, ends[1], log ? fileno(log) : ends[1], &before, &child);
+    const int error = start(arguments, guard, -1, ends[1], log ? fileno(log) : ends[1], &before, &child);
     close(ends[1]);
     pthread_sigmask(SIG_SETMASK, &before, 0);
     if (!error)
@@ -229,6 +231,54 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     close_pipe(life);
     errno = last;
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
+}
+
+int fxs_program_feed(const char *const *arguments, FILE *log, fxs_fed *fed)
+{
+    int ends[2];
+    sigset_t mask;
+    pid_t child;
+    fflush(log);
+    if (make_pipe(ends))
+        return -1;
+    pthread_sigmask(SIG_SETMASK, 0, &mask);
+    const int error = start(arguments, 0, ends[0], fileno(log), fileno(log), &mask, &child);
+    close(ends[0]);
+    if (error)
+        close(ends[1]);
+    else
+        *fed = (fxs_fed){ends[1], child};
+    errno = error;
+    return error == ENOENT ? FXS_PROGRAM_MISSING : error ? -1 : 0;
+}
+
+int fxs_fed_write(const fxs_fed *fed, const void *bytes, size_t size)
+{
+    const char *at = bytes;
+    sigset_t broken, before, pending;
+    int number;
+    sigemptyset(&broken);
+    sigaddset(&broken, SIGPIPE);
+    pthread_sigmask(SIG_BLOCK, &broken, &before);
+    while (size) {
+        const ssize_t written = write((int)fed->input, at, size);
+        if (written < 0 && errno != EINTR)
+            break;
+        at += written > 0 ? written : 0;
+        size -= written > 0 ? (size_t)written : 0;
+    }
+    const int error = errno;
+    if (size && error == EPIPE && !sigpending(&pending) && sigismember(&pending, SIGPIPE))
+        sigwait(&broken, &number);
+    pthread_sigmask(SIG_SETMASK, &before, 0);
+    errno = error;
+    return size ? -1 : 0;
+}
+
+int fxs_fed_end(const fxs_fed *fed)
+{
+    close((int)fed->input);
+    return wait_for((pid_t)fed->process);
 }
 
 /* Runs the browser in a session of its own, where Ctrl-C does not reach it. */

@@ -53,15 +53,15 @@ static int set_delete(HANDLE handle, int is_deleted)
     return SetFileInformationByHandle(handle, FileDispositionInfo, &disposition, sizeof disposition);
 }
 
-/* Creates a file that no other process can open. Windows deletes the file when its handle is closed, unless the mark
-   for deletion is removed before. */
-static HANDLE create_named(const char *name)
+/* Opens a file that no other process can open. Windows deletes the file when its handle is closed, unless the mark for
+   deletion is removed before. */
+static HANDLE open_named(const char *name, DWORD how)
 {
     wchar_t *wide = win32_path(name);
     if (!wide)
         return INVALID_HANDLE_VALUE;
     const DWORD access = GENERIC_WRITE | DELETE;
-    const HANDLE handle = CreateFileW(wide, access, 0, NULL, CREATE_ALWAYS, FILE_ATTRIBUTE_NORMAL, NULL);
+    const HANDLE handle = CreateFileW(wide, access, 0, NULL, how, FILE_ATTRIBUTE_NORMAL, NULL);
     if (handle != INVALID_HANDLE_VALUE)
         set_delete(handle, 1);
     else
@@ -76,7 +76,7 @@ static HANDLE create_beside(fxs_output *output)
     output->temporary = malloc(strlen(output->target) + NAME_ROOM);
     for (int i = 0; output->temporary && i < WRITERS_MOST && handle == INVALID_HANDLE_VALUE; i++) {
         name_temporary(output, i);
-        handle = create_named(output->temporary);
+        handle = open_named(output->temporary, CREATE_ALWAYS);
         if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)
             break;
     }
@@ -176,6 +176,25 @@ static int put_when_free(fxs_output *output)
     while ((error = why_not_replaced(output, put_in_place(output))) == EBUSY && ++tries < TRIES_MOST)
         Sleep(PAUSE_MILLISECONDS);
     return error;
+}
+
+const char *fxs_output_lend(fxs_output *output)
+{
+    if (output->temporary) {
+        set_delete((HANDLE)_get_osfhandle(_fileno(output->file)), 0);
+        fclose(output->file);
+    }
+    return output->temporary;
+}
+
+void fxs_output_take_back(fxs_output *output)
+{
+    const HANDLE handle = open_named(output->temporary, OPEN_EXISTING);
+    output->file = handle == INVALID_HANDLE_VALUE ? NULL : win32_stream(handle, "wb");
+    if (output->file)
+        return;
+    output->error = output->error ? output->error : errno;
+    output->file = fopen("NUL", "wb");
 }
 
 int fxs_output_close(fxs_output *output, fxs_message *message)

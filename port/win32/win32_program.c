@@ -177,6 +177,43 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     return status;
 }
 
+int fxs_program_feed(const char *const *arguments, FILE *log, fxs_fed *fed)
+{
+    SECURITY_ATTRIBUTES inherited = {.nLength = sizeof inherited, .bInheritHandle = TRUE};
+    HANDLE from, to, process;
+    fflush(log);
+    if (!CreatePipe(&from, &to, &inherited, 0))
+        return win32_failed();
+    const HANDLE errors = (HANDLE)_get_osfhandle(_fileno(log));
+    SetHandleInformation(to, HANDLE_FLAG_INHERIT, 0);
+    SetHandleInformation(errors, HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
+    const int status = start(arguments, from, errors, errors, &process), error = errno;
+    CloseHandle(from);
+    if (status) {
+        CloseHandle(to);
+        errno = error;
+        return error == ENOENT ? FXS_PROGRAM_MISSING : -1;
+    }
+    bind_to_this(process, 0);
+    *fed = (fxs_fed){(intptr_t)to, (intptr_t)process};
+    return 0;
+}
+
+int fxs_fed_write(const fxs_fed *fed, const void *bytes, size_t size)
+{
+    const char *at = bytes;
+    for (DWORD written; size; at += written, size -= written)
+        if (!WriteFile((HANDLE)fed->input, at, size < 1 << 20 ? (DWORD)size : 1 << 20, &written, NULL))
+            return win32_failed();
+    return 0;
+}
+
+int fxs_fed_end(const fxs_fed *fed)
+{
+    CloseHandle((HANDLE)fed->input);
+    return status_of(wait_for((HANDLE)fed->process));
+}
+
 static BOOL WINAPI leave_it(DWORD kind)
 {
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)

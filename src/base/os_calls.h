@@ -215,6 +215,21 @@ enum { FXS_PROGRAM_MISSING = 127,
    killed. Returns the exit status, FXS_PROGRAM_SIGNAL plus a signal's number, FXS_PROGRAM_MISSING, or -1. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 
+/* A program that reads what this process writes. */
+typedef struct fxs_fed {
+    intptr_t input, process;
+} fxs_fed;
+
+/* Starts the program arguments[0] from PATH, whose standard output and error go to `log`. It ends by itself if this
+   process dies, because its input ends. Returns 0, FXS_PROGRAM_MISSING or -1. */
+int fxs_program_feed(const char *const *arguments, FILE *log, fxs_fed *fed);
+
+/* Writes to the program's standard input, without SIGPIPE. Returns 0 or -1. */
+int fxs_fed_write(const fxs_fed *fed, const void *bytes, size_t size);
+
+/* Ends the program's input and waits for its end. Returns a status as fxs_program_run. */
+int fxs_fed_end(const fxs_fed *fed);
+
 void fxs_program_become(const char *path, char **argv);
 
 int fxs_browse(const char *address);

@@ -30,6 +30,11 @@ int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message);
 
 int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message);
 
+/* Lets another program write the output until fxs_output_take_back: returns the name of the temporary file; null if the
+   output is none that is renamed, such as a FIFO. */
+const char *fxs_output_lend(fxs_output *output);
+void fxs_output_take_back(fxs_output *output);
+
 /* Writes the output to disk and gives the file its final name. After an error, an existing file of that name is
    unchanged. */
 int fxs_output_close(fxs_output *output, fxs_message *message);

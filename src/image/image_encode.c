@@ -37,7 +37,8 @@ enum fxs_image_format fxs_image_format_of(const char *path)
         enum fxs_image_format format;
     } known[] = {{".png", FXS_IMAGE_PNG},   {".ppm", FXS_IMAGE_PPM}, {".raw", FXS_IMAGE_RAW},  {".jpg", FXS_IMAGE_JPG},
                  {".jpeg", FXS_IMAGE_JPG}, {".webp", FXS_IMAGE_WEBP}, {".y4m", FXS_IMAGE_Y4M},
-                 {".rgba", FXS_IMAGE_RGBA}};
+                 {".rgba", FXS_IMAGE_RGBA}, {".mp4", FXS_IMAGE_MP4}, {".webm", FXS_IMAGE_WEBM},
+                 {".gif", FXS_IMAGE_GIF}};
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot && i < sizeof known / sizeof *known; i++)
         if (!strcasecmp(dot, known[i].ending))
@@ -204,7 +205,10 @@ static int encode(enum fxs_image_format format, int quality, const uint8_t *rgba
         return fxs_png_encode(fxs_image_opaque(rgba, pixels) ? FXS_PNG_RGB : FXS_PNG_RGBA, rgba, width, height,
                               encoded);
     case FXS_IMAGE_PPM: return encode_ppm(rgba, width, height, encoded);
-    case FXS_IMAGE_Y4M: return encode_y4m(rgba, width, height, encoded);
+    case FXS_IMAGE_Y4M:
+    case FXS_IMAGE_MP4:
+    case FXS_IMAGE_WEBM:
+    case FXS_IMAGE_GIF: return encode_y4m(rgba, width, height, encoded);
     case FXS_IMAGE_JPG: return encode_jpg(rgba, width, height, quality, encoded);
     case FXS_IMAGE_WEBP: return encode_webp(rgba, width, height, quality, encoded);
     case FXS_IMAGE_RAW:

@@ -33,7 +33,7 @@ src/core      fixsplat packed parts stage pixel fixed declarations
 src/base      allocator message scene system output
 src/gaussian  pack start
 src/camera    camera view_more
-src/image     image picture_metrics
+src/image     image film picture_metrics
 src/scene     world placements edits
 src/fit       fit fit_more
 kernels       kernels

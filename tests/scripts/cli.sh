@@ -422,7 +422,7 @@ else
     chmod 555 locked
     fails "a folder without write permission" 1 "locked/x.png: cannot be" render knot.ply $small -o locked/x.png
 fi
-for output in x.gif x png .; do
+for output in x.tif x png .; do
     fails "-o $output" 2 "$output: expected a name ending" render knot.ply $small -o $output
 done
 fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene knot --count 10 -o missing/x.ply
@@ -817,8 +817,8 @@ check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP
 run doctor
 mkdir apt_here && printf '#!/bin/sh\n' >apt_here/apt && chmod +x apt_here/apt
 with_it() { PATH=$1 "$fixsplat" doctor | sed -n '/^ffmpeg *not here/{n;s/^ *with it: //p}'; }
-check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films: apt install ffmpeg"
-check "doctor without apt" equal "$(with_it)" "fit takes films: install it, in a folder of PATH"
+check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films, render writes .mp4, .webm and .gif: apt install ffmpeg"
+check "doctor without apt" equal "$(with_it)" "fit takes films, render writes .mp4, .webm and .gif: install it, in a folder of PATH"
 fails "doctor takes nothing" 2 "doctor takes no 'x'" doctor x
 fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
 for name in a.spz a.compressed.ply a.fxs; do

@@ -106,7 +106,7 @@ fi
 check "a closed pipe: ended as by SIGPIPE, without a word" equal "$(cat logs/status logs/err)" 141
 
 fails "-o - --format gif" 2 "--format gif: expected png" render knot.ply -o - --format gif
-fails "-o x.gif" 2 "x.gif: expected a name ending in .png" render knot.ply -o x.gif
+fails "-o x.tif" 2 "x.tif: expected a name ending in .png" render knot.ply -o x.tif
 for printed in hash stats 'pick 1,1' 'depth x.png'; do
     fails "-o - --$printed" 2 "the picture goes to standard output.*--${printed%% *}" render knot.ply -o - --$printed
 done
@@ -123,7 +123,7 @@ fails "compare --diff given twice" 2 "--diff b.png: --diff a.png is given before
 fails "a film of a pattern" 2 "%d.y4m: a film is one file" render $three --view all -o %d.y4m
 fails "--quality of .png" 2 "--quality is for .jpg" render knot.ply -o x.png --quality 9
 fails "--quality 0" 2 "--quality 0" render knot.ply -o x.jpg --quality 0
-fails "--fps of .png" 2 "--fps is of .y4m" render knot.ply -o x.png --fps 25
+fails "--fps of .png" 2 "--fps is for .y4m" render knot.ply -o x.png --fps 25
 fails "--fps 0" 2 "--fps 0" render knot.ply -o x.y4m --fps 0
 cameras sizes.json "$(camera front 0 60)" "$(camera large 1 60 | sed 's/"width": 64/"width": 80/')"
 fails "a film of several sizes" 2 "one size, view front is 64x48, view large 80x48" \
@@ -150,6 +150,62 @@ else
     skip "ffmpeg" "not here"
 fi
 
+# ---- Films by ffmpeg -------------------------------------------------------------------------------------------------
+
+# A program in place of ffmpeg, which reads some bytes of the film.
+stand_in() { mkdir -p fake; printf '#!/bin/sh\n%s\n' "$1" >fake/ffmpeg; chmod +x fake/ffmpeg; }
+with_path() { ffmpeg_path=$1; shift; PATH=$ffmpeg_path "$fixsplat" render "$@" >logs/out 2>logs/err; status=$?; }
+nothing_is_left() { check "$1: nothing is left" equal "$(find . -name '.fixsplat-*' -o -name new.mp4)" ""; }
+
+with_path /nowhere knot.ply $small --orbit 3 -o new.mp4
+check "without ffmpeg: one line names the package" equal "$status $(lines_of logs/err) $(grep -c 'apt install ffmpeg.*y4m' logs/err)" "1 1 1"
+nothing_is_left "without ffmpeg"
+echo old >old.mp4
+stand_in 'head -c 20000 >there/read; echo first >&2; echo "No room for the film" >&2; exit 1'
+for name in old new; do
+    with_path "fake:$PATH" knot.ply $small --orbit 30 -o $name.mp4
+    check "ffmpeg that fails in mid-film, $name.mp4: its last line" equal "$status $(cat logs/err)" \
+        "1 fixsplat: $name.mp4: ffmpeg: No room for the film"
+done
+check "ffmpeg that fails in mid-film: the old film stays" equal "$(cat old.mp4)" old
+nothing_is_left "ffmpeg that fails in mid-film"
+stand_in 'cat >there/read; echo "at the end" >&2; exit 3'
+with_path "fake:$PATH" knot.ply $small --orbit 3 --fps 24000/1001 -o new.mp4
+check "ffmpeg that fails at the end" equal "$status $(cat logs/err)" "1 fixsplat: new.mp4: ffmpeg: at the end"
+nothing_is_left "ffmpeg that fails at the end"
+"$fixsplat" render knot.ply $small --orbit 3 --fps 24000/1001 -o three.y4m
+check "ffmpeg gets a .y4m" cmp there/read three.y4m
+stand_in 'exit 0'
+with_path "fake:$PATH" knot.ply --size 640x480 --orbit 3 -o new.mp4
+check "ffmpeg that does not read" equal "$status $(cat logs/err)" "1 fixsplat: new.mp4: ffmpeg: it ended early"
+nothing_is_left "ffmpeg that does not read"
+stand_in 'cat >there/read'
+: >there/read
+mkfifo pipe.mp4
+with_path "fake:$PATH" knot.ply $small --orbit 3 -o pipe.mp4 <>pipe.mp4
+check "an .mp4 into a FIFO: refused" grep -q 'pipe.mp4: ffmpeg writes regular files only: give -o - |' logs/err
+(PATH=fake:$PATH exec "$fixsplat" render knot.ply --size 640x480 --orbit 9999 -o new.mp4 2>logs/err) &
+child=$!
+for i in $(seq 100); do [ "$(($(wc -c <there/read)))" -lt 1000000 ] || break; sleep 0.1; done
+{ kill -TERM $child; wait $child; } 2>/dev/null
+check "a signal in mid-film" equal $? 143
+nothing_is_left "a signal in mid-film"
+fails "an .mp4 of an odd size" 1 "odd.mp4: an .mp4 needs an even width and height, not 63x48" render knot.ply --size 63x48 \
+    -o odd.mp4
+fails "an .mp4 with alpha" 2 "--alpha: a film has no alpha" render knot.ply --alpha -o x.mp4
+for format in mp4 webm gif; do
+    have ffmpeg && have ffprobe || { skip "a .$format" "no ffmpeg"; continue; }
+    rate=24000/1001
+    [ $format != gif ] || rate=25/1             # a .gif has times in hundredths of seconds
+    succeeds "a .$format" render knot.ply $small --orbit 12 --fps $rate -o turn.$format
+    grep -q 'Unknown encoder' logs/err && { skip "a .$format" "$(cat logs/err)"; continue; }
+    check "a .$format: size, rate and frames" equal \
+        "$($probe=width,height,r_frame_rate,nb_read_frames turn.$format)" 64,48,$rate,12
+    ffmpeg -v error -y -i turn.$format -frames:v 1 -update 1 -pix_fmt rgb24 first.ppm 2>logs/err
+    "$fixsplat" render knot.ply $small --orbit 12 -o turn%02d.png
+    succeeds "a .$format: its colours" compare first.ppm turn00.png --min-psnr 27
+done
+
 # ---- Views -----------------------------------------------------------------------------------------------------------
 
 view() { hash_of knot.ply --cameras "$1" --view "$2"; }
@@ -163,35 +219,125 @@ for list in 0..3 0, ,0 0..1..2 .. 1.. 0,,1 99999999999999999999,0; do
 done
 fails "bench --view 0..1" 2 "one view" bench $three --view 0..1
 
-# A film has six frames from one key camera to the next. The key cameras are frames themselves.
-succeeds "--frames" render $three --view 0..2 --frames 13 --hash
-check "--frames: as many" equal "$(lines_of logs/out)" 13
-check "--frames: the views are among them" equal "$(sed -n '1p;7p;13p' logs/out | tr '\n' ' ')" "$front $side $far "
-"$fixsplat" render $three --view 0..2 --frames 5 -o way%d.raw
-cameras between.json "$(camera between 0.5 60)"
-check "--frames: on a line halfway" equal "$($helper hash way1.raw)" "$(view between.json 0)"
-"$fixsplat" render $three --view 0,2,0 --frames 5 -o back%d.raw
-check "--frames: there and back" cmp back1.raw back3.raw
+# ---- Paths -----------------------------------------------------------------------------------------------------------
+
+# positions FILE: the positions of the cameras of a cameras.json, one a line.
+positions() { sed 's/.*"position": \[\([^]]*\)\].*/\1/' "$1" | awk -F ', *' '{ printf "%.9f %.9f %.9f\n", $1, $2, $3 }'; }
+path() { run render knot.ply $small "$@" --write-cameras cams.json; }
+
+succeeds "--path" render knot.ply --path three.json --frames 13 --hash --write-cameras cams.json
+check "--path: as many frames" equal "$(lines_of logs/out)" 13
+check "--path: begins and ends at the first and last view" equal "$(sed -n '1p;13p' logs/out | tr '\n' ' ')" "$front $far "
+check "--path: a line, there in the middle" equal "$(positions cams.json | sed -n '1p;7p;13p' | tr '\n' ' ')" \
+    "0.000000000 0.000000000 -6.000000000 1.000000000 0.000000000 -6.000000000 2.000000000 0.000000000 -6.000000000 "
+check "--path: gentle ends" awk 'NR > 1 { step[NR] = $1 - last } { last = $1 }
+    END { exit !(step[2] < 0.5 * step[7] && step[13] < 0.5 * step[7] && step[6] < 1.01 * step[7]) }' <<END
+$(positions cams.json)
+END
+succeeds "--path --seconds" render knot.ply --path three.json --view 2,0 --seconds 0.5 --fps 24000/1001 -o rate.y4m
+check "--path --seconds: frames, size and rate" equal "$(head -n 1 rate.y4m | cut -d ' ' -f 2-4) $(($(wc -c <rate.y4m)))" \
+    "W64 H48 F24000:1001 $(($(head -n 1 rate.y4m | wc -c) + 12 * (6 + 3 * 64 * 48)))"
 cameras turned.json "$(camera front 0 60)" "$(camera right 0 60 '[[0, 0, 1], [0, 1, 0], [-1, 0, 0]]')"
 cameras half.json "$(camera half 0 60 \
     '[[0.70710678118654752, 0, 0.70710678118654752], [0, 1, 0], [-0.70710678118654752, 0, 0.70710678118654752]]')"
-"$fixsplat" render knot.ply --cameras turned.json --view 0..1 --frames 3 -o turn%d.raw
-check "--frames: turned halfway" equal "$($helper hash turn1.raw)" "$(view half.json 0)"
+"$fixsplat" render knot.ply --path turned.json --frames 3 -o turn%d.raw
+check "--path: turned halfway" equal "$($helper hash turn1.raw)" "$(view half.json 0)"
 cameras lens.json "$(camera wide 0 30)" "$(camera long 0 120)"
-cameras middle.json "$(camera middle 0 60)"
-"$fixsplat" render knot.ply --cameras lens.json --view 0..1 --frames 3 -o lens%d.raw
-check "--frames: the focal length between" equal "$($helper hash lens1.raw)" "$(view middle.json 0)"
-fails "--frames without --view" 2 "--frames needs --view" render $three --frames 3 --hash
-fails "--frames of one view" 1 "--frames needs several views, --view 1 is one" render $three --view 1 --frames 3 --hash
-fails "--frames 1" 2 "--frames 1" render $three --view all --frames 1 --hash
-fails "--frames of one view as a list" 1 "--frames needs several views, --view 1..1 is one" render $three --view 1..1 \
-    --frames 3 --hash
-check "--view 1..1: that one" equal "$(lists three.json 1..1)" "$side "
-succeeds "--frames of views of two sizes" render knot.ply --cameras sizes.json --view all --frames 5 -o sizes.y4m
-check "--frames of views of two sizes: all of the first one's" equal \
+"$fixsplat" render knot.ply --path lens.json --frames 3 --write-cameras cams.json
+check "--path: a zoom" grep -Eq '"fx": (59.9999|60,|60.0000)' cams.json
+succeeds "--path: views of two sizes" render knot.ply --path sizes.json --frames 5 -o sizes.y4m
+check "--path: views of two sizes: all of the first one's" equal \
     "$(head -n 1 sizes.y4m | cut -d ' ' -f 2,3) $(($(wc -c <sizes.y4m)))" \
     "W64 H48 $(($(head -n 1 sizes.y4m | wc -c) + 5 * (6 + 3 * 64 * 48)))"
-fails "--frames and --orbit" 2 "give one" render $three --view all --frames 3 --orbit 3 --hash
+
+cat >keys.txt <<'END'
+# eye, look, up, fov, time
+0 0 -9  0 0 0  0 -1 0  40  0
+-6,-2,-6, 0,0,0, 0,-1,0, 40, 0.5   # commas too
+-9 0 0  0 0 0  0 -1 0  60  2
+
+END
+path --path keys.txt --fps 4
+check "a text of keys: its times" equal "$(lines_of cams.json) $(positions cams.json | sed -n '1p;3p' | tr '\n' ' ')" \
+    "8 0.000000000 0.000000000 -9.000000000 -6.000000000 -2.000000000 -6.000000000 "
+path --path keys.txt --seconds 10 --fps 30
+check "a text of keys: the same cameras everywhere" equal "$(cksum <cams.json)" "3894838748 119382"
+check "a text of keys: --seconds leaves its times out, and says so" grep -q 'keys.txt: its keys have times' logs/err
+printf '0 0 -9 0 0 0\n3 0 -9 0 0 0\n' >short.txt
+path --path short.txt --frames 3
+check "a text of keys: eye and look are enough" equal "$status $(cat logs/err)$(lines_of cams.json)" "0 3"
+
+# The web viewer shows these cameras 0.3 and 1.8 seconds after the start (tests/web/tour.mjs).
+cat >theirs.json <<'END'
+{"version": 2, "animTracks": [{"name": "theirs", "duration": 2, "frameRate": 30, "loopMode": "repeat",
+ "interpolation": "spline", "smoothness": 0.5, "keyframes": {"times": [0, 20, 45], "values": {
+ "position": [0, 0, -9, 9, 2, 0, 0, 4, 9], "target": [0, 0, 0, 0, 0, 0, 0, 0, 0], "fov": [60, 50, 70]}}}]}
+END
+path --path theirs.json --fps 10
+check "SuperSplat's track: as the web viewer shows it" equal "$(positions cams.json | sed -n '4p;19p' | tr '\n' ' ')" \
+    "-4.177285714 -0.673714286 -5.968285714 0.439714286 -1.433714286 -2.548285714 "
+key='"look": [0, 0, 0], "fov": 40'
+ours() { echo "{\"fixsplat\": 1, \"tracks\": [{\"name\": \"a\", \"keys\": [$1]}, {\"name\": \"b\", \"keys\": [$2]}]}" >ours.json; }
+first="{\"time\": 0, \"eye\": [0, 0, -9], $key}" second="{\"time\": 1, \"eye\": [4, 0, -9], $key}"
+ours "$first, $second" "{\"time\": 0, \"eye\": [0, 0, -7], $key}, $second"
+for track in 'a 9' '0 9' 'b 7' '1 7'; do
+    path --path ours.json --track ${track% *}
+    check "--track ${track% *}" equal "$(positions cams.json | sed -n 1p)" "0.000000000 0.000000000 -${track#* }.000000000"
+done
+fails "--track c" 1 "ours.json: no track 'c': there are 2" render knot.ply --path ours.json --track c --hash
+fails "--track of a camera file" 1 "--track is for a settings.json" render knot.ply --path three.json --track 0 --hash
+fails "--view of a track" 1 "--view is for camera files" render knot.ply --path ours.json --view 0 --hash
+
+while IFS='|' read -r name faulty words; do
+    ours "$first, $faulty" "$first, $second"
+    fails "a track with $name" 1 "^fixsplat: ours.json: track 0, key [12]: $words" render knot.ply --path ours.json --hash
+done <<END
+equal times|$first|its time is not after
+keys out of order|$second, {"time": 0.5, "eye": [1, 0, -9], $key}|its time is not after
+no time|{"eye": [4, 0, -9], $key}|its time is not 0 to 86400
+a time of null|{"time": null, "eye": [4, 0, -9], $key}|its time is not 0
+a text as a number|{"time": 1, "eye": [4, "NaN", -9], $key}|its eye, look or up is not three numbers
+no field of view|{"time": 1, "eye": [4, 0, -9], "look": [0, 0, 0]}|a number is not
+a field of view of 0|{"time": 1, "eye": [4, 0, -9], "look": [0, 0, 0], "fov": 0}|a field of view of 0 degrees
+eye and look alike|{"time": 1, "eye": [0, 0, 0], $key}|the camera looks nowhere
+a huge number|{"time": 1, "eye": [1e300, 0, 0], $key}|a number is not from
+END
+while IFS='|' read -r name line words; do
+    printf '0 0 -9 0 0 0 0 -1 0 40 1\n%b\n' "$line" >bad.txt
+    fails "a text of keys with $name" 1 "^fixsplat: bad.txt: $words" render knot.ply --path bad.txt --hash
+done <<END
+NaN|1 nan -9 0 0 0 0 -1 0 40 2|line 2: a number is not
+a time of NaN|1 0 -9 0 0 0 0 -1 0 40 nan|line 2: its time is not 0
+equal times|1 0 -9 0 0 0 0 -1 0 40 1|line 2: its time is not after
+keys out of order|1 0 -9 0 0 0 0 -1 0 40 0|line 2: its time is not after
+a time less|1 0 -9 0 0 0 0 -1 0 40|line 2: give all keys a time, or none
+seven numbers|1 0 -9 0 0 0 40|line 2: expected 6 numbers
+twelve numbers|1 0 -9 0 0 0 0 -1 0 40 2 1|line 2: expected 6 numbers
+words|somewhere|line 2: expected 6 numbers
+one key||1 keys
+END
+printf '0 0 -9 0 0 0\n0 0 -9 0 0 0\n' >alike.txt
+fails "keys that are all alike" 1 "alike.txt: its keys are all alike" render knot.ply --path alike.txt --seconds 1 --hash
+ours "$first, $second" "$first, $second"
+sed 's/"name": "a"/"step": true, &/' ours.json >steps.json
+fails "a track of steps at an even speed" 1 "steps.json: its camera jumps" render knot.ply --path steps.json --seconds 1 --hash
+echo '{"fixsplat": 1}' >none.json
+fails "settings without a track" 1 "none.json: no track" render knot.ply --path none.json --hash
+fails "no times and no --seconds" 1 "three.json: its keys have no times: give --seconds" render knot.ply --path three.json --hash
+fails "too many frames" 1 "at most 100000" render knot.ply --path three.json --seconds 80000 --hash
+fails "--frames without --path" 2 "--frames needs --path" render $three --frames 3 --hash
+fails "--frames 1" 2 "--frames 1" render knot.ply --path three.json --frames 1 --hash
+fails "--path and --orbit" 2 "give one" render knot.ply --path three.json --frames 3 --orbit 3 --hash
+for rate in 0 1001 24000/ /1001 0/1 1/2 24000/1001/1 23.976 99999999999; do
+    fails "--fps $rate" 2 "--fps $rate: expected 1 to 1000" render knot.ply --path three.json --seconds 1 --fps $rate --hash
+done
+printf '0 0 -9 0 0 0\n0 0 9 0 0 12\n' >through.txt
+path --path through.txt --seconds 2
+check "a path through the inside: said" grep -q 'through.txt: frames [0-9]* to [0-9]*.*through a wall' logs/err
+check "a path through the inside: not refused" equal "$status $(lines_of cams.json)" "0 60"
+path --path short.txt --seconds 2
+check "a path before it: nothing is said" equal "$status $(cat logs/err)" "0 "
+check "--view 1..1: that one" equal "$(lists three.json 1..1)" "$side "
 
 gaussian='1 .5 .2 4 -1 -1.5 -2 1 0 0 0'
 ply pair.ply "1 0 0 $gaussian" "-1 0 0 $gaussian"

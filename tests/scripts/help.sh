@@ -71,7 +71,7 @@ fails "a picture without -o" 2 "render: a.png is a picture: -o is missing before
 fails "a letter's value that is missing" 2 "render: -o: its value is missing" render x.ply -o
 fails "a value too many" 2 "info: --json=3: it takes no value" info x.ply --json=3
 fails "a scene in place of a command: as view" 2 "view: --cert needs --web" knot.ply --cert x
-fails "a film that ffmpeg writes" 2 "-o - [|] ffmpeg -i - x.mp4" render knot.ply -o x.mp4
+fails "another film of ffmpeg" 2 "-o - [|] ffmpeg -i - x.mkv" render knot.ply -o x.mkv
 
 # ---- --quiet ---------------------------------------------------------------------------------------------------------
 

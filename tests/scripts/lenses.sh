@@ -39,7 +39,7 @@ check "--size" equal "$(head -c 13 twice.ppm | tr '\n' ' ')" "P6 128 96 255"
 
 fails "--lens without --cameras" 2 "^fixsplat: --lens needs --cameras" render knot.ply --lens -o a.png
 for options in "--depth d.png" "--ids i.png" "--pick 1,1" "--stats" "--scissor 0,0,9,9" "--panorama" "--stereo 1" \
-    "--ortho 3" "--tangents -1,1,1,-1" "--orbit 3" "--view all --frames 9"; do
+    "--ortho 3" "--tangents -1,1,1,-1" "--orbit 3"; do
     fails "--lens with $options" 2 "does not go with --lens" \
         render knot.ply --cameras barrel --lens $options -o a%d.png
 done

@@ -12,6 +12,10 @@
 camera='"width":64,"height":36,"rotation":[[1,0,0],[0,1,0],[0,0,1]],"fx":50,"fy":50'
 echo "[{\"id\":0,\"img_name\":\"a\",\"position\":[0,-2,-9],$camera},{\"id\":1,\"img_name\":\"b\",\"position\":[1,-2,-9],
     $camera},{\"id\":2,\"img_name\":\"c\",\"position\":[2,-2,-9],$camera}]" >cameras.json
+printf '0 -2 -9 0 0 0 0 -1 0 50 0\n2 -2 -9 0 0 0 0 -1 0 50 0.2\n' >keys.txt
+key='"look":[0,0,0],"fov":50'
+keys="[{\"time\":0,\"eye\":[0,-2,-9],$key},{\"time\":1,\"eye\":[2,-2,-9],$key}]"
+echo "{\"fixsplat\":1,\"tracks\":[{\"keys\":$keys},{\"loop\":\"pingpong\",\"keys\":$keys}]}" >track.json
 
 # ---- Every option in every place -------------------------------------------------------------------------------------
 
@@ -101,7 +105,9 @@ places='plain ../knot.ply -o out.png
 start ../start.fxs -o out.png
 cameras ../knot.ply --cameras ../cameras.json -o out.png
 several ../knot.ply --cameras ../cameras.json --view all -o out%02d.png
-frames ../knot.ply --cameras ../cameras.json --view all --frames 3 -o out.y4m
+path ../knot.ply --path ../cameras.json --frames 8 -o out.y4m
+keys ../knot.ply --path ../keys.txt -o out.y4m
+track ../knot.ply --path ../track.json --fps 8 -o out.y4m
 eye ../knot.ply --eye 0,-2,-9 -o out.png
 orbit ../knot.ply --orbit 3 -o out.y4m
 jpg ../start.fxs -o out.jpg
@@ -115,7 +121,8 @@ pick ../start.fxs --pick 32,18
 levels ../levels.fxs -o out.png
 two ../knot.ply ../plain.fxs -o out.png'
 
-options="bg 303030; format ppm; quality 50; fps 12; orbit 4; frames 4; alpha; depth d.png; depth-kind mean;
+options="bg 303030; format ppm; quality 50; fps 12; orbit 4; frames 4; path ../cameras.json; seconds 0.2;
+    track 1; write-cameras views.json; alpha; depth d.png; depth-kind mean;
     depth-range 20; ids i.png; pick 30,18; panorama; lens; scissor 0,0,32,18; hash; stats; json; diff diff.png;
     expect 0123456789abcdef; $shared"
 

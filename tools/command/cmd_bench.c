@@ -49,6 +49,7 @@ static const option_row own_rows[] = {
 
 static const option_rule rules[] = {
     {"json", "compare", 0, "it prints a table"},
+    {"view", 0, "cameras", 0},
     {"frames", "path", 0, "it has a number of frames"},
     {"up auto-up", "cameras", "path", "its views have their own up direction"},
     {0}

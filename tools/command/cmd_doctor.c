@@ -41,7 +41,7 @@ static const struct {
     int is_built;
     const char *gives;
 } helpers[] = {
-    {"ffmpeg", 0, "ffmpeg", 1, "fit takes films"},
+    {"ffmpeg", 0, "ffmpeg", 1, "fit takes films, render writes .mp4, .webm and .gif"},
     {"colmap", 0, "colmap", 1, "fit finds the cameras of photographs that come without"},
 #ifndef _WIN32
     {"xdg-open", 0, "xdg-utils", 1, "view --web opens the browser"},

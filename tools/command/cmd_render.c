@@ -35,6 +35,20 @@ static int take_pick(const option_row *row, void *field, const char *value)
     return o->has_pick ? 0 : wrong_value(row, value);
 }
 
+/* Parses a whole number or a fraction of 1 to 1000 frames per second. */
+static int take_rate(const option_row *row, void *field, const char *value)
+{
+    int *rate = field;
+    char comma[32];
+    const char *slash = strchr(value, '/');
+    rate[1] = 1;
+    snprintf(comma, sizeof comma, "%s", value);
+    if (slash && slash - value < (ptrdiff_t)sizeof comma)
+        comma[slash - value] = ',';
+    return strlen(value) < sizeof comma && parse_counts(comma, slash ? 2 : 1, 1, 1000000, rate) &&
+           rate[0] >= rate[1] && rate[0] <= 1000 * rate[1] ? 0 : wrong_value(row, value);
+}
+
 static int take_scissor(const option_row *row, void *field, const char *value)
 {
     render_options *o = field;
@@ -79,19 +93,33 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"output", "OUT", OUTPUT(output), .letter = 'o', .basic = 1, .help =
      "picture file, - for standard output. Several views need a name with one %d, as out/%04d.png, in every output. A "
-     "film holds all views in one file: .y4m (4:4:4, BT.709, limited range) or .rgba (frames of .raw bytes)"},
+     "film holds all views in one file: .mp4, .webm or .gif (encoded by the program ffmpeg), .y4m (4:4:4, BT.709, "
+     "limited range) or .rgba (frames of .raw bytes)"},
     {"format", "FORMAT", take_format, 0, .choices = WORDS("png", "ppm", "raw", "jpg", "webp", "y4m", "rgba"), .help =
      "format of OUT: png, ppm, raw, jpg, webp, y4m or rgba (default: by the ending of OUT; on standard output png for "
      "one view, y4m for several)"},
     {"quality", "Q", INT(quality, 1, 100), .help =
      "quality of a .jpg, 1 to 100 (default 95), or of a .webp (default: lossless). A .png is compressed at level 1, "
      "for speed"},
-    {"fps", "N", INT(rate, 1, 1000), .help = "frames per second of a .y4m, 1 to 1000 (default 30)"},
+    {"fps", "RATE", take_rate, offsetof(OPTIONS, frame.rate),
+     .expected = "1 to 1000 frames per second, as 25 or 24000/1001", .help =
+     "frames per second of a film, 1 to 1000 (default 30), also as a fraction: 24000/1001"},
     {"orbit", "N", INT(frame.orbit, 2, FRAMES_MOST), .basic = 1, .help =
      "render N views, 2 to 100000: a turn about the middle of the scene and the axis --up, starting at the camera. "
      "A camera that render chooses is far enough away to see the whole scene from all sides"},
+    {"path", "FILE", TEXT(frame.path), .help =
+     "render a film along a path through keys: the settings.json of a published page or of SuperSplat, a camera file "
+     "for --cameras, or a text NAME.txt with a line \"eye look up fov time\" per key, 11 numbers. Up, fov (50) and "
+     "time may be left out from the end; # starts a comment"},
+    {"seconds", "N", REAL(frame.seconds, ABOVE_0, 86400, "seconds above 0, at most 86400"), .help =
+     "length of the film of --path. The camera then moves at an even speed by length, turn and zoom, and starts and "
+     "ends gently (default: the times of the keys)"},
     {"frames", "N", INT(frame.frames, 2, FRAMES_MOST), .help =
-     "render N views, 2 to 100000, on a smooth path through the views of --view; all have the size of the first view"},
+     "instead of --seconds: number of frames of the film of --path, 2 to 100000"},
+    {"track", "N|NAME", TEXT(frame.track), .help =
+     "track of a settings.json of --path: its number from 0, or its name (default 0)"},
+    {"write-cameras", "OUT", OUTPUT(cameras), .help =
+     "write the cameras of all views as a cameras.json, for other programs; without -o nothing is drawn"},
     {"alpha", 0, take_alpha, 0, .help = "store coverage in alpha, with premultiplied colours (default: alpha is 255)"},
     {"depth", "OUT", OUTPUT(depth), .help =
      "write depths along the camera's axis: .png (16-bit grey, 0: nothing) or .pfm (scene units, infinity: nothing)"},
@@ -130,9 +158,12 @@ static const option_row own_rows[] = {
 
 /* Options of own_rows that do nothing with others. */
 static const option_rule rules[] = {
-    {"frames", 0, "view", "several views, as 8..40 or all"},
-    {"orbit", "frames", 0, "give one"},
     {"up auto-up", "cameras", "orbit panorama", "its views have their own up direction; convert --up turns a scene"},
+    {"seconds frames track", 0, "path", 0},
+    {"seconds", "frames", 0, "give one"},
+    {"cameras eye look orbit", "path", 0, "give one"},
+    {"fov", "path", 0, "its keys have their own"},
+    {"up auto-up", "path", "panorama", "its keys have their own up direction"},
     {"bg sh-degree", 0, "output hash expect stats", "it changes colours only"},
     {"alpha", 0, "output hash expect", "it changes the picture only"},
     {"format", 0, "output", 0},
@@ -142,7 +173,7 @@ static const option_rule rules[] = {
     {"depth ids pick stats", "panorama", 0, "it has colours only"},
     {"stats pick", "stereo", 0, "see: fixsplat bench --stereo"},
     {"scissor", "panorama stereo pick", 0, 0},
-    {"depth ids pick stats scissor panorama stereo ortho tangents orbit frames", "lens", 0, 0},
+    {"depth ids pick stats scissor panorama stereo ortho tangents orbit", "lens", 0, 0},
     {0}
 };
 
@@ -151,8 +182,8 @@ static int check_picture(render_options *o)
     if (o->output && strcmp(o->output, "-")) {
         o->encoding = o->encoding ? o->encoding : fxs_image_format_of(o->output);
         if (!o->encoding)
-            return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg, .webp, .y4m or .rgba, or "
-                        "-o - | ffmpeg -i - %s for a film", o->output, o->output);
+            return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg, .webp, .mp4, .webm, .gif, "
+                        ".y4m or .rgba, or -o - | ffmpeg -i - %s for another film", o->output, o->output);
     } else if (o->output) {
         if (o->hash || o->stats || o->has_pick || (o->depth && ends_with(o->depth, ".png") && !(o->depth_range > 0)))
             return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and --%s prints there too",
@@ -162,9 +193,10 @@ static int check_picture(render_options *o)
     }
     if (o->quality && o->encoding != FXS_IMAGE_JPG && o->encoding != FXS_IMAGE_WEBP)
         return fail(EXIT_USAGE, "--quality is for .jpg and .webp");
-    if (o->format == FXS_FORMAT_RGBA8_COVERAGE && (o->encoding == FXS_IMAGE_Y4M || o->encoding == FXS_IMAGE_JPG))
+    const int is_film = o->encoding >= FXS_IMAGE_Y4M && o->encoding != FXS_IMAGE_RGBA;
+    if (o->format == FXS_FORMAT_RGBA8_COVERAGE && (is_film || o->encoding == FXS_IMAGE_JPG))
         return fail(EXIT_USAGE, "--alpha: a %s has no alpha; .png, .webp, .raw and .rgba have",
-                    o->encoding == FXS_IMAGE_JPG ? ".jpg" : ".y4m");
+                    o->encoding == FXS_IMAGE_JPG ? ".jpg" : "film");
     if (o->diff && !fxs_image_file_known(o->diff))
         return fail(EXIT_USAGE, "--diff %s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->diff);
     return 0;
@@ -200,10 +232,14 @@ static int check_drawing(const render_options *o)
     return 0;
 }
 
+int render_draws(const render_options *o)
+{
+    return o->output || o->hash || o->stats || o->depth || o->ids || o->has_pick || o->expect || o->has_expected_hash;
+}
+
 static int check_outputs(render_options *o)
 {
-    if (!o->output && !o->hash && !o->stats && !o->depth && !o->ids && !o->has_pick && !o->expect &&
-        !o->has_expected_hash)
+    if (!render_draws(o) && !o->cameras)
         return fail(EXIT_USAGE, "render: where to? Give -o OUT.png, --depth, --ids, --pick, --hash, --expect or "
                     "--stats");
     return check_rules(rules) || check_picture(o) || check_depths(o) || check_drawing(o);
@@ -234,16 +270,17 @@ static int run(int argc, char **argv)
 const command command_render = {
     "render", "scene file -> picture", run,
     "Usage: fixsplat render SCENE... -o OUT [OPTION...]\n\n"
-    "Renders scenes to a picture: .png, .ppm, .raw (RGBA bytes, top row first), .jpg or .webp; or to a film: .y4m or\n"
-    ".rgba. fixsplat help formats lists the scene formats. SCENE may be - for standard input.\n",
+    "Renders scenes to a picture: .png, .ppm, .raw (RGBA bytes, top row first), .jpg or .webp; or to a film: .mp4,\n"
+    ".webm, .gif, .y4m or .rgba. fixsplat help formats lists the scene formats. SCENE may be - for standard input.\n",
     0,
     "  $ fixsplat render scene.ply -o scene.png\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8 --size 1280x720 -o view8.png\n"
-    "  $ fixsplat render scene.ply --orbit 120 -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4\n"
+    "  $ fixsplat render scene.ply --orbit 120 -o film.mp4\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view all -o out/%04d.png --depth out/%04d.pfm\n"
     "  $ fixsplat render scene.fxs --budget 500000 -o scene.png\n"
     "  $ fixsplat render https://example.org/city.fxs --budget 2000000 --pool 512M -o city.png\n"
-    "  $ fixsplat render scene.ply --cameras cameras.json --view 8..40 --frames 120 -o film.y4m\n"
+    "  $ fixsplat render scene.ply --path settings.json --seconds 10 --fps 24000/1001 -o film.mp4\n"
+    "  $ fixsplat render scene.ply --path cameras.json --view 8..40 --seconds 4 -o film.y4m\n"
     "  $ fixsplat render scene.ply --size 640x480 -o got.png --expect golden.png --diff diff.png\n"
     "  $ fixsplat render scene.ply --size 16000x9000 --scissor 8000,0,8000,4500 -o quarter.png\n"
     "  $ gunzip -c scene.ply.gz | fixsplat render - -o scene.png\n"

@@ -8,17 +8,20 @@
 typedef struct render_options {
     frame_options frame;
     enum fxs_format format;
-    const char *output, *depth, *ids;
+    const char *output, *depth, *ids, *cameras;
     const char *expect, *diff;
     int has_expected_hash;
     uint64_t expected_hash;
     enum fxs_image_format encoding;
-    int quality, rate;                      /* quality of .jpg and .webp files; frames per second of a film */
+    int quality;                            /* quality of .jpg and .webp files */
     int draws;
     double depth_range;                     /* largest depth that a depth picture can show; 0: automatic */
     int has_pick, pick[2], has_scissor, scissor[4];
     int hash, stats, pairs, json;
 } render_options;
+
+/* True if an option asks for pictures, not only for their cameras. */
+int render_draws(const render_options *o);
 
 /* Renders all views and writes, compares or prints them. Returns the exit status. */
 int render_views(const render_options *o);

@@ -222,11 +222,14 @@ void frame_options_default(frame_options *options)
     options->backend = "auto";
     options->threads = fxs_processors();
     options->device_count = 1;
+    options->rate[0] = 30;
+    options->rate[1] = 1;
 }
 
 /* Options of camera_rows and frame_rows that do nothing with others. */
 static const option_rule rules[] = {
-    {"view lens", 0, "cameras", 0},
+    {"view", 0, "cameras path", 0},
+    {"lens", 0, "cameras", 0},
     {"look", 0, "eye", 0},
     {"eye look", "cameras", 0, "give one camera"},
     {"fov", "cameras", 0, "its views have their own; --ortho and --tangents replace it"},

@@ -11,7 +11,10 @@
 
 typedef struct frame_options {
     const char *cameras, *view;
-    int orbit, frames;                      /* number of frames of an orbit, and of a path through the views */
+    int orbit, frames;                      /* number of frames of an orbit, and of a path */
+    const char *path, *track;               /* file of a path's keys, and the track in it */
+    double seconds;                         /* length of a path's film; 0: by `frames`, or by the times of its keys */
+    int rate[2];                            /* frames per second of a film: rate[0] / rate[1] */
     point_option eye, look, up;
     int auto_up;                            /* 1: finds the up direction in the scene */
     int framed;                             /* 1: the camera frames the whole scene */

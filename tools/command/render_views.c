@@ -9,12 +9,14 @@
 
 #include "src/image/depth_file.h"
 #include <fixsplat/image.h>
+#include <fixsplat/internal/film.h>
 #include <fixsplat/system.h>
 #include "src/image/panorama.h"
 #include "src/camera/lens_warp.h"
 #include "file_guard.h"
 #include "metrics.h"
 #include "views.h"
+#include "walls.h"
 
 /* True if a file name has exactly one % conversion, %d with an optional zero-padded width. */
 static int is_pattern(const char *name)
@@ -401,9 +403,9 @@ static int check_patterns(const batch *b, int film)
 static void tell_files(const batch *b, int film, long index)
 {
     const render_options *o = b->o;
-    const char *const outputs[] = {film && index ? 0 : o->output, o->depth, o->ids, o->diff};
+    const char *const outputs[] = {film && index ? 0 : o->output, index ? 0 : o->cameras, o->depth, o->ids, o->diff};
     char name[4096];
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 5; i++)
         if (outputs[i]) {
             name_file(name, sizeof name, outputs[i], index);
             files_write(name);
@@ -417,7 +419,7 @@ static void tell_files(const batch *b, int film, long index)
 static int open_film(batch *b)
 {
     const render_options *o = b->o;
-    const int eyes = o->frame.stereo > 0 ? 2 : 1, rate = o->rate ? o->rate : 30;
+    const int eyes = o->frame.stereo > 0 ? 2 : 1;
     const fxs_view *first = b->views;
     fxs_message why;
     for (long i = 1; i < b->view_count && !o->has_scissor; i++)
@@ -427,7 +429,7 @@ static int open_film(batch *b)
                         b->views[i].width, b->views[i].height);
     const int width = o->has_scissor ? o->scissor[2] : eyes * first->width;
     const int height = o->has_scissor ? o->scissor[3] : first->height;
-    return fxs_film_open(&b->film, o->output, b->encoding, width, height, rate, &why)
+    return fxs_film_open_rate(&b->film, o->output, b->encoding, width, height, o->frame.rate, &why)
                ? fail_for(&why) : 0;
 }
 
@@ -442,11 +444,14 @@ static int render_all(batch *b)
         tell_files(b, film, i);
     if (!status)
         status = files_check();
-    if (!status && o->rate && (!film || b->encoding != FXS_IMAGE_Y4M))
-        status = fail(EXIT_USAGE, "--fps is of .y4m");
+    const int has_rate = b->encoding == FXS_IMAGE_Y4M || b->encoding > FXS_IMAGE_RGBA;
+    if (!status && is_given("fps") && !o->frame.path && (!film || !has_rate))
+        status = fail(EXIT_USAGE, "--fps is for .y4m, .mp4, .webm and .gif, and for --path");
+    if (!status && o->cameras && fxs_camera_file_write(o->cameras, b->views, (size_t)b->view_count, &why))
+        status = fail_for(&why);
     if (!status && film)
         status = open_film(b);
-    if (!status)
+    if (!status && render_draws(o))
         status = render_rounds(b);
     progress_end();
     if (fxs_film_close(b->film, !status, &why) && !status)
@@ -513,6 +518,8 @@ int render_views(const render_options *o)
         b.view_count = choose_views(&frame, &w, &views, &lenses);
         b.views = views;
         b.lenses = frame.lens ? lenses : 0;
+        if (frame.path && b.view_count > 0)
+            say_walls(&b.renderers[0], &w, &frame, views, b.view_count);
         status = b.view_count < 0 ? EXIT_FAILED : render_all(&b);
     }
     close_renderers(&b);

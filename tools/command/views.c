@@ -1,5 +1,5 @@
 /* Chooses the views to draw: the views of a camera file that --view lists, a look-at camera, the scene's start view,
-   or the view that shows most of the scene. Makes the frames of a film (--orbit, --frames). */
+   or the view that shows most of the scene. Makes the frames of a film (--orbit, --path). */
 #include "views.h"
 
 #include <ctype.h>
@@ -13,6 +13,7 @@
 #include <fixsplat/internal/placements.h>
 #include <fixsplat/internal/view_more.h>
 #include "src/camera/lens_file.h"
+#include "src/camera/path.h"
 
 enum { VIEWS_MOST = 100000, SIDES = 32 };
 #define FARTHER_MOST 8.0
@@ -180,34 +181,19 @@ static void turn(const frame_options *o, const world *w, fxs_view *first, fxs_vi
     }
 }
 
-static void pass_through(const frame_options *o, fxs_view *keys, long count, fxs_view *frames)
+/* Replaces the first view by the views of an orbit. Returns their number. On failure returns -1, and *views is null. */
+static long views_of_orbit(const frame_options *options, const world *w, fxs_view **views, long count)
 {
-    for (long i = 1; i < count; i++)
-        if (keys[i].width != keys->width || keys[i].height != keys->height)
-            fxs_view_resize(&keys[i], keys->width, keys->height);
-    for (long i = 0; i < o->frames; i++)
-        fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
-}
-
-/* Replaces the views by the frames of a film: an orbit, or a path through the views. Returns their number. On failure
-   returns -1, and *views is null. */
-static long frames_of_film(const frame_options *options, const world *w, fxs_view **views, long count)
-{
-    const long frames = options->orbit ? options->orbit : options->frames;
     fxs_view *made = 0;
-    if (options->orbit && count > 1)
+    if (count > 1)
         fail(-1, "--orbit begins at one view, --view %s are %ld", options->view, count);
-    else if (options->frames && count < 2)
-        fail(-1, "--frames needs several views, --view %s is one", options->view);
-    else if (!(made = malloc((size_t)frames * sizeof *made)))
-        fail(-1, "out of memory: %ld frames", frames);
-    else if (options->orbit)
-        turn(options, w, *views, made);
+    else if (!(made = malloc((size_t)options->orbit * sizeof *made)))
+        fail(-1, "out of memory: %d frames", options->orbit);
     else
-        pass_through(options, *views, count, made);
+        turn(options, w, *views, made);
     free(*views);
     *views = made;
-    return made ? frames : -1;
+    return made ? options->orbit : -1;
 }
 
 /* Keeps only the views that option --view names, in new arrays. Returns their number; -1: failure. */
@@ -267,6 +253,83 @@ static long views_of_file(const frame_options *options, fxs_view **views, fxs_le
     return count;
 }
 
+/* Reads the keys of a path: of a settings file, of a text, or the views of a camera file. */
+static int read_path(const frame_options *o, fxs_path *path)
+{
+    frame_options of_file = *o;
+    fxs_message message;
+    fxs_view *views;
+    fxs_lens *lenses;
+    const int read = fxs_path_read(path, o->path, o->track, o->up.at, &message);
+    if (read < 0)
+        return fail(-1, "%s", message.text);
+    if (read)
+        return o->view ? fail(-1, "--view is for camera files, not for %s", o->path) : 0;
+    if (o->track)
+        return fail(-1, "--track is for a settings.json, not for %s", o->path);
+    of_file.cameras = o->path;
+    of_file.lens = 1;                   /* no note about lenses: a film is that of a pinhole */
+    of_file.view = o->view ? o->view : "all";
+    const long count = views_of_file(&of_file, &views, &lenses);
+    if (count < 0)
+        return -1;
+    for (long i = 1; i < count; i++)
+        if (views[i].width != views->width || views[i].height != views->height)
+            fxs_view_resize(&views[i], views->width, views->height);
+    const int error = fxs_path_of_views(path, views, count, &message);
+    free(views);
+    free(lenses);
+    return error ? fail(-1, "%s: %s", o->path, message.text) : 0;
+}
+
+static double radius_of(const world *w)
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++)
+        square += (w->inner_high[i] - w->inner_low[i]) * (w->inner_high[i] - w->inner_low[i]);
+    return square > 0 ? sqrt(square) / 2 : 1;
+}
+
+/* Decides how many frames the film along a path has. Returns 0 on failure. */
+static int count_frames(const frame_options *o, const world *w, fxs_path *path)
+{
+    const double rate = (double)o->rate[0] / o->rate[1];
+    const int is_even = o->frames || o->seconds > 0;
+    const double seconds = o->frames ? o->frames / rate : is_even ? o->seconds : path->end * (1 + path->returns);
+    const double count = fmax(floor(seconds * rate + 0.5), 2);
+    fxs_message message;
+    if (!is_even && !path->timed)
+        return fail(0, "%s: its keys have no times: give --seconds", o->path);
+    if (count > VIEWS_MOST)
+        return fail(0, "%s: a film of %.0f frames: at most %d", o->path, count, VIEWS_MOST);
+    path->rate = rate;
+    if (is_even && fxs_path_even(path, radius_of(w), (long)count, seconds, &message))
+        return fail(0, "%s: %s", o->path, message.text);
+    if (is_even && path->timed)
+        note("%s: its keys have times, which are kept without --%s; now the speed is even", o->path,
+             o->frames ? "frames" : "seconds");
+    return (int)count;
+}
+
+/* Makes the frames of the film along a path. */
+static long views_of_path(frame_options *o, const world *w, fxs_view **views)
+{
+    fxs_message message;
+    fxs_path path = {.count = 0};
+    int error = read_path(o, &path);
+    path.frame.width = path.of_views ? path.frame.width : width_of(o);
+    path.frame.height = path.of_views ? path.frame.height : height_of(o);
+    path.frame.near = fxs_near_of_box(w->inner_low, w->inner_high);
+    o->frames = error ? 0 : count_frames(o, w, &path);
+    if (o->frames && !(*views = malloc((size_t)o->frames * sizeof **views)))
+        o->frames = fail(0, "out of memory: %d frames", o->frames);
+    for (long i = 0; i < o->frames; i++)
+        if (fxs_path_view(&path, (double)i, &(*views)[i], &message))
+            o->frames = fail(0, "%s: frame %ld: %s", o->path, i, message.text);
+    fxs_path_free(&path);
+    return o->frames ? o->frames : -1;
+}
+
 /* Finds the look-at point: the value of --look, else a point level ahead for a panorama, else the scene's middle. */
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
@@ -278,7 +341,7 @@ static void find_target(const frame_options *options, const double middle[3], co
 
 static int is_chosen(const frame_options *o)
 {
-    return !o->cameras && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
+    return !o->cameras && !o->path && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
 }
 
 static double fov_of(const frame_options *o)
@@ -404,20 +467,21 @@ static int finish_view(const frame_options *options, fxs_view *view, fxs_message
     const int upright = !options->cameras || options->up.given || options->auto_up;
     if (options->panorama && upright && make_level(view, options, message))
         return -1;
-    return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
+    return options->cameras || options->path ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
 static long choose(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses)
 {
     fxs_message message;
     fxs_view first;
-    long count = options->cameras ? views_of_file(options, views, lenses) : 1;
+    const int is_up = !options->up.given && world_up(w, options->up.at);
+    long count = options->cameras ? views_of_file(options, views, lenses)
+                 : options->path  ? views_of_path(options, w, views) : 1;
     if (count < 0)
         return -1;
-    const int is_up = !options->up.given && world_up(w, options->up.at);
     int result = (options->auto_up && !is_up) || is_chosen(options) ? look_at_scene(options, w, is_up, &first, &message)
                                                                     : 0;
-    if (!options->cameras && !result) {
+    if (!options->cameras && !options->path && !result) {
         *views = malloc(sizeof **views);
         result = *views ? 0 : fxs_fail(&message, "out of memory");
         if (!result && is_chosen(options))
@@ -428,17 +492,18 @@ static long choose(frame_options *options, const world *w, fxs_view **views, fxs
     for (long i = 0; i < count && !result; i++)
         result = finish_view(options, &(*views)[i], &message);
     if (!result)
-        return options->orbit || options->frames ? frames_of_film(options, w, views, count) : count;
+        return options->orbit ? views_of_orbit(options, w, views, count) : count;
     free(*views);
     *views = 0;
-    return options->cameras ? fail(-1, "%s: %s", options->cameras, message.text) : fail(-1, "%s", message.text);
+    const char *file = options->cameras ? options->cameras : options->path;
+    return file ? fail(-1, "%s: %s", file, message.text) : fail(-1, "%s", message.text);
 }
 
 long choose_views(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses)
 {
     fxs_lens *found = 0;
     const long count = choose(options, w, views, &found);
-    if (count > 0 && lenses && !options->orbit && !options->frames)
+    if (count > 0 && lenses && !options->orbit)
         *lenses = found;
     else
         free(found);

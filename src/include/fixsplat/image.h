@@ -16,15 +16,14 @@ extern "C" {
 /* Image files hold 8-bit RGBA pixels here: rows from the top, no padding between rows. Several threads may read and
    write files at the same time. */
 
-/* File formats of pictures. FXS_IMAGE_RAW has only the RGBA bytes. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a
-   film. */
+/* File formats of pictures. FXS_IMAGE_RAW has only the RGBA bytes. From FXS_IMAGE_Y4M on: frames of a film. */
 enum fxs_image_format {
     FXS_IMAGE_UNKNOWN, FXS_IMAGE_PNG, FXS_IMAGE_PPM, FXS_IMAGE_RAW, FXS_IMAGE_JPG, FXS_IMAGE_WEBP, FXS_IMAGE_Y4M,
-    FXS_IMAGE_RGBA
+    FXS_IMAGE_RGBA, FXS_IMAGE_MP4, FXS_IMAGE_WEBM, FXS_IMAGE_GIF
 };
 
-/* Returns the image format for the ending of a file name: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else
-   FXS_IMAGE_UNKNOWN. */
+/* Returns the image format for the ending of a file name: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba, .mp4,
+   .webm, .gif; else FXS_IMAGE_UNKNOWN. */
 FXS_API enum fxs_image_format fxs_image_format_of(const char *path);
 
 /* A picture encoded as the bytes of an image file. All 0: none yet. */
@@ -90,14 +89,15 @@ FXS_API int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, in
    - .y4m (YUV4MPEG2, read by ffmpeg, mpv and encoders): 4:4:4, 8 bits, BT.709, limited range; the format cannot state
      the matrix.
    - .rgba: only the RGBA bytes of each frame.
+   - .mp4 (H.264), .webm (VP9), .gif: encoded by the program ffmpeg, which is started for the film.
    - Any other image format: the image files of the frames, concatenated, as ffmpeg's image2pipe reads them. */
 
 typedef struct fxs_film fxs_film;
 
 /* Begins a film of `width` x `height` pixels and `rate` frames a second (each at least 1), in a file as system.h says;
-   the path "-" is standard output. The format is FXS_IMAGE_Y4M or FXS_IMAGE_RGBA, or on standard output any image
+   the path "-" is standard output. The format is a film's, on standard output FXS_IMAGE_Y4M, FXS_IMAGE_RGBA or an image
    format. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null: FXS_ERR_ARGUMENT for
-   another format, size or rate, FXS_ERR_FILE or FXS_ERR_MEMORY. */
+   another format, size or rate, FXS_ERR_UNSUPPORTED if ffmpeg is missing, FXS_ERR_FILE or FXS_ERR_MEMORY. */
 FXS_API int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height,
                           int rate, fxs_message *message);
 
