@@ -800,7 +800,11 @@ static void view_resized(void)
     CHECK(view.fx == 1000 && view.fy == 1020 && fabs(view.cx - 600.6) < 1e-9 && fabs(view.cy - 501.4) < 1e-9);
     view = before;
     fxs_view_resize(&view, 320, 480);
-    CHECK(view.fy == 255 && fabs(view.cx - 150.15) < 1e-9 && fabs(view.cy - (240 + 10.7 / 2)) < 1e-9);
+    CHECK(fabs(view.fx * view.fy - before.fx * before.fy / 2) < 1e-6 && fabs(view.fy / view.fx - 1.02) < 1e-12);
+    CHECK(fabs(view.cx - 160 + 19.7 * sqrt(0.5)) < 1e-9 && fabs(view.cy - 240 - 10.7 * sqrt(0.5)) < 1e-9);
+    view = before;
+    fxs_view_resize(&view, 333, 250);   /* 3 : 4 of 333 is 249.75 */
+    CHECK(view.fx == 500 * (333 / 640.0) && view.fy == 510 * (333 / 640.0));
 }
 
 static void view_of_a_box(void)

@@ -186,9 +186,18 @@ int fxs_view_frame_box(fxs_view *view, const double low[3], const double high[3]
     return fxs_view_frame_from(view, low, high, from, up, picture, message);
 }
 
+/* Returns the ratio of focal lengths that keeps a field of view. In a picture of another shape, it keeps the product
+   of the tangents across and down; shapes that differ by less than a pixel count as equal. */
+static double resize_scale(const fxs_view *view, int width, int height)
+{
+    const double across = (double)width / view->width, down = (double)height / view->height;
+    const double differ = fabs((double)width * view->height - (double)height * view->width);
+    return differ < fmax(view->width, view->height) ? across : sqrt(across * down);
+}
+
 void fxs_view_resize(fxs_view *view, int width, int height)
 {
-    const double scale = (double)width / view->width;
+    const double scale = resize_scale(view, width, height);
     view->fx *= scale;
     view->fy *= scale;
     /* A principal point in the middle of the picture stays exactly in the middle. */

@@ -123,7 +123,7 @@ const option_row camera_rows[] = {
      "in render, bench and info; else 1/100 of the scene's radius, at most 0.2)"},
     {"size", "WxH", take_frame_size, 0, .expected = SIZE_EXPECTED, .basic = 1, .help =
      "picture size, each 1 to 16384 pixels (default: the size of the view, else 1280x720; panorama 2048x1024). A view "
-     "of a camera file is scaled by the ratio of the widths, with its principal point"},
+     "of a camera file is scaled with its principal point; in another shape, it shows as large a solid angle"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
      "render two eyes side by side, DISTANCE scene units apart (above 0), each byte for byte as its own camera renders "
      "it"},

@@ -144,9 +144,9 @@ class Camera:
         return string(self._view.name)
 
     def resized(self, width: int, height: int) -> "Camera":
-        """Makes the same camera for a picture of another size, as `fixsplat render --size` does. fx and fy are
-        multiplied by the new width over the old width, and so is the distance of the principal point from the
-        centre of the picture."""
+        """Makes the same camera for a picture of another size, as `fixsplat render --size` does. fx, fy and the
+        distance of the principal point from the centre of the picture are multiplied by new width / old width, or by
+        sqrt(new area / old area) where the shape is another."""
         view = copy(self._view)
         lib.fxs_view_resize(view, whole("width", width, 1, lib.FXS_MAX_SIZE),
                             whole("height", height, 1, lib.FXS_MAX_SIZE))

@@ -97,7 +97,8 @@ FXS_API int fxs_view_to_start(void *data, const fxs_view *view, fxs_message *mes
 FXS_API int fxs_view_of_start(fxs_view *view, const void *data, int width, int height);
 
 /* Changes a camera's picture size. It multiplies fx, fy and the distance of the principal point from the picture's
-   centre by new width / old width. */
+   centre by new width / old width. If the shape changes by a pixel or more, the factor is sqrt(new area / old area), so
+   that the new picture shows about as large a part of the scene. */
 FXS_API void fxs_view_resize(fxs_view *view, int width, int height);
 
 /* Sets a camera's field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left
