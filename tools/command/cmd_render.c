@@ -9,7 +9,7 @@
 #include "src/base/os_calls.h"
 #include "src/image/depth_file.h"
 
-enum { FRAMES_MOST = 100000 };
+enum { FRAMES_MOST = 100000, SAMPLES_MOST = 1024 };
 
 static int take_alpha(const option_row *row, void *field, const char *value)
 {
@@ -47,6 +47,13 @@ static int take_rate(const option_row *row, void *field, const char *value)
         comma[slash - value] = ',';
     return strlen(value) < sizeof comma && parse_counts(comma, slash ? 2 : 1, 1, 1000000, rate) &&
            rate[0] >= rate[1] && rate[0] <= 1000 * rate[1] ? 0 : wrong_value(row, value);
+}
+
+static int take_focus(const option_row *row, void *field, const char *value)
+{
+    double *focus = &((render_options *)field)->frame.focus;
+    *focus = 0;
+    return !strcmp(value, "auto") || (parse_vector(value, 1, focus) && *focus > 0) ? 0 : wrong_value(row, value);
 }
 
 static int take_scissor(const option_row *row, void *field, const char *value)
@@ -120,6 +127,17 @@ static const option_row own_rows[] = {
      "track of a settings.json of --path: its number from 0, or its name (default 0)"},
     {"write-cameras", "OUT", OUTPUT(cameras), .help =
      "write the cameras of all views as a cameras.json, for other programs; without -o nothing is drawn"},
+    {"shutter", "DEG", REAL(frame.shutter, ABOVE_0, 360, "degrees above 0, at most 360"), .help =
+     "motion blur of a film: each frame is the mean of --samples frames in linear light, over DEG / 360 of the time of "
+     "a frame (usual: 180)"},
+    {"aperture", "UNITS", REAL(frame.aperture, ABOVE_0, INFINITY, "a diameter above 0"), .help =
+     "depth of field: each picture is the mean of --samples pictures in linear light, from points of a lens of this "
+     "diameter, scene units"},
+    {"focus", "DEPTH|auto", take_focus, 0, .expected = "a depth above 0, or auto", .help =
+     "depth that --aperture shows sharply, scene units (default auto: of the Gaussian in the middle of the picture, in "
+     "a film of its first frame)"},
+    {"samples", "N", INT(frame.samples, 2, SAMPLES_MOST), .help =
+     "pictures of a mean, 2 to 1024 (default 32); the time grows with them"},
     {"alpha", 0, take_alpha, 0, .help = "store coverage in alpha, with premultiplied colours (default: alpha is 255)"},
     {"depth", "OUT", OUTPUT(depth), .help =
      "write depths along the camera's axis: .png (16-bit grey, 0: nothing) or .pfm (scene units, infinity: nothing)"},
@@ -170,10 +188,14 @@ static const option_rule rules[] = {
     {"diff", 0, "expect", "a picture"},
     {"depth-kind depth-range", 0, "depth", 0},
     {"json", 0, "pick", 0},
-    {"depth ids pick stats", "panorama", 0, "it has colours only"},
+    {"depth ids pick stats", "panorama shutter aperture", 0, "it has colours only"},
+    {"shutter", 0, "orbit path", "a film"},
+    {"focus", 0, "aperture", 0},
+    {"samples", 0, "shutter aperture", 0},
+    {"aperture", "panorama stereo ortho", 0, 0},
     {"stats pick", "stereo", 0, "see: fixsplat bench --stereo"},
     {"scissor", "panorama stereo pick", 0, 0},
-    {"depth ids pick stats scissor panorama stereo ortho tangents orbit", "lens", 0, 0},
+    {"depth ids pick stats scissor panorama stereo ortho tangents orbit aperture", "lens", 0, 0},
     {0}
 };
 
@@ -250,6 +272,7 @@ static int read_options(render_options *o, int argc, char **argv)
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
     o->frame.load.pages = 1;
+    o->frame.samples = 32;
     if (take_options(&command_render, o, argc, argv))
         return EXIT_USAGE;
     const char *last = argc - optind > 1 ? argv[argc - 1] : "";

@@ -15,6 +15,9 @@ typedef struct frame_options {
     const char *path, *track;               /* file of a path's keys, and the track in it */
     double seconds;                         /* length of a path's film; 0: by `frames`, or by the times of its keys */
     int rate[2];                            /* frames per second of a film: rate[0] / rate[1] */
+    double shutter;                         /* degrees of 360 that the shutter of a film is open; 0: no motion blur */
+    double aperture, focus;                 /* diameter and focus of the lens, scene units; 0: pinhole; 0: automatic */
+    int samples;                            /* renderings of which each picture is the mean; 1: no mean */
     point_option eye, look, up;
     int auto_up;                            /* 1: finds the up direction in the scene */
     int framed;                             /* 1: the camera frames the whole scene */

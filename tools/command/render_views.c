@@ -15,6 +15,7 @@
 #include "src/camera/lens_warp.h"
 #include "file_guard.h"
 #include "metrics.h"
+#include "samples.h"
 #include "views.h"
 #include "walls.h"
 
@@ -70,8 +71,13 @@ typedef struct batch {
     const fxs_view *views;
     const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
     long view_count;
+    int moments;                            /* views of each picture, with motion blur */
     renderer renderers[DEVICES_MOST];
     picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* for each device, pictures of the cube faces of a panorama */
+    picture samples[DEVICES_MOST];
+    light_sums sums[DEVICES_MOST];
+    light_codes codes;
+    double focus;                           /* depth of a film's focus; 0: of each view */
     int devices;
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
@@ -103,6 +109,11 @@ static void join_rows(void *argument, uint32_t job)
                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
+static size_t bytes_of(const picture *p)
+{
+    return (size_t)p->width * (size_t)p->height * 4;
+}
+
 static int make_pixels(picture *out, int width, int height)
 {
     const size_t bytes = (size_t)width * (size_t)height * 4;
@@ -116,9 +127,8 @@ static int make_pixels(picture *out, int width, int height)
     return out->pixels ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
-static int draw_panorama(batch *b, int device, long number, picture *out)
+static int draw_panorama(batch *b, int device, long number, const fxs_view *view, picture *out)
 {
-    const fxs_view *view = &b->views[number];
     panorama p = {.out = out};
     for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
         fxs_view face;
@@ -176,6 +186,92 @@ static int draw_bent(batch *b, int device, long number, picture *out)
     return status;
 }
 
+/* Draws one sample of a picture, or the whole picture if it has one only. */
+static int draw_sample(batch *b, int device, long number, const fxs_view *view, picture *out, fxs_stats *stats)
+{
+    if (b->o->frame.panorama)
+        return draw_panorama(b, device, number, view, out);
+    if (b->lenses && !fxs_lens_is_pinhole(&b->lenses[number]))
+        return draw_bent(b, device, number, out);
+    return renderer_render(&b->renderers[device], b->world, view, &b->o->frame.render, out, stats);
+}
+
+/* The sums of a picture's samples, which jobs add to. */
+typedef struct summing {
+    batch *b;
+    int device, sample;
+    picture *out;                           /* gets the mean; null: jobs add a sample */
+} summing;
+
+enum { SUMMING_BYTES = 1 << 16 };
+
+static void sum_part(void *argument, uint32_t job)
+{
+    const summing *s = argument;
+    const picture *sample = &s->b->samples[s->device];
+    const size_t first = (size_t)job * SUMMING_BYTES, left = bytes_of(sample) - first;
+    const size_t count = left < SUMMING_BYTES ? left : SUMMING_BYTES;
+    if (s->out)
+        light_mean(&s->b->sums[s->device], &s->b->codes, s->sample, first, count, s->out->pixels);
+    else
+        light_add(&s->b->sums[s->device], &s->b->codes, sample->pixels, first, count, s->sample);
+}
+
+static int sum(summing *s)
+{
+    const size_t bytes = bytes_of(&s->b->samples[s->device]);
+    light_sums *sums = &s->b->sums[s->device];
+    if (sums->room < bytes) {
+        free(sums->sums);
+        sums->sums = malloc(bytes * sizeof *sums->sums);
+        sums->room = sums->sums ? bytes : 0;
+    }
+    if (!sums->sums)
+        return fail(EXIT_FAILED, "out of memory: sums of %zu bytes", bytes * sizeof *sums->sums);
+    fxs_pool_run(s->b->pool, sum_part, s, (uint32_t)((bytes + SUMMING_BYTES - 1) / SUMMING_BYTES));
+    return 0;
+}
+
+/* Finds the depth in the middle of a view. A scene that is only partly in memory is drawn first, to load what is
+   there. Returns 0 on failure. */
+static double focus_on(batch *b, int device, const fxs_view *view)
+{
+    renderer *r = &b->renderers[device];
+    const fxs_options *options = &b->o->frame.render;
+    fxs_pick_result p;
+    if (b->o->frame.focus > 0)
+        return b->o->frame.focus;
+    if (world_is_paged(b->world) && renderer_render(r, b->world, view, options, &b->samples[device], 0))
+        return 0;
+    const int found = renderer_pick(r, b->world, view, options, view->width / 2, view->height / 2, &p);
+    if (!found)
+        fail(EXIT_FAILED, "view %s: nothing is in the middle: give --focus DEPTH", view->name);
+    return found > 0 ? (double)p.depth_q32 / 4294967296.0 : 0;
+}
+
+/* Draws a picture that is the mean of its samples. */
+static int draw_mean(batch *b, int device, long number, picture *out)
+{
+    const frame_options *f = &b->o->frame;
+    const fxs_view *views = &b->views[number * b->moments];
+    picture *sample = &b->samples[device];
+    summing s = {.b = b, .device = device};
+    const double focus = f->aperture > 0 && !(b->focus > 0) ? focus_on(b, device, views) : b->focus;
+    if (f->aperture > 0 && !(focus > 0))
+        return EXIT_FAILED;
+    for (; s.sample < f->samples; s.sample++) {
+        fxs_view view = views[s.sample % b->moments];
+        if (f->aperture > 0)
+            lens_move(&view, f->aperture, focus, s.sample, f->samples);
+        if (draw_sample(b, device, number, &view, sample, 0) || sum(&s))
+            return EXIT_FAILED;
+        if (device == 0)
+            progress_bar("rendering", ((double)number + (s.sample + 1.0) / f->samples) / (double)b->view_count);
+    }
+    s.out = out;
+    return make_pixels(out, sample->width, sample->height) || sum(&s) ? EXIT_FAILED : 0;
+}
+
 static void draw_views(void *argument, uint32_t device)
 {
     const round_of_batch *r = argument;
@@ -183,13 +279,9 @@ static void draw_views(void *argument, uint32_t device)
     for (long i = (long)device; i < r->round->count; i += b->devices) {
         drawn_view *d = &r->round->drawn[i];
         const long number = r->round->first + i;
-        if (b->o->frame.panorama)
-            d->status = draw_panorama(b, (int)device, number, &d->picture);
-        else if (b->lenses && !fxs_lens_is_pinhole(&b->lenses[number]))
-            d->status = draw_bent(b, (int)device, number, &d->picture);
-        else
-            d->status = renderer_render(&b->renderers[device], b->world, &b->views[number], &b->o->frame.render,
-                                        &d->picture, &d->stats);
+        d->status = b->o->frame.shutter > 0 || b->o->frame.aperture > 0
+                        ? draw_mean(b, (int)device, number, &d->picture)
+                        : draw_sample(b, (int)device, number, &b->views[number], &d->picture, &d->stats);
         if (d->status)
             break;
         if (device == 0 && b->view_count > 1)
@@ -203,11 +295,6 @@ static uint64_t fnv1a64(const uint8_t *bytes, size_t count)
     for (size_t i = 0; i < count; i++)
         hash = (hash ^ bytes[i]) * 0x100000001b3u;
     return hash;
-}
-
-static size_t bytes_of(const picture *p)
-{
-    return (size_t)p->width * (size_t)p->height * 4;
 }
 
 static void say_difference(drawn_view *d, const char *name, const uint8_t *expected)
@@ -451,6 +538,9 @@ static int render_all(batch *b)
         status = fail_for(&why);
     if (!status && film)
         status = open_film(b);
+    if (!status && o->frame.aperture > 0 && (o->frame.orbit || o->frame.path) &&
+        !((b->focus = focus_on(b, 0, &b->views[b->moments / 2])) > 0))
+        status = EXIT_FAILED;
     if (!status && render_draws(o))
         status = render_rounds(b);
     progress_end();
@@ -490,6 +580,8 @@ static void close_renderers(batch *b)
         renderer_close(&b->renderers[i]);
         for (int k = 0; k < FXS_PANORAMA_FACES; k++)
             picture_free(&b->faces[i][k]);
+        picture_free(&b->samples[i]);
+        free(b->sums[i].sums);
     }
     for (int i = 0; i < 2; i++) {
         for (long k = 0; k < b->round_most && b->rounds[i].drawn; k++) {
@@ -516,7 +608,10 @@ int render_views(const render_options *o)
         status = world_open(&w, &o->frame.world, &frame.load);
     if (!status) {
         b.view_count = choose_views(&frame, &w, &views, &lenses);
+        b.moments = views_per_frame(&frame);
+        b.view_count = b.view_count < 0 ? -1 : b.view_count / b.moments;
         b.views = views;
+        light_codes_make(&b.codes, o->format != FXS_FORMAT_RGBA8_COVERAGE);
         b.lenses = frame.lens ? lenses : 0;
         if (frame.path && b.view_count > 0)
             say_walls(&b.renderers[0], &w, &frame, views, b.view_count);

@@ -166,6 +166,19 @@ static void move_away(const world *w, fxs_view *first, const double middle[3], c
     *first = near;
 }
 
+int views_per_frame(const frame_options *options)
+{
+    return options->shutter > 0 ? options->samples : 1;
+}
+
+/* Returns the time of a film's view, in frames: the middle of one of the equal parts of the time around the frame in
+   which the shutter is open. */
+static double time_of(const frame_options *o, long i)
+{
+    const long parts = views_per_frame(o);
+    return (double)(i / parts) + o->shutter / 360 * (((double)(i % parts) + 0.5) / (double)parts - 0.5);
+}
+
 static void turn(const frame_options *o, const world *w, fxs_view *first, fxs_view *frames)
 {
     double middle[3];
@@ -174,26 +187,28 @@ static void turn(const frame_options *o, const world *w, fxs_view *first, fxs_vi
         middle[i] = (w->inner_low[i] + w->inner_high[i]) / 2;
     if (!o->cameras && !o->eye.given && !has_start(o, w, &start) && first->projection == FXS_PERSPECTIVE)
         move_away(w, first, middle, o->up.at);
-    for (long i = 0; i < o->orbit; i++) {
+    for (long i = 0; i < o->orbit * views_per_frame(o); i++) {
+        const double time = time_of(o, i);
         frames[i] = *first;
-        if (i)
-            fxs_view_orbit(&frames[i], middle, o->up.at, 6.283185307179586 * (double)i / (double)o->orbit);
+        if (time < 0 || time > 0)
+            fxs_view_orbit(&frames[i], middle, o->up.at, 6.283185307179586 * time / (double)o->orbit);
     }
 }
 
 /* Replaces the first view by the views of an orbit. Returns their number. On failure returns -1, and *views is null. */
 static long views_of_orbit(const frame_options *options, const world *w, fxs_view **views, long count)
 {
+    const long frames = (long)options->orbit * views_per_frame(options);
     fxs_view *made = 0;
     if (count > 1)
         fail(-1, "--orbit begins at one view, --view %s are %ld", options->view, count);
-    else if (!(made = malloc((size_t)options->orbit * sizeof *made)))
-        fail(-1, "out of memory: %d frames", options->orbit);
+    else if (!(made = malloc((size_t)frames * sizeof *made)))
+        fail(-1, "out of memory: %ld views of a film", frames);
     else
         turn(options, w, *views, made);
     free(*views);
     *views = made;
-    return made ? options->orbit : -1;
+    return made ? frames : -1;
 }
 
 /* Keeps only the views that option --view names, in new arrays. Returns their number; -1: failure. */
@@ -321,13 +336,14 @@ static long views_of_path(frame_options *o, const world *w, fxs_view **views)
     path.frame.height = path.of_views ? path.frame.height : height_of(o);
     path.frame.near = fxs_near_of_box(w->inner_low, w->inner_high);
     o->frames = error ? 0 : count_frames(o, w, &path);
-    if (o->frames && !(*views = malloc((size_t)o->frames * sizeof **views)))
-        o->frames = fail(0, "out of memory: %d frames", o->frames);
-    for (long i = 0; i < o->frames; i++)
-        if (fxs_path_view(&path, (double)i, &(*views)[i], &message))
-            o->frames = fail(0, "%s: frame %ld: %s", o->path, i, message.text);
+    long count = (long)o->frames * views_per_frame(o);
+    if (count && !(*views = malloc((size_t)count * sizeof **views)))
+        count = fail(0, "out of memory: %ld views of a film", count);
+    for (long i = 0; i < count; i++)
+        if (fxs_path_view(&path, time_of(o, i), &(*views)[i], &message))
+            count = fail(0, "%s: frame %ld: %s", o->path, i / views_per_frame(o), message.text);
     fxs_path_free(&path);
-    return o->frames ? o->frames : -1;
+    return count ? count : -1;
 }
 
 /* Finds the look-at point: the value of --look, else a point level ahead for a panorama, else the scene's middle. */
