@@ -110,6 +110,8 @@ keys ../knot.ply --path ../keys.txt -o out.y4m
 track ../knot.ply --path ../track.json --fps 8 -o out.y4m
 eye ../knot.ply --eye 0,-2,-9 -o out.png
 orbit ../knot.ply --orbit 3 -o out.y4m
+shutter ../knot.ply --orbit 3 --shutter 90 --samples 3 -o out.y4m
+aperture ../knot.ply --aperture 0.2 --samples 3 -o out.png
 jpg ../start.fxs -o out.jpg
 panorama ../knot.ply --panorama --size 64x32 -o out.png
 ortho ../knot.ply --ortho 4 -o out.png
@@ -122,8 +124,9 @@ levels ../levels.fxs -o out.png
 two ../knot.ply ../plain.fxs -o out.png'
 
 options="bg 303030; format ppm; quality 50; fps 12; orbit 4; frames 4; path ../cameras.json; seconds 0.2;
-    track 1; write-cameras views.json; alpha; depth d.png; depth-kind mean;
-    depth-range 20; ids i.png; pick 30,18; panorama; lens; scissor 0,0,32,18; hash; stats; json; diff diff.png;
+    track 1; write-cameras views.json; shutter 180; aperture 0.5; focus 3; samples 4; alpha; depth d.png;
+    depth-kind mean; depth-range 20; ids i.png; pick 30,18; panorama; lens; scissor 0,0,32,18; hash; stats; json;
+    diff diff.png;
     expect 0123456789abcdef; $shared"
 
 # These change no output by design: how the work is done, limits, and words.
@@ -132,7 +135,7 @@ by_design='output threads max-memory cpu backend max-gaussians import-memory poo
 # edge, and scenes with levels in several files.
 elsewhere='auto-up:plain auto-up:jpg auto-up:tangents auto-up:ortho auto-up:stereo auto-up:depth auto-up:ids
     auto-up:pick auto-up:levels auto-up:two auto-up:eye auto-up:orbit auto-up:panorama lens:cameras lens:several
-    cutoff:pick'
+    auto-up:shutter auto-up:aperture cutoff:pick'
 mask= more='--size 64x36' how=plainly path=$PATH notes=
 try render
 

@@ -190,6 +190,7 @@ static const option_rule rules[] = {
     {"json", 0, "pick", 0},
     {"depth ids pick stats", "panorama shutter aperture", 0, "it has colours only"},
     {"shutter", 0, "orbit path", "a film"},
+    {"write-cameras", "shutter", 0, "each of its frames has several cameras"},
     {"focus", 0, "aperture", 0},
     {"samples", 0, "shutter aperture", 0},
     {"aperture", "panorama stereo ortho", 0, 0},

@@ -2,7 +2,10 @@
 #ifndef SAMPLES_H
 #define SAMPLES_H
 
-#include "drawing.h"
+#include <stddef.h>
+#include <stdint.h>
+
+#include <fixsplat/camera.h>
 
 /* Codes of 8 bits as light of 16 bits, and back. */
 typedef struct light_codes {

@@ -32,7 +32,7 @@ void say_walls(const renderer *r, const world *w, const frame_options *o, const 
     small.stereo = 0;
     small.has_scissor = 0;
     for (long i = 0, was = 0; i < count; i += step) {
-        const int is = is_covered(&small, w, o, &frames[i], &p);
+        const int is = is_covered(&small, w, o, &frames[i * views_per_frame(o)], &p);
         places += is && !was;
         first = is && first < 0 ? i : first;
         last = is && places == 1 ? i : last;
