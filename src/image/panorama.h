@@ -4,6 +4,7 @@
 #define FXS_PANORAMA_H
 
 #include <fixsplat/camera.h>
+#include <fixsplat/image.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -21,6 +22,10 @@ void fxs_panorama_face(const fxs_view *view, int face, int width, fxs_view *out)
    the lower edge. Pictures are RGBA without padding. */
 void fxs_panorama_rows(uint8_t *rgba, int width, int height, uint8_t *const faces[FXS_PANORAMA_FACES], int first,
                        int end);
+
+/* Adds an XMP packet (GPano) to an encoded .jpg, by which viewers recognise it as a full sphere. Returns 0, or
+   FXS_ERR_MEMORY with *jpg unchanged. */
+int fxs_panorama_mark(fxs_encoded *jpg, int width, int height);
 
 #ifdef __cplusplus
 }

@@ -1073,6 +1073,18 @@ check "the first view is not that with --up" differ "$(hash_of z.ply $small)" "$
 succeeds "--panorama" render knot.ply --panorama --size 128x64 -o around.ppm
 check "--panorama: one hash with --cpu c" equal "$(hash_of knot.ply --panorama --size 128x64)" \
     "$(hash_of knot.ply --panorama --size 128x64 --cpu c --threads 1)"
+run render knot.ply --panorama --size 128x64 -o around.jpg
+if [ $status = 0 ]; then
+    check "--panorama in a .jpg: says so" equal "$(tail -c +21 around.jpg | head -c 33 | od -An -c | tr -d ' \n')" \
+        '377341002Nhttp://ns.adobe.com/xap/1.0/\0'
+    check "--panorama in a .jpg: its size" equal "$(grep -ao 'GPano:[FC][a-zA-Z]*Pixels="[0-9]*"' around.jpg |
+        sed 's/.*="//' | tr -d '\n')" '128"64"128"64"0"0"'
+    check "--panorama in a .jpg: still a picture" "$fixsplat" compare around.jpg around.ppm --min-psnr 30
+    "$fixsplat" render knot.ply $small -o flat.jpg
+    check "a .jpg that is no panorama" equal "$(grep -c GPano flat.jpg)" 0
+else
+    skip "--panorama in a .jpg" "$(cat logs/err)"
+fi
 succeeds "--panorama: two pixels" render knot.ply --panorama --size 2x1 --hash
 mkdir around
 succeeds "--panorama --view all" render knot.ply --cameras three.json --view all --panorama --size 64x32 \

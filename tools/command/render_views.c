@@ -358,7 +358,10 @@ static int write_picture(const batch *b, drawn_view *d, long index)
     char name[4096];
     fxs_message why;
     name_file(name, sizeof name, b->o->output, index);
-    const int error = fxs_image_encode(b->encoding, b->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
+    int error = fxs_image_encode(b->encoding, b->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
+    if (!error && b->o->frame.panorama && b->encoding == FXS_IMAGE_JPG &&
+        fxs_panorama_mark(&d->encoded, p->width, p->height))
+        error = fxs_fail_memory(&why, 0, 0);
     if (error)
         return fxs_fail_as(error, &d->why, "%s: %s", name, why.text);
     return b->film ? 0 : fxs_encoded_write(name, &d->encoded, &d->why);

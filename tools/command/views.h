@@ -8,9 +8,9 @@
 /* True if a value of option --view names several views, such as "all" or 0,8,40..20. */
 int names_several(const char *view);
 
-/* Allocates the views that the options ask for and returns their number, views_per_frame for each frame. An up direction found in the scene is
-   stored in the options. *lenses, initially null, gets the lenses of a camera file; `lenses` may be null. On failure
-   prints the reason and returns -1. */
+/* Allocates the views that the options ask for and returns their number; a frame of a film has views_per_frame. An up
+   direction found in the scene is stored in the options. *lenses, initially null, gets the lenses of a camera file;
+   `lenses` may be null. On failure prints the reason and returns -1. */
 long choose_views(frame_options *options, const world *w, fxs_view **views, fxs_lens **lenses);
 
 /* Returns the number of views of each frame: more than 1 with motion blur, a view for each sample. */
