@@ -1,4 +1,4 @@
-/* Writes targets (output pictures) to files: depths (.png, .pfm) and ids of Gaussians (.png, .raw). */
+/* Writes targets (output pictures) to files: depths (.png, .pfm, .exr) and ids of Gaussians (.png, .raw). */
 #include "depth_file.h"
 
 #include <math.h>
@@ -17,7 +17,7 @@ static int ends_with(const char *path, const char *ending)
 
 int fxs_depth_file_known(const char *path)
 {
-    return ends_with(path, ".png") || ends_with(path, ".pfm");
+    return ends_with(path, ".png") || ends_with(path, ".pfm") || ends_with(path, ".exr");
 }
 
 int fxs_id_file_known(const char *path)
@@ -73,7 +73,8 @@ static int write_png(const char *path, const fxs_depths *d, double range, fxs_me
     else if (error == FXS_ERR_MEMORY)
         fail_file(error, path, "out of memory", message);
     else
-        fail_file(error, path, "this program was built without zlib, which .png needs; .pfm can be written", message);
+        fail_file(error, path, "this program was built without zlib, which .png needs; .pfm and .exr can be written",
+                  message);
     fxs_encoded_free(&png);
     return error;
 }
@@ -85,6 +86,18 @@ static unsigned char *put_little_32(unsigned char *out, uint32_t value)
     return out;
 }
 
+static unsigned char *put_depths(unsigned char *out, const fxs_depths *d, int y)
+{
+    for (int x = 0; x < d->width; x++) {
+        const uint32_t depth = d->pixels[(size_t)y * (size_t)d->width + (size_t)x];
+        const float value = depth == FXS_NOTHING ? INFINITY : (float)ldexp(depth, -d->depth_bits);
+        uint32_t code;
+        memcpy(&code, &value, sizeof code);
+        out = put_little_32(out, code);
+    }
+    return out;
+}
+
 static int write_pfm(const char *path, const fxs_depths *d, fxs_message *message)
 {
     unsigned char *bytes = malloc(64 + 4 * (size_t)d->width * (size_t)d->height);
@@ -92,13 +105,43 @@ static int write_pfm(const char *path, const fxs_depths *d, fxs_message *message
         return fail_file(FXS_ERR_MEMORY, path, "out of memory", message);
     unsigned char *out = bytes + sprintf((char *)bytes, "Pf\n%d %d\n-1.0\n", d->width, d->height);
     for (int y = d->height - 1; y >= 0; y--)
-        for (int x = 0; x < d->width; x++) {
-            const uint32_t depth = d->pixels[(size_t)y * (size_t)d->width + (size_t)x];
-            const float value = depth == FXS_NOTHING ? INFINITY : (float)ldexp(depth, -d->depth_bits);
-            uint32_t code;
-            memcpy(&code, &value, sizeof code);
-            out = put_little_32(out, code);
-        }
+        out = put_depths(out, d, y);
+    const int error = write_file(path, bytes, (size_t)(out - bytes), message);
+    free(bytes);
+    return error;
+}
+
+/* Writes the header of an OpenEXR file without compression, with the channel Z in floats. */
+static unsigned char *put_exr_header(unsigned char *out, const fxs_depths *d)
+{
+    static const char first[] = "v/1\1\2\0\0\0channels\0chlist\0\23\0\0\0Z\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0\0"
+                                "compression\0compression\0\1\0\0\0", zeros[] = "box2i\0\20\0\0\0\0\0\0\0\0\0\0";
+    static const char last[] = "lineOrder\0lineOrder\0\1\0\0\0\0pixelAspectRatio\0float\0\4\0\0\0\0\0\x80?"
+                               "screenWindowCenter\0v2f\0\10\0\0\0\0\0\0\0\0\0\0\0"
+                               "screenWindowWidth\0float\0\4\0\0\0\0\0\x80?";
+    static const char *const windows[] = {"dataWindow", "displayWindow"};
+    out = (unsigned char *)memcpy(out, first, sizeof first) + sizeof first;
+    for (int i = 0; i < 2; i++) {
+        out += sprintf((char *)out, "%s", windows[i]) + 1;
+        memcpy(out, zeros, sizeof zeros);
+        out = put_little_32(put_little_32(out + sizeof zeros, (uint32_t)d->width - 1), (uint32_t)d->height - 1);
+    }
+    return (unsigned char *)memcpy(out, last, sizeof last) + sizeof last;
+}
+
+/* After the header come the place of each row in the file, 8 bytes each, and the rows: y, size in bytes, floats. */
+static int write_exr(const char *path, const fxs_depths *d, fxs_message *message)
+{
+    const uint64_t height = (uint64_t)d->height, row = 8 + 4 * (uint64_t)d->width;
+    unsigned char *bytes = malloc((size_t)(1024 + height * (8 + row)));
+    if (!bytes)
+        return fail_file(FXS_ERR_MEMORY, path, "out of memory", message);
+    unsigned char *out = put_exr_header(bytes, d);
+    const uint64_t start = (uint64_t)(out - bytes) + 8 * height;
+    for (uint64_t y = 0; y < height; y++)
+        out = put_little_32(put_little_32(out, (uint32_t)(start + y * row)), (uint32_t)((start + y * row) >> 32));
+    for (int y = 0; y < d->height; y++)
+        out = put_depths(put_little_32(put_little_32(out, (uint32_t)y), 4 * (uint32_t)d->width), d, y);
     const int error = write_file(path, bytes, (size_t)(out - bytes), message);
     free(bytes);
     return error;
@@ -108,8 +151,11 @@ int fxs_depth_file_write(const char *path, const fxs_depths *depths, double rang
 {
     if (ends_with(path, ".pfm"))
         return write_pfm(path, depths, message);
+    if (ends_with(path, ".exr"))
+        return write_exr(path, depths, message);
     if (!ends_with(path, ".png"))
-        return fail_file(FXS_ERR_ARGUMENT, path, "unknown ending of a depth picture; known are .png and .pfm", message);
+        return fail_file(FXS_ERR_ARGUMENT, path, "unknown ending of a depth picture; known are .png, .pfm and .exr",
+                         message);
     if (!(range > 0))
         return fail_file(FXS_ERR_ARGUMENT, path, "the range of depths is not above 0", message);
     return write_png(path, depths, range, message);

@@ -19,7 +19,7 @@ double fxs_depths_farthest(const fxs_depths *depths);
 
 /* Writes a picture of depths in the format of the file name's ending. .png: 16-bit grey, where value v of 1 to 65535 is
    the depth v * range / 65535, clamped; 0: no depth. .pfm: little-endian floats, bottom row first; infinity: no depth.
-   Returns 0, or an error and a message. */
+   .exr: OpenEXR, the same floats as channel Z, uncompressed. Returns 0, or an error and a message. */
 int fxs_depth_file_write(const char *path, const fxs_depths *depths, double range, fxs_message *message);
 
 /* Writes a picture of ids in the format of the file name's ending. .png: false colours, black without a Gaussian.

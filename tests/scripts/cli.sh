@@ -42,7 +42,7 @@ small=--size\ 64x48
 "$fixsplat" make-scene knot --count 2000 -o knot.ply || exit 1
 cameras three.json "$(inria_camera front 0 64 48 60)" "$(inria_camera side 1 64 48 60)" "$(inria_camera far 2 64 48 60)"
 cameras double.json "$(inria_camera front 0 128 96 120)"
-cameras wide.json "$(inria_camera front 0 128 32 120)"
+cameras wide.json "$(inria_camera front 0 128 24 60)"
 
 # ---- Help and usage --------------------------------------------------------------------------------------------------
 
@@ -220,7 +220,7 @@ check "the size is the file's" equal "$(sed -n 2p view.ppm)" "64 48"
 check "--cameras: the near plane is 0.2" equal "$(view three.json --near 0.2)" "$(view three.json)"
 check "--cameras --near" differ "$(view three.json --near 9)" "$(view three.json)"
 check "--size scales the focal length" equal "$(view three.json --size 128x96)" "$(view double.json)"
-check "--size scales by the width" equal "$(view three.json --size 128x32)" "$(view wide.json)"
+check "--size of another shape keeps the product of the tangents" equal "$(view three.json --size 128x24)" "$(view wide.json)"
 mkdir views
 succeeds "--view all" render knot.ply --cameras three.json --view all -o views/%04d.raw
 check "--view all: the files" equal "$(ls views | tr '\n' ' ')" "0000.raw 0001.raw 0002.raw "
@@ -1014,6 +1014,13 @@ succeeds "--depth .pfm" render knot.ply $small --depth depth.pfm
 check "--depth .pfm: header" equal "$(head -n 3 depth.pfm | tr '\n' ' ')" "Pf 64 48 -1.0 "
 check "--depth .pfm: its bytes" equal "$(($(wc -c <depth.pfm)))" $((14 + 64 * 48 * 4))
 ply far.ply '9 0 5 1 1 1 9 -1 -1 -1 1 0 0 0' '0 0 -60 1 1 1 9 3 3 3 1 0 0 0'
+succeeds "--depth .exr" render knot.ply $small --depth depth.exr
+exr_rows() { tail -c $((48 * 264)) depth.exr >rows && for y in $(seq 47 -1 0); do tail -c +$((y * 264 + 9)) rows | head -c 256; done; }
+exr_rows >upward && tail -c $((64 * 48 * 4)) depth.pfm >floats
+check "--depth .exr: the floats of the .pfm" cmp upward floats
+check "--depth .exr: its rows" equal "$(tail -c $((2 * 264)) depth.exr | od -An -td4 -N 8 | tr -s ' ')" " 46 256"
+check "--depth .exr: the place of the first row" equal \
+    "$(tail -c $((48 * 272)) depth.exr | od -An -td8 -N 8 | tr -d ' ')" $(($(wc -c <depth.exr) - 48 * 264))
 succeeds "--depth of what lies far along -z" render far.ply --size 1x1 --eye 0,0,10 --look 0,0,0 --depth far.pfm
 check "--depth of what lies far along -z: how far" equal \
     "$(tail -c 4 far.pfm | od -An -tf4 | awk '{ printf "%.2f", $1 }')" 70.00

@@ -140,7 +140,8 @@ static const option_row own_rows[] = {
      "pictures of a mean, 2 to 1024 (default 32); the time grows with them"},
     {"alpha", 0, take_alpha, 0, .help = "store coverage in alpha, with premultiplied colours (default: alpha is 255)"},
     {"depth", "OUT", OUTPUT(depth), .help =
-     "write depths along the camera's axis: .png (16-bit grey, 0: nothing) or .pfm (scene units, infinity: nothing)"},
+     "write depths along the camera's axis: .png (16-bit grey, 0: nothing), .pfm or .exr (channel Z; scene units, "
+     "infinity: nothing)"},
     {"depth-kind", "KIND", take_depth_kind, FIELD(int, draws), .choices = WORDS("median", "mean"), .help =
      "median (default): the depth at which half of the light is absorbed; mean: the average over all Gaussians, "
      "weighted by contribution"},
@@ -229,11 +230,11 @@ static int check_depths(render_options *o)
 {
     const int depths = DRAW_MEAN_DEPTH | DRAW_MEDIAN_DEPTH;
     if (o->depth && !fxs_depth_file_known(o->depth))
-        return fail(EXIT_USAGE, "--depth %s: expected a name ending in .png or .pfm", o->depth);
+        return fail(EXIT_USAGE, "--depth %s: expected a name ending in .png, .pfm or .exr", o->depth);
     if (o->ids && !fxs_id_file_known(o->ids))
         return fail(EXIT_USAGE, "--ids %s: expected a name ending in .png or .raw", o->ids);
     if (o->depth_range > 0 && !ends_with(o->depth, ".png"))
-        return fail(EXIT_USAGE, "--depth-range is for a .png: a .pfm has scene units");
+        return fail(EXIT_USAGE, "--depth-range is for a .png: .pfm and .exr have scene units");
     if ((o->draws & depths) == depths)
         return fail(EXIT_USAGE, "--depth-kind: give one kind");
     if (o->depth && !(o->draws & depths))

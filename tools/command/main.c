@@ -47,7 +47,7 @@ static void help_formats(void)
             printf("  %40s written: %s\n", "", f->loses);
     }
     printf("\nPictures that are written:\n\n"
-           "  .png, .ppm, .raw, .jpg, .webp; depths also as .pfm; films as .mp4, .webm, .gif (ffmpeg), .y4m, .rgba\n");
+           "  .png, .ppm, .raw, .jpg, .webp; depths as .pfm, .exr; films as .mp4, .webm, .gif (ffmpeg), .y4m, .rgba\n");
 }
 
 static const struct {

@@ -424,7 +424,7 @@ static int report_view(batch *b, const drawn_view *d, const fxs_view *view)
         b->unexpected = fail(EXIT_FAILED, "%s", d->why.text);
     if (o->hash)
         printf("%016" PRIx64 "\n", d->hash);
-    if (o->depth && !(o->depth_range > 0) && strcmp(strrchr(o->depth, '.'), ".pfm"))
+    if (o->depth && !(o->depth_range > 0) && ends_with(o->depth, ".png"))
         printf("%s: 65535 is a depth of %.9g\n", d->depth_name, d->range);
     if (o->has_pick && print_pick(&b->renderers[0], o, b->world, view))
         return EXIT_FAILED;

@@ -3,6 +3,7 @@
 
 #include <fixsplat/internal/view_more.h>
 #include "command.h"
+#include "views.h"
 
 enum { CHECKS = 200, WIDTH = 64 };
 
