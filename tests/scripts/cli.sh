@@ -1100,7 +1100,27 @@ succeeds "--panorama of a file's view" render knot.ply --cameras three.json --pa
 check "--panorama of a file's view: 2048x1024" equal "$(sed -n 2p around.ppm)" "2048 1024"
 succeeds "--panorama --alpha" render knot.ply --panorama --size 64x32 --alpha -o around.raw
 fails "--panorama --size 64x48" 2 "twice as wide" render knot.ply --panorama $small --hash
-for bad in stereo\ 0.1 ortho\ 3 tangents\ -1,1,1,-1; do
+succeeds "--panorama --stereo" render knot.ply --panorama --stereo 1e-9 --size 256x128 -o eyes.ppm
+check "--panorama --stereo: one eye above the other" equal "$(sed -n 2p eyes.ppm)" "256 256"
+"$fixsplat" render knot.ply --panorama --size 256x128 -o one.ppm
+{ printf 'P6\n256 256\n255\n' && tail -c $((256 * 128 * 3)) one.ppm && tail -c $((256 * 128 * 3)) one.ppm; } >twice.ppm
+check "--panorama --stereo: eyes in one place" "$fixsplat" compare eyes.ppm twice.ppm --min-psnr 80
+check "--panorama --stereo: an expected picture" equal "$(hash_of knot.ply --panorama --stereo 0.5 --size 128x64)" 1f21b458abdb2c9f
+check "--panorama --stereo: with --cpu c, one thread" equal "$(hash_of knot.ply --panorama --stereo 0.5 --size 128x64)" \
+    "$(hash_of knot.ply --panorama --stereo 0.5 --size 128x64 --cpu c --threads 1)"
+# An eye at 0.5 from the middle sees a thing at a distance of 4 by asin(0.5 / 4) = 7.2 degrees beside its direction.
+ball='1 1 1 4 -2 -2 -2 1 0 0 0'
+ply ball.ply "0 0 4 $ball" "-4 0 0 $ball"
+"$fixsplat" render ball.ply --eye 0,0,0 --look 0,0,1 --panorama --stereo 1 --size 360x180 -o balls.raw
+brightest() {
+    tail -c +$((($1 * 360 + $2) * 4 + 1)) balls.raw | head -c 360 | od -An -v -tu1 -w4 |
+        awk -v first=$2 '$1 > most { most = $1; at = NR - 1 + first } END { print at }'
+}
+check "--panorama --stereo: things ahead and left, in both eyes" equal \
+    "$(brightest 90 150) $(brightest 90 60) $(brightest 270 150) $(brightest 270 60)" "187 97 172 82"
+succeeds "--panorama --stereo as a film" render knot.ply --panorama --stereo 0.1 --orbit 2 --size 64x32 -o eyes.y4m
+check "--panorama --stereo as a film: its size" equal "$(head -n 1 eyes.y4m | cut -d ' ' -f 2,3)" "W64 H64"
+for bad in ortho\ 3 tangents\ -1,1,1,-1; do
     fails "--panorama --$bad" 2 "--panorama" render knot.ply --panorama --hash --$bad
 done
 for bad in 'depth x.pfm' 'ids x.png' 'pick 1,1' stats; do

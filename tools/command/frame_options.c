@@ -126,7 +126,8 @@ const option_row camera_rows[] = {
      "of a camera file is scaled with its principal point; in another shape, it shows as large a solid angle"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
      "render two eyes side by side, DISTANCE scene units apart (above 0), each byte for byte as its own camera renders "
-     "it"},
+     "it. With --panorama: a panorama of each eye, the left one above the right one, in 128 upright strips, each from "
+     "its own place on the circle of the eyes"},
     {0}
 };
 
@@ -235,7 +236,7 @@ static const option_rule rules[] = {
     {"fov", "cameras", 0, "its views have their own; --ortho and --tangents replace it"},
     {"auto-up", "up", 0, "give one"},
     {"fov", "ortho", 0, "its picture has a height instead"},
-    {"fov stereo ortho tangents", "panorama", 0, "it looks all around"},
+    {"fov ortho tangents", "panorama", 0, "it looks all around"},
     {"tangents", "ortho", 0, "give one"},
     {0}
 };

@@ -93,10 +93,11 @@ typedef struct round_of_batch {
     drawn_round *round;
 } round_of_batch;
 
-/* A panorama that jobs of 16 rows assemble from its cube faces. */
+/* A panorama, or a strip of it, that jobs of 16 rows assemble from its cube faces. */
 typedef struct panorama {
-    picture *out;
-    uint8_t *faces[FXS_PANORAMA_FACES];
+    uint8_t *pixels;
+    int width, height, strip, strips;
+    fxs_panorama_part parts[FXS_PANORAMA_FACES];
 } panorama;
 
 enum { PANORAMA_ROWS = 16 };
@@ -104,9 +105,9 @@ enum { PANORAMA_ROWS = 16 };
 static void join_rows(void *argument, uint32_t job)
 {
     const panorama *p = argument;
-    const int first = (int)job * PANORAMA_ROWS, height = p->out->height;
-    fxs_panorama_rows(p->out->pixels, p->out->width, height, p->faces, first,
-                      first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
+    const int first = (int)job * PANORAMA_ROWS, end = first + PANORAMA_ROWS;
+    fxs_panorama_rows(p->pixels, p->width, p->height, p->parts, p->strip, p->strips, first,
+                      end < p->height ? end : p->height);
 }
 
 static size_t bytes_of(const picture *p)
@@ -127,21 +128,48 @@ static int make_pixels(picture *out, int width, int height)
     return out->pixels ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
 }
 
+/* Draws the parts of cube faces that a panorama or strip needs, and its pixels. */
+static int draw_strip(batch *b, int device, const fxs_view *view, panorama *p)
+{
+    renderer *r = &b->renderers[device];
+    fxs_panorama_parts(p->width, p->height, p->strip, p->strips, p->parts);
+    for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
+        fxs_panorama_part *part = &p->parts[i];
+        fxs_view face;
+        if (!part->width)
+            continue;
+        r->has_scissor = p->strips > 1;
+        if (r->has_scissor)
+            memcpy(r->scissor, (int[4]){part->x, part->y, part->width, part->height}, sizeof r->scissor);
+        fxs_panorama_face(view, i, p->width, &face);
+        if (renderer_render(r, b->world, &face, &b->o->frame.render, &b->faces[device][i], 0))
+            return EXIT_FAILED;
+        part->rgba = b->faces[device][i].pixels;
+    }
+    fxs_pool_run(b->pool, join_rows, p, (uint32_t)((p->height + PANORAMA_ROWS - 1) / PANORAMA_ROWS));
+    return 0;
+}
+
+/* Draws a panorama: whole, or of two eyes, the left one above the right one, in strips. */
 static int draw_panorama(batch *b, int device, long number, const fxs_view *view, picture *out)
 {
-    panorama p = {.out = out};
-    for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
-        fxs_view face;
-        fxs_panorama_face(view, i, view->width, &face);
-        if (renderer_render(&b->renderers[device], b->world, &face, &b->o->frame.render, &b->faces[device][i], 0))
-            return EXIT_FAILED;
-        p.faces[i] = b->faces[device][i].pixels;
-        if (device == 0)
-            progress_bar("rendering", ((double)number + (i + 1) / (FXS_PANORAMA_FACES + 1.0)) / (double)b->view_count);
-    }
-    if (make_pixels(out, view->width, view->height))
+    const double stereo = b->o->frame.stereo;
+    const int eyes = stereo > 0 ? 2 : 1, strips = stereo > 0 ? FXS_PANORAMA_STRIPS : 1;
+    panorama p = {.width = view->width, .height = view->height, .strips = strips};
+    if (make_pixels(out, view->width, eyes * view->height))
         return EXIT_FAILED;
-    fxs_pool_run(b->pool, join_rows, &p, (uint32_t)((view->height + PANORAMA_ROWS - 1) / PANORAMA_ROWS));
+    for (int i = 0; i < eyes * strips; i++) {
+        const int eye = i / strips;
+        fxs_view moved = *view;
+        p.strip = i % strips;
+        p.pixels = out->pixels + (size_t)eye * bytes_of(out) / 2;
+        if (strips > 1)
+            fxs_panorama_aside(view, p.strip, strips, (eye - 0.5) * stereo, &moved);
+        if (draw_strip(b, device, &moved, &p))
+            return EXIT_FAILED;
+        if (device == 0)
+            progress_bar("rendering", ((double)number + (i + 1.0) / (eyes * strips)) / (double)b->view_count);
+    }
     return 0;
 }
 
@@ -359,7 +387,7 @@ static int write_picture(const batch *b, drawn_view *d, long index)
     fxs_message why;
     name_file(name, sizeof name, b->o->output, index);
     int error = fxs_image_encode(b->encoding, b->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
-    if (!error && b->o->frame.panorama && b->encoding == FXS_IMAGE_JPG &&
+    if (!error && b->o->frame.panorama && !(b->o->frame.stereo > 0) && b->encoding == FXS_IMAGE_JPG &&
         fxs_panorama_mark(&d->encoded, p->width, p->height))
         error = fxs_fail_memory(&why, 0, 0);
     if (error)
@@ -509,7 +537,7 @@ static void tell_files(const batch *b, int film, long index)
 static int open_film(batch *b)
 {
     const render_options *o = b->o;
-    const int eyes = o->frame.stereo > 0 ? 2 : 1;
+    const int eyes = o->frame.stereo > 0 ? 2 : 1, across = o->frame.panorama ? 1 : eyes;
     const fxs_view *first = b->views;
     fxs_message why;
     for (long i = 1; i < b->view_count && !o->has_scissor; i++)
@@ -517,8 +545,8 @@ static int open_film(batch *b)
             return fail(EXIT_USAGE, "%s: the frames of a film have one size, view %s is %dx%d, view %s %dx%d: give "
                         "--size", o->output, first->name, first->width, first->height, b->views[i].name,
                         b->views[i].width, b->views[i].height);
-    const int width = o->has_scissor ? o->scissor[2] : eyes * first->width;
-    const int height = o->has_scissor ? o->scissor[3] : first->height;
+    const int width = o->has_scissor ? o->scissor[2] : across * first->width;
+    const int height = o->has_scissor ? o->scissor[3] : eyes / across * first->height;
     return fxs_film_open_rate(&b->film, o->output, b->encoding, width, height, o->frame.rate, &why)
                ? fail_for(&why) : 0;
 }
@@ -562,6 +590,7 @@ static int open_renderers(batch *b, const frame_options *options)
         own.devices[0] = devices[b->devices++];
         own.device_count = 1;
         status = renderer_open(r, &own);
+        r->stereo = options->panorama ? 0 : r->stereo;
         r->format = b->o->format;
         r->draws = b->o->draws;
         r->has_scissor = b->o->has_scissor;
