@@ -1,5 +1,5 @@
-/* Makes equirectangular panoramas from six pictures, the faces of a cube. A stereo panorama (omni-directional stereo) has
-   upright strips, each with its own place of the eye on a circle. Integer arithmetic gives the same bytes on every
+/* Makes equirectangular panoramas from six pictures, the faces of a cube. A stereo panorama (omni-directional stereo)
+   has upright strips, each with its own place of the eye on a circle. Integer arithmetic gives the same bytes on every
    machine. */
 #ifndef FXS_PANORAMA_H
 #define FXS_PANORAMA_H
