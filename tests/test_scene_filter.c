@@ -410,6 +410,70 @@ static void damaged(void)
     CHECK(open_filtered() == FXS_ERR_FILE && strncmp(message.text, path, strlen(path)) == 0);
 }
 
+enum { BALL = 6000, GROUND = 6000, HAZE = 500 };
+
+/* Makes a ball of radius 1 on a ground of flat discs, under large faint Gaussians. The ground is tilted: up is
+   (0, -0.96, 0.28). */
+static long read_ball(void *first, uint64_t at, fxs_gaussian *out, size_t capacity)
+{
+    uint64_t seed = 0;
+    for (size_t k = 0; k < capacity; k++) {
+        const uint64_t i = at + k + *(const uint64_t *)first;
+        double place[3], square = 0;
+        seed = (i + 1) * 0x9e3779b97f4a7c15u;
+        for (int axis = 0; axis < 3; axis++) {
+            seed = (seed ^ seed >> 29) * 0xbf58476d1ce4e5b9u;
+            place[axis] = (double)(seed >> 11) / 0x1p52 - 1;
+            square += place[axis] * place[axis];
+        }
+        const double reach = i < BALL ? 1 / sqrt(square) : 6;
+        const double x = reach * place[0], z = reach * place[2];
+        const double y = i < BALL ? reach * place[1] : i < BALL + GROUND ? 1 : -3 * fabs(place[1]);
+        const float sigma = i < BALL ? -3.5f : i < BALL + GROUND ? -2 : 0;
+        out[k] = (fxs_gaussian){.position = {(float)x, (float)(0.96 * y + 0.28 * z), (float)(0.96 * z - 0.28 * y)},
+                                .scale = {sigma, i < BALL + GROUND && i >= BALL ? sigma - 3 : sigma, sigma},
+                                .rotation = {0.98994949f, -0.14142136f, 0, 0},
+                                .opacity = i < BALL + GROUND ? 3 : -3};
+        seed = 0;
+    }
+    return (long)capacity;
+}
+
+static int open_ball(uint64_t first, int thing)
+{
+    static uint64_t begin;
+    const fxs_gaussian_source source = {BALL + GROUND + HAZE - first, 0, 0, read_ball, &begin, {0}};
+    begin = first;
+    fxs_scene_filter_init(&filter);
+    filter.thing = thing;
+    if (!CHECK(fxs_scene_file_open_gaussians("ball", &source, NULL, &file, &info, &message) == 0))
+        return -1;
+    const int result = fxs_scene_file_filter(file, &filter, &info, &report, NULL, &message);
+    if (result)
+        fxs_scene_file_close(file);
+    return result;
+}
+
+/* Tests that the thing is the ball without its foot, the ground and the haze. The ground corrects the up direction. */
+static void thing(void)
+{
+    static fxs_gaussian out[BALL + GROUND + HAZE];
+    for (int how = 1; how <= 2; how++) {
+        if (!CHECK(open_ball(0, how) == 0))
+            return;
+        long n = 0, ball = 0;
+        for (long got; (got = fxs_scene_file_read(file, out + n, 256, &message)) > 0;)
+            n += got;
+        for (long i = 0; i < n; i++)
+            ball += out[i].scale[0] == -3.5f;
+        CHECK(n == (long)info.count && n == 5726 && ball == n);
+        const double *up = info.start.up;
+        CHECK(how == 1 ? up[1] == 0 : fabs(up[0]) < 0.01 && fabs(up[1] + 0.96) < 0.01 && fabs(up[2] - 0.28) < 0.02);
+        fxs_scene_file_close(file);
+    }
+    CHECK(open_ball(BALL + GROUND, 1) == FXS_ERR_ARGUMENT && strstr(message.text, "no thing stands out"));
+}
+
 int main(void)
 {
     make_written();
@@ -419,6 +483,7 @@ int main(void)
     RUN(floaters);
     RUN(shapes);
     RUN(floaters_of_what_is_left);
+    RUN(thing);
     RUN(opacity);
     RUN(sh_degrees);
     RUN(undrawable);

@@ -231,6 +231,30 @@ check "--drop-floaters: the five that have four neighbours" says \
 "$fixsplat" convert stray.ply again.ply --drop-floaters=1 2>logs/err
 check "--drop-floaters: the same again" cmp clean.ply again.ply
 check "--drop-floaters: the others stay as they are" cmp clean.ply knot.ply
+
+# A ball on a ground that is tilted: up is 0,-0.96,0.28.
+awk 'BEGIN {
+    for (i = 0; i < 3000; i++) {
+        z = (2 * i + 1) / 3000 - 1
+        r = sqrt(1 - z * z)
+        put(r * cos(i * 2.4), z, r * sin(i * 2.4), "-3.2 -3.2 -3.2")
+        put(i % 55 / 5 - 5, 1, int(i / 55) / 5 - 5, "-2 -5 -2")
+    }
+}
+function put(x, y, z, scales) {
+    print x, 0.96 * y + 0.28 * z, 0.96 * z - 0.28 * y, "0 0 0 3", scales, "0.98994949 -0.14142136 0 0"
+}' >ball.txt
+{ printf 'ply\nformat ascii 1.0\nelement vertex 6000\n'; printf 'property float %s\n' $names; echo end_header
+  cat ball.txt; } >ball.ply
+run convert ball.ply ball.fxs --thing
+check "--thing: level" grep -q 'ball.ply: up is -*0.00[0-9]*,-0.9[56][0-9]*,0.2[78][0-9]*$' logs/err
+check "--thing: says what it took" grep -q 'ball.ply: the thing has 2[89][0-9][0-9] of 6000 Gaussians, in the box ' logs/err
+check "--thing: a start view, from outside" [ "$("$fixsplat" info ball.fxs | grep -c '^start')" = 1 ]
+run convert ball.ply x.ply --thing --up 0,-1,0
+check "--thing --up: not turned" [ "$(grep -c 'up is' logs/err)" = 0 ]
+fails "--thing: none" 1 "rows.ply: no thing stands out" convert rows.ply none.ply --thing
+check "--thing: none: no file" [ ! -e none.ply ]
+fails "--thing and --block" 2 "--thing is for a whole scene" convert ball.ply x.fxs --thing --block 1/2
 ply haze.ply 'as wide as it is far off' '60 0 0 1 0 0 1 3 3 3 1 0 0 0'
 for strength in 1 2; do
     "$fixsplat" convert knot.ply haze.ply x.ply --drop-floaters=$strength 2>logs/err

@@ -199,7 +199,7 @@ static const option_row own_rows[] = {
     {"cylinder", "X,Y,Z,X,Y,Z,R", take_cylinder, 0, .expected =
      "seven numbers X,Y,Z,X,Y,Z,R, two places and R 0 or more", .help =
      "keep Gaussians with their centre in the cylinder from the first point to the second, radius R"},
-    {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .basic = 1, .help =
+    {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .help =
      "keep Gaussians with an opacity of at least ALPHA, 0 to 1"},
     {"drop-floaters", "[=STRENGTH]", take_floaters, FIELD(int, filter.floaters), 1, FXS_FLOATER_STRENGTHS,
      .basic = 1, .help =
@@ -207,6 +207,10 @@ static const option_row own_rows[] = {
      "haze too (opacity below 0.9); 4 and 5: also large isolated ones and backgrounds, for scenes of one object. A "
      "cell is 4 times the largest sigma of the Gaussian (at least the median Gaussian's), rounded up to a power of "
      "two"},
+    {"thing", 0, FLAG(filter.thing), .basic = 1, .help =
+     "then keep one thing, such as a statue, without cameras: the cluster of small opaque Gaussians in the middle, "
+     "without the ground below, walls, floaters and haze. Without --up and --level, the scene is also turned level, by "
+     "its ground. An .fxs gets a new start view. Ends with an error if no thing stands out"},
     {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .basic = 1, .help =
      "keep SH up to this degree, 0 to 3 (default 3)"},
     {.help = "Third, Gaussians are merged:"},
@@ -250,7 +254,8 @@ static const option_row own_rows[] = {
 static int is_filtered(void)
 {
     return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") ||
-           is_given("drop-floaters") || is_given("sh-degree") || is_given("decimate") || is_given("edits");
+           is_given("drop-floaters") || is_given("thing") || is_given("sh-degree") || is_given("decimate") ||
+           is_given("edits");
 }
 
 static int read_options(convert_options *o, int argc, char **argv)
@@ -271,6 +276,8 @@ static int read_options(convert_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "--force: an .fxs never replaces a file of IN: give it a name of its own");
     if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
+    if (o->filter.thing && o->blocks)
+        return fail(EXIT_USAGE, "--thing is for a whole scene, not for a --block of it");
     if (o->load.tree && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--levels is for .fxs");
     if (o->has_refine && !o->load.tree)
@@ -381,7 +388,7 @@ static int set_start(const convert_options *o, const fxs_opened *packed)
     fxs_message message;
     if (o->start.given)
         return start_store(&o->start, data, &message) ? fail(EXIT_FAILED, "--start-view: %s", message.text) : 0;
-    if (!o->filter.shape_count || packed->info->start.tangent > 0)
+    if (!(o->filter.shape_count || o->filter.thing) || packed->info->start.tangent > 0)
         return 0;
     return fxs_start_choose(data, packed->bytes, &message) ? fail_for(&message) : 0;
 }
@@ -643,11 +650,35 @@ static int look_for_up(convert_options *o)
     load.filter = 0;
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
-    const int status = find_up(w.scenes[0].opened, o->up, &message) ? fail_for(&message) : 0;
-    if (!status)
+    memcpy(o->up, w.scenes[0].opened->info->start.up, sizeof o->up);
+    const int is_known = !o->auto_up && (o->up[0] != 0 || o->up[1] != 0 || o->up[2] != 0);
+    const int status = !is_known && find_up(w.scenes[0].opened, o->up, &message) ? fail_for(&message) : 0;
+    if (!status && !o->filter.thing)
         note("%s: up is %.4f,%.4f,%.4f", o->in, o->up[0], o->up[1], o->up[2]);
     world_close(&w);
     return status;
+}
+
+/* Corrects the up direction to the normal of the ground under the thing. */
+static int look_for_ground(convert_options *o)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_scene_filter filter;
+    load_options load = o->load;
+    fxs_scene_filter_init(&filter);
+    filter.thing = 2;
+    load.filter = &filter;
+    load.again = 1;
+    load.decimate_count = 0;
+    load.decimate_share = 0;
+    memcpy(o->placed.up, o->up, sizeof o->up);
+    if (open_merged(&o->placed, o->in, &load, &file, &info))
+        return EXIT_FAILED;
+    fxs_scene_file_close(file);
+    memcpy(o->up, info.start.up, sizeof o->up);
+    note("%s: up is %.4f,%.4f,%.4f", o->in, o->up[0], o->up[1], o->up[2]);
+    return 0;
 }
 
 static int place_whole(convert_options *o)
@@ -703,7 +734,10 @@ static int run(int argc, char **argv)
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;
-    status = o.has_level ? turn_level(&o) : o.auto_up ? look_for_up(&o) : 0;
+    const int looks = o.auto_up || (o.filter.thing && !o.has_level && !is_given("up"));
+    status = o.has_level ? turn_level(&o) : looks ? look_for_up(&o) : 0;
+    if (!status && looks && o.filter.thing)
+        status = look_for_ground(&o);
     if (!status)
         status = place_whole(&o);
     if (!status)
@@ -733,6 +767,7 @@ const command command_convert = {
     "  $ fixsplat convert scene.ply phone.fxs --profile compact\n"
     "  $ fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
     "  $ fixsplat convert scene.ply hall.fxs --start-view 0,-1.6,-4,0,-1,0,65\n"
+    "  $ fixsplat convert scan.ply statue.fxs --thing\n"
     "  $ fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
     "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters=3\n"
     "  $ fixsplat convert scene.ply far.glb --decimate 10%\n"

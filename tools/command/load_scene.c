@@ -65,6 +65,25 @@ fxs_progress progress_of(const load_options *o, char *label)
     return o->progress.call ? o->progress : (fxs_progress){progress_bar, label};
 }
 
+/* Prints which part of the scene its thing is. */
+static int note_thing(fxs_scene_file *file, const char *path, const fxs_scene_filter_report *r,
+                      const fxs_scene_file_info *info, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    long n;
+    while ((n = fxs_scene_file_read(file, batch, BATCH, message)) > 0)
+        for (long k = 0; k < n; k++)
+            for (int i = 0; i < 3; i++) {
+                low[i] = fmin(low[i], info->origin[i] + (double)batch[k].position[i]);
+                high[i] = fmax(high[i], info->origin[i] + (double)batch[k].position[i]);
+            }
+    note("%s: the thing has %" PRIu64 " of %" PRIu64 " Gaussians, in the box %.4g,%.4g,%.4g,%.4g,%.4g,%.4g, up -y",
+         path, r->kept, r->read, low[0], low[1], low[2], high[0], high[1], high[2]);
+    return n < 0 ? (int)n : fxs_scene_file_rewind(file, message);
+}
+
 static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info,
                   fxs_message *message)
 {
@@ -75,11 +94,13 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
     progress_end();
     if (result || o->again)
         return result;
-    if (r.outside || r.faint || r.floaters)
+    if (o->filter->thing)
+        result = note_thing(file, path, &r, info, message);
+    else if (r.outside || r.faint || r.floaters)
         note("%s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64 " too faint, %" PRIu64
              " floating)", path, r.read - r.outside - r.faint - r.floaters, r.read, r.outside, r.faint, r.floaters);
     note_dropped(path, &r.dropped, r.kept);
-    return 0;
+    return result;
 }
 
 static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_info *info, fxs_message *message)

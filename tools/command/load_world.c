@@ -313,10 +313,10 @@ int open_merged(const fxs_world *placed, const char *name, const load_options *l
         load_options own;
         int status = options_of_file(&own, load, 0, 1);
         if (!status)
-            status = open_scene(placed->files[0], &own, file, info);
+            status = open_unfiltered(placed->files[0], &own, file, info);
         if (!status && is_direction(placed->up))
             memcpy(info->start.up, placed->up, sizeof placed->up);
-        return status;
+        return status ? status : filter_scene(placed->files[0], &own, *file, info);
     }
     fxs_scene_file **files = calloc(placed->file_count, sizeof *files);
     fxs_scene_file_info *infos = calloc(placed->file_count, sizeof *infos);

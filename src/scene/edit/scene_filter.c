@@ -14,6 +14,7 @@
 #include "src/base/options.h"
 #include "src/core/sized.h"
 #include "floaters_internal.h"
+#include "thing_internal.h"
 #include "src/scene/formats_internal.h"
 
 typedef struct filter_reader {
@@ -25,6 +26,7 @@ typedef struct filter_reader {
     fxs_scene_filter_report report;
     fxs_floaters floaters;
     uint64_t next;             /* number of the next Gaussian of the stream */
+    fxs_thing thing;
 } filter_reader;
 
 void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
@@ -91,6 +93,8 @@ static int passes(filter_reader *r, fxs_gaussian *g)
         return 0;
     if (r->filter.floaters && fxs_floaters_take(&r->floaters, g))
         return r->report.floaters++, 0;
+    if (r->filter.thing && fxs_thing_take(&r->thing, g))
+        return r->report.outside++, 0;
     memset(g->sh + coefficients, 0, sizeof g->sh - (size_t)coefficients * sizeof *g->sh);
     r->report.dropped.kept += r->filter.drawable ? fxs_weight(g) : 0;
     r->report.kept++;
@@ -131,6 +135,7 @@ static void filter_close(void *handle)
         r->reader->close(r->data);
     fxs_release(r->allocator, r->data);
     fxs_floaters_free(&r->floaters, r->allocator);
+    fxs_thing_free(&r->thing, r->allocator);
 }
 
 static const fxs_reader filtered = {
@@ -159,6 +164,21 @@ static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, c
     return count(file, r, total, progress, message);
 }
 
+static int find_thing(fxs_scene_file *file, filter_reader *r, const fxs_scene_file_info *info,
+                      const fxs_progress *progress, fxs_message *message)
+{
+    const uint64_t total = info->count;
+    FXS_TRY(fxs_thing_init(&r->thing, total, info->start.up, r->allocator, message));
+    r->filter.thing = 1;
+    while (r->thing.pass < FXS_THING_KEEP) {
+        FXS_TRY(fxs_scene_file_rewind(file, message));
+        FXS_TRY(count(file, r, total, progress, message));
+        FXS_TRY(fxs_thing_next(&r->thing, message));
+    }
+    FXS_TRY(fxs_scene_file_rewind(file, message));
+    return count(file, r, total, progress, message);
+}
+
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, const fxs_progress *progress,
                           fxs_message *message)
@@ -181,6 +201,7 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
         return fxs_fail_memory(message, NULL, sizeof *r);
     r->allocator = allocator;
     r->filter = *filter;
+    r->filter.thing = 0;
     memcpy(r->origin, info->origin, sizeof r->origin);
     r->reader = &filtered;
     r->data = r;
@@ -191,6 +212,10 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
     FXS_TRY(count(file, r, info->count, progress, message));
     if (filter->floaters)
         FXS_TRY(count_again(file, r, info->count, progress, message));
+    if (filter->thing)
+        FXS_TRY(find_thing(file, r, info, progress, message));
+    for (int i = 0; i < 3 && filter->thing == 2; i++)
+        info->start.up[i] = -r->thing.frame[1][i];
     *report = r->report;
     info->count = report->kept;
     if (report->outside)
