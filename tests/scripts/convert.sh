@@ -188,6 +188,18 @@ succeeds "--levels: read again" convert levels.fxs leaves.fxs
 succeeds "--levels: without" convert plain.fxs again.fxs
 check "--levels: the leaves are those of the file without" cmp leaves.fxs again.fxs
 fails "--levels of a .ply" 2 "--levels is for .fxs" convert knot.ply x.ply --levels
+run convert knot.ply board.fxs --for board --decimate 1000
+check "--for board: says what it chose" grep -q '^fixsplat: --for board: --profile small --sh-degree 1$' logs/err
+"$fixsplat" convert knot.ply hand.fxs --profile small --sh-degree 1 --decimate 1000 2>logs/err
+check "--for board: as by hand" cmp board.fxs hand.fxs
+run convert knot.ply web.fxs --for web --profile compact
+check "--for web: an option that is given" grep -q -- '--for web: --profile compact --sh-degree 3 --levels$' logs/err
+"$fixsplat" make-scene knot --count 12000 -o many.ply
+fails "--for board: too large" 1 "--for board allows 450000" convert many.ply large.fxs --for board --profile default \
+    --sh-degree 3 --quiet
+check "--for board: too large: no file" [ ! -e large.fxs ]
+fails "--for of a .ply" 2 "--for is for .fxs" convert knot.ply x.ply --for phone
+fails "--for and --block" 2 "--for is for a whole scene" convert knot.ply x.fxs --for web --block 1/2
 fails "--refine without --levels" 2 "--refine is for --levels" convert knot.ply x.fxs --refine
 fails "--cameras without --refine" 2 "--cameras is for --refine" convert knot.ply x.fxs --levels --cameras knot.ply
 for bad in =-1 =100001 =many =; do

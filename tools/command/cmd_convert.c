@@ -40,6 +40,7 @@ typedef struct convert_options {
     int spz_version;
     int spz_fine;
     start_option start;
+    int device;                             /* --for: row of the table `devices`, from 1; 0: none */
     int refine_steps;
     int has_refine;
     const char *cameras, *edits;
@@ -166,6 +167,39 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
+/* What --for sets, unless an option is given itself. A board has 512 KB of flash for scene and program. */
+static const char *const device_names[] = {"phone", "web", "board", 0};
+static const struct {
+    enum fxs_profile profile;
+    int sh_degree, tree;
+    uint64_t count;                         /* most Gaussians; 0: all */
+    size_t bytes;                           /* most bytes of the file; 0: no limit */
+} devices[] = {
+    {FXS_PROFILE_SMALL, 3, 0, 500000, 0},
+    {FXS_PROFILE_SMALL, 3, 1, 0, 0},
+    {FXS_PROFILE_SMALL, 1, 0, 20000, 450000},
+};
+
+static void choose_for_device(convert_options *o)
+{
+    const int i = o->device - 1;
+    char count[40] = "";
+    if (!o->device)
+        return;
+    if (!is_given("profile"))
+        o->load.profile = devices[i].profile;
+    if (!is_given("sh-degree"))
+        o->filter.sh_degree = devices[i].sh_degree;
+    o->load.tree |= devices[i].tree;
+    if (!is_given("decimate") && devices[i].count) {
+        o->load.decimate_count = devices[i].count;
+        o->filter.drawable = 1;
+        snprintf(count, sizeof count, " --decimate %" PRIu64, devices[i].count);
+    }
+    note("--for %s: --profile %s --sh-degree %d%s%s", device_names[i], profile_names[o->load.profile],
+         o->filter.sh_degree, o->load.tree ? " --levels" : "", count);
+}
+
 #define OPTIONS convert_options
 
 static const option_row own_rows[] = {
@@ -211,7 +245,7 @@ static const option_row own_rows[] = {
      "then keep one thing, such as a statue, without cameras: the cluster of small opaque Gaussians in the middle, "
      "without the ground below, walls, floaters and haze. Without --up and --level, the scene is also turned level, by "
      "its ground. An .fxs gets a new start view. Ends with an error if no thing stands out"},
-    {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .basic = 1, .help =
+    {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .help =
      "keep SH up to this degree, 0 to 3 (default 3)"},
     {.help = "Third, Gaussians are merged:"},
     {"decimate", "N", take_decimate, 0, .expected =
@@ -219,6 +253,9 @@ static const option_row own_rows[] = {
      "merge neighbours until N Gaussians, or N%, are left. Two Gaussians become one with their joint position, "
      "covariance, colour and SH, weighted by opacity and area"},
     {.help = "Output file:"},
+    {"for", "DEVICE", CHOICE_FROM(1, device, device_names), .basic = 1, .help =
+     "choose options of an .fxs, unless they are given: phone (--profile small --decimate 500000), web "
+     "(--profile small --levels) or board (--profile small --sh-degree 1 --decimate 20000, at most 450000 bytes)"},
     {"profile", "P", CHOICE(load.profile, profile_names), .basic = 1, .help =
      "how an .fxs is packed, with bytes per Gaussian at SH degree 3 and PSNR on a captured scene: default 63.5 (56.9 "
      "dB), compact 39.6 (53.9 dB) or small 19.6 (44.4 dB). Without SH: 18.5, 18.5 and 13.5 bytes. Up to 8 million "
@@ -254,8 +291,8 @@ static const option_row own_rows[] = {
 static int is_filtered(void)
 {
     return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") ||
-           is_given("drop-floaters") || is_given("thing") || is_given("sh-degree") || is_given("decimate") ||
-           is_given("edits");
+           is_given("drop-floaters") || is_given("thing") || is_given("for") || is_given("sh-degree") ||
+           is_given("decimate") || is_given("edits");
 }
 
 static int read_options(convert_options *o, int argc, char **argv)
@@ -276,8 +313,13 @@ static int read_options(convert_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "--force: an .fxs never replaces a file of IN: give it a name of its own");
     if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
+    if (o->device && !ends_with(o->out, ".fxs"))
+        return fail(EXIT_USAGE, "--for is for .fxs");
+    if (o->device && o->blocks)
+        return fail(EXIT_USAGE, "--for is for a whole scene, not for a --block of it");
     if (o->filter.thing && o->blocks)
         return fail(EXIT_USAGE, "--thing is for a whole scene, not for a --block of it");
+    choose_for_device(o);
     if (o->load.tree && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--levels is for .fxs");
     if (o->has_refine && !o->load.tree)
@@ -404,6 +446,10 @@ static int to_fxs(const convert_options *o)
     const loaded_scene *loaded = &w.scenes[0];
     const fxs_scene *scene = loaded->opened->scene;
     int status = files_check();
+    if (!status && o->device && devices[o->device - 1].bytes && loaded->opened->bytes > devices[o->device - 1].bytes)
+        status = fail(EXIT_FAILED, "%s: %zu bytes: --for %s allows %zu; --decimate, --sh-degree and --profile small "
+                      "make it smaller", o->out, loaded->opened->bytes, device_names[o->device - 1],
+                      devices[o->device - 1].bytes);
     if (!status && scene->profile == FXS_PROFILE_COMPACT && !scene->sh_degree)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
     if (!status)
@@ -767,7 +813,7 @@ const command command_convert = {
     "  $ fixsplat convert scene.ply phone.fxs --profile compact\n"
     "  $ fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
     "  $ fixsplat convert scene.ply hall.fxs --start-view 0,-1.6,-4,0,-1,0,65\n"
-    "  $ fixsplat convert scan.ply statue.fxs --thing\n"
+    "  $ fixsplat convert scan.ply statue.fxs --thing --for phone\n"
     "  $ fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
     "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters=3\n"
     "  $ fixsplat convert scene.ply far.glb --decimate 10%\n"
