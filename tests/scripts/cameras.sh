@@ -110,6 +110,9 @@ check "each is matched with each" grep -q '^exhaustive_matcher ' calls
 check "photographs of one size are of one camera" grep -q 'single_camera 1$' calls
 check "the folder beside the scene is one of COLMAP" sh -c "ls a.fxs.cameras/sparse/0/images.bin a.fxs.cameras/images/00.png"
 rm calls
+with "$fixsplat" fit plain -o several.fxs --cameras-only --photos mixed 2>logs/err
+check "--photos mixed: a camera each" grep -q 'single_camera_per_image 1$' calls
+rm calls
 with "$fixsplat" fit plain $steps -o a.fxs >logs/out 2>logs/err
 check "again: the cameras of before" equal "$(cut -d' ' -f1 calls)" model_analyzer
 check "what was found is said" grep -q '^fixsplat: plain: cameras of 12 of 12 photographs, 400 points, reprojection error 0.51 pixels$' \

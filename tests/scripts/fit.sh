@@ -139,6 +139,17 @@ check "--crop-to-subject: measured before that" equal "$(sed -n '/^ *[0-9]* 0/p;
 check "--crop-to-subject: none beyond" equal "$(wc -c <again.ply)" "$(wc -c <cropped.ply)"
 "$fixsplat" fit around --steps 30 -o again.fxs --crop-to-subject --threads 2 --cpu c >logs/out
 check "--crop-to-subject: 2 threads, plain C: the same file" cmp cropped.fxs again.fxs
+loud fit around --steps 30 -o again.fxs --of thing
+check "--of thing: as by hand" cmp cropped.fxs again.fxs
+check "--of thing: says what it chose" grep -q '^fixsplat: --of thing: --crop-to-subject$' logs/err
+loud fit around --steps 30 -o again.fxs --of room --photos mixed
+check "--photos mixed: says what it chose" grep -q '^fixsplat: --photos mixed: --exposure gain, ' logs/err
+"$fixsplat" fit around --steps 30 -o it.fxs --antialiased --exposure gain >logs/out
+check "--of room --photos mixed: as by hand" cmp it.fxs again.fxs
+loud fit around --steps 3 -o it.fxs --photos mixed --exposure none
+check "--photos mixed: an option that is given" grep -q '^fixsplat: --photos mixed: --exposure none, ' logs/err
+fails "--of and --measure" 2 "--of does not go with --measure" fit around --measure it.fxs --of room
+fails "--photos and --block" 2 "--photos does not go with --block" fit around -o x.ply --photos mixed --block 1/2
 awk 'NF > 1 { $2 = 1; $3 = $4 = $5 = 0; $6 = NR / 10 } { print }' set/sparse/0/images.txt >around/sparse/0/images.txt
 loud fit around --steps 3 -o it.fxs --hold-out 0
 loud fit around --steps 3 -o cropped.fxs --hold-out 0 --crop-to-subject
@@ -339,6 +350,8 @@ fails "--sky of a block" 2 "--sky with --block needs --coarse" fit set -o x.ply 
 fails "--sky 0" 2 "--sky=0: expected 1 to 1000000 directions" fit set -o x.fxs --sky=0
 fails "--sky: too many" 2 "--sky=1000001: expected" fit set -o x.fxs --sky=1000001
 cp -r set bare && head -n 3 set/sparse/0/points3D.txt | grep '^#' >bare/sparse/0/points3D.txt
+loud fit bare --steps 9 -o x.fxs --of outdoors
+check "--of outdoors without points: no sky" grep -q 'bare has no points to find the sky from: --of outdoors adds none' logs/err
 fails "--sky without points" 1 "--sky: bare has no points" fit bare --steps 9 -o x.fxs --sky
 succeeds "--refine-poses" fit set --steps 540 -o posed.ply --refine-poses --exposure gain --threads 1 --save-every 520
 "$fixsplat" fit set --steps 540 -o plain.ply --exposure gain >logs/out

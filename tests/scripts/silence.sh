@@ -240,8 +240,8 @@ block ../meadow.ply out.fxs --block 1/2
 decimated ../meadow.ply out.ply --decimate 100
 parts ../part-1.fxs ../part-2.fxs out.fxs'
 options='up 0,0,1; auto-up; level 0,0,0,1,0,0,0,1,1; rotate 10,0,0; scale 2; translate 1,0,0; crop -1,-1,-1,1,1,1;
-    sphere 0,0,0,3; cylinder 0,-9,0,0,9,0,2; prune 0.9; drop-floaters=4; thing; for board; sh-degree 0; decimate 50%; profile small;
-    levels; refine=1; cameras ../cameras.json; block 2/3; start-view 1,-2,-9,0,0,0; spz-version 3; spz-fine; force;
+    sphere 0,0,0,3; cylinder 0,-9,0,0,9,0,2; prune 0.9; drop-floaters=4; thing; for board; sh-degree 0;
+    decimate 50%; profile small; levels; refine=1; cameras ../cameras.json; block 2/3; start-view 1,-2,-9,0,0,0; spz-version 3; spz-fine; force;
     place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf'
 # --force allows what is not done here, and a .splat has no SH anyway.
 by_design='max-gaussians import-memory' elsewhere='force:all sh-degree:splat' mask= more=--quiet
@@ -265,7 +265,7 @@ coarse ../set --steps 4 -o a.ply --block 1/2 --coarse ../saved.fit
 measure ../set --measure ../plain.fxs
 until-colmap ../photos -o a.fxs --cameras-only'
 options='output b.fxs; quality best; recipe mcmc; exposure affine; refine-poses; antialiased; sky=50; steps 5;
-    resolution 32; sh-degree 1; batch 2; block 2/3; coarse ../saved.fit; max-gaussians 90; seed 1; cutoff square;
+    of room; photos mixed; resolution 32; sh-degree 1; batch 2; block 2/3; coarse ../saved.fit; max-gaussians 90; seed 1; cutoff square;
     background 405060; profile small; crop-to-subject; hold-out 3; masks ../masks; invert-masks; alpha ignore;
     frames 9; cameras-only; measure ../start.fxs; compare pictures; write-cameras c.json; save-every 2;
     metrics-every 2; preview; port 0; log log.tsv; resume ../saved.fit; device 1; max-memory 64M; json'
@@ -273,7 +273,7 @@ options='output b.fxs; quality best; recipe mcmc; exposure affine; refine-poses;
 # on.
 by_design='threads cpu backend skip-bad'
 elsewhere='max-gaussians:coarse invert-masks:block invert-masks:coarse quality:measure alpha:masks masks:until-colmap
-    quality:until-colmap refine-poses:all'
+    quality:until-colmap photos:until-colmap refine-poses:all'
 more= path=/nowhere notes='^fixsplat: '
 mask='s/"(seconds|project|bin|blend|loss|back|update)": [0-9.]+//g'
 try fit

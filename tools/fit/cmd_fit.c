@@ -18,6 +18,14 @@ static const struct {
     uint32_t steps;
     int resolution;
 } by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
+/* What --of sets, unless an option is given itself. */
+static const char *const subjects[] = {"thing", "room", "outdoors", 0};
+static const struct {
+    const char *options;
+    int crops, antialiased;
+    uint32_t sky;
+} by_subject[] = {{"--crop-to-subject", 1, 0, 0}, {"--antialiased", 0, 1, 0}, {"--sky", 0, 0, FXS_FIT_SKY}};
+static const char *const sources[] = {"mixed", 0};
 static const char *const exposures[] = {"none", "gain", "affine", 0};
 static const char *const alphas[] = {"compose", "ignore", 0};
 
@@ -57,6 +65,12 @@ static const option_row own_rows[] = {
      "draft (small photographs, few steps: a quick check), good (default; 28.7 dB in 13 s at 1200x900 on an H100) or "
      "best (four times the steps and the Gaussians). Sets the recipe, --steps and --resolution, unless the latter are "
      "given"},
+    {"of", "WHAT", CHOICE_FROM(1, of, subjects), .basic = 1, .help =
+     "what the photographs show, which chooses options: thing (--crop-to-subject), room (--antialiased) or outdoors "
+     "(--sky, if there are points)"},
+    {"photos", "KIND", CHOICE_FROM(1, photos, sources), .help =
+     "mixed: photographs of several devices or days, in no order. Chooses --exposure gain, and a lens for each "
+     "photograph and all pairs if the cameras must be found"},
     {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
      "method that adds and removes Gaussians, instead of --quality: fast (default; also draft and good), mcmc (also "
      "best) or reference (published method, for comparison: 27.9 dB in 54 s)"},
@@ -93,7 +107,7 @@ static const option_row own_rows[] = {
      "colour behind the scene, and behind transparent photographs (default 000000)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
      "how the scene is packed: default, compact or small. The last tenth of the steps fits the packed values"},
-    {"crop-to-subject", 0, FLAG(crops), .basic = 1, .help =
+    {"crop-to-subject", 0, FLAG(crops), .help =
      "crop the finished scene to the subject that the cameras look at. Measurements are from before the crop"},
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
      "keep every N-th photograph by name, from the first, for measurements (default 8). 0: keep none, and measure the "
@@ -168,6 +182,26 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     return 0;
 }
 
+/* Sets the options that --of and --photos choose, unless they are given. */
+static void take_presets(fit_command *c)
+{
+    if (c->of) {
+        c->crops |= by_subject[c->of - 1].crops;
+        c->options.antialiased |= by_subject[c->of - 1].antialiased;
+        c->options.sky = is_given("sky") ? c->options.sky : by_subject[c->of - 1].sky;
+    }
+    if (c->photos && !is_given("exposure"))
+        c->options.exposure = FXS_FIT_EXPOSURE_GAIN;
+}
+
+static void say_presets(const fit_command *c)
+{
+    if (c->of)
+        note("--of %s: %s", subjects[c->of - 1], by_subject[c->of - 1].options);
+    if (c->photos)
+        note("--photos mixed: --exposure %s, a lens for each photograph, all pairs", exposures[c->options.exposure]);
+}
+
 static int finish_options(fit_command *c)
 {
     const fxs_backend *backend;
@@ -201,7 +235,9 @@ static int finish_options(fit_command *c)
 static const option_rule rules[] = {
     {"recipe", "quality", 0, "it includes a recipe"},
     {"output recipe exposure refine-poses antialiased sky steps batch block coarse max-gaussians seed crop-to-subject "
-     "cameras-only write-cameras save-every metrics-every preview log resume", "measure", 0, "nothing is fitted"},
+     "cameras-only write-cameras save-every metrics-every preview log resume of photos", "measure", 0,
+     "nothing is fitted"},
+    {"of photos", "block", 0, "a block follows its --coarse fit"},
     {"coarse", 0, "block", "I/N"},
     {"port", 0, "preview", 0},
     {0}
@@ -209,8 +245,8 @@ static const option_rule rules[] = {
 
 static int check_options(const fit_command *c)
 {
-    const char *other = c->cameras_only ? given_beside("cameras-only output quality frames masks invert-masks skip-bad "
-                                                       "threads quiet") : 0;
+    const char *other = c->cameras_only ? given_beside("cameras-only output quality photos frames masks invert-masks "
+                                                       "skip-bad threads quiet") : 0;
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (check_rules(rules))
@@ -252,7 +288,10 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     c->argv = argv;
     c->in = argv[optind];
+    take_presets(c);
     const int status = check_options(c);
+    if (!status)
+        say_presets(c);
     return status ? status : finish_options(c);
 }
 
@@ -330,6 +369,7 @@ const command command_fit = {
     0,
     "  $ fixsplat fit garden -o garden.fxs\n"
     "  $ fixsplat fit walk.mp4 -o walk.fxs --quality draft --compare pictures\n"
+    "  $ fixsplat fit statue -o statue.fxs --of thing --photos mixed\n"
     "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"

@@ -13,7 +13,7 @@ typedef struct fit_command {
     fit_log *log;
     char *found;                    /* folder of cameras found by structure from motion, or null */
     uint32_t frames;
-    int quality;
+    int quality, of, photos;        /* of, photos: row of their tables, from 1; 0: not given */
     int cameras_only, crops;
     char *saved;                    /* path of the saved fit, OUT.fit */
     int saves_itself;               /* 1: --resume names OUT.fit, where this fit saves itself */

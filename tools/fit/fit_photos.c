@@ -105,6 +105,8 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
         {"refine-poses", given->refine_poses == is->refine_poses},
         {"antialiased", given->antialiased == is->antialiased}, {"sky", given->sky == is->sky},
+        {"of", given->antialiased == is->antialiased && given->sky == is->sky},
+        {"photos", given->exposure == is->exposure},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
@@ -180,6 +182,10 @@ static int fit_whole(fit_command *c)
     if (error)
         return fail_for(&message);
     say_photos(c, &photos, photos.point_count);
+    if (c->of && c->options.sky && photos.points_are_random && !is_given("sky")) {
+        note("%s has no points to find the sky from: --of outdoors adds none", c->in);
+        c->options.sky = 0;
+    }
     const int status = c->options.sky && photos.points_are_random && !c->resume
                            ? fail(EXIT_FAILED, "--sky: %s has no points to find the sky from", c->in)
                        : check_masks(c, &photos) ? EXIT_FAILED
@@ -247,7 +253,9 @@ static int fit_block(fit_command *c)
 static int find_cameras(fit_command *c)
 {
     const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->quality, c->reading.skip_bad,
-                                     c->reading.masks, c->reading.invert_masks};
+                                     c->reading.masks, c->reading.invert_masks, c->photos};
+    if (c->photos && film_is_named(c->in))
+        return fail(EXIT_USAGE, "--photos mixed: %s is a film, of one camera", c->in);
     if (c->frames && !film_is_named(c->in))
         return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
     if (fxs_photograph_kind_of(c->in) && fxs_file_kind(c->in) == FXS_FILE_REGULAR)

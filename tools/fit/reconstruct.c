@@ -241,7 +241,8 @@ static int find_features(work *w)
         w->names_features ? "--FeatureExtraction.num_threads" : "--SiftExtraction.num_threads", w->threads,
         "--SiftExtraction.max_num_features", "4096",
         "--SiftExtraction.first_octave", limits[w->options->quality].first_octave,
-        "--ImageReader.single_camera", "1", *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
+        w->options->mixed ? "--ImageReader.single_camera_per_image" : "--ImageReader.single_camera", "1",
+        *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
     };
     int status = 0;
     task_begin(&w->t, "looking for features of photographs", look_at_features);
@@ -365,9 +366,9 @@ static int find_matches(work *w)
     int has_blank = 0;             /* a blank ends a name in COLMAP's lists of pairs */
     for (size_t i = 0; i < count; i++)
         has_blank |= strpbrk(w->photos.names[i], " \t\v\f\r") != 0;
-    if (count > (is_film ? 2 * NEAR : limits[w->options->quality].all) && !has_blank)
+    if (!w->options->mixed && count > (is_film ? 2 * NEAR : limits[w->options->quality].all) && !has_blank)
         return match_near(w);
-    const int all = count <= limits[w->options->quality].all;
+    const int all = w->options->mixed || count <= limits[w->options->quality].all;
     task_begin(&w->t, all ? "matching pairs of photographs" : "matching photographs with those near them",
                look_at_matches);
     return all ? run_matcher(w, "exhaustive_matcher", "--ExhaustiveMatching.block_size",

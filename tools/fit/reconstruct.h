@@ -15,6 +15,7 @@ typedef struct reconstruct_options {
     int skip_bad;
     const char *masks;             /* folder of masks; empty: no masks; null: folder IN/masks if it exists */
     int invert_masks;              /* 1: white pixels of a mask are ignored, not black ones */
+    int mixed;                     /* 1: photographs of several devices: a lens for each, and all pairs are matched */
 } reconstruct_options;
 
 /* True if cameras must be reconstructed: the input is a film, or a folder without cameras. */
