@@ -224,6 +224,12 @@ try publish
 "$fixsplat" convert meadow.ply meadow.fxs --quiet && "$fixsplat" convert meadow.ply meadow-levels.fxs --levels --quiet
 "$fixsplat" convert 700.ply part-1.fxs --block 1/2 --quiet
 "$fixsplat" convert 700.ply part-2.fxs --block 2/2 --quiet
+edits() {
+    echo "{\"format\": \"fixsplat edits\", \"version\": 1, \"scene\": {\"gaussians\": 600, \"checksum\": \"$1\"},
+        \"edits\": [{\"act\": \"delete\", \"select\": [{\"shape\": \"sphere\", \"numbers\": [0, 0, 0, 1]}]}]}" >edits.json
+}
+edits 00000000
+edits "$("$fixsplat" convert meadow.ply x.csv --edits edits.json 2>&1 | sed 's/.* \([0-9a-f]\{8\}\)$/\1/')"
 places='ply ../meadow.ply out.ply
 fxs ../meadow.ply out.fxs
 packed ../meadow.fxs out.ply
@@ -240,7 +246,7 @@ block ../meadow.ply out.fxs --block 1/2
 decimated ../meadow.ply out.ply --decimate 100
 parts ../part-1.fxs ../part-2.fxs out.fxs'
 options='up 0,0,1; auto-up; level 0,0,0,1,0,0,0,1,1; rotate 10,0,0; scale 2; translate 1,0,0; crop -1,-1,-1,1,1,1;
-    sphere 0,0,0,3; cylinder 0,-9,0,0,9,0,2; prune 0.9; drop-floaters=4; thing; for board; sh-degree 0;
+    sphere 0,0,0,3; cylinder 0,-9,0,0,9,0,2; prune 0.9; drop-floaters=4; thing; edits ../edits.json; for board; sh-degree 0;
     decimate 50%; profile small; levels; refine=1; cameras ../cameras.json; block 2/3; start-view 1,-2,-9,0,0,0; spz-version 3; spz-fine; force;
     place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf'
 # --force allows what is not done here, and a .splat has no SH anyway.
