@@ -28,7 +28,7 @@ else
         check "another ${change%%\"*}: every ratio is marked" equal "$(grep -c ' \*$' logs/out)" 7
         check "another ${change%%\"*}: said" grep -q "^\* not like with like: ${change%%\"*} is " logs/out
     done
-    for options in '--size 65x48' '--sh-degree 1' '--fov 40' '--path 10' '--stereo 0.1' '--draw ids'; do
+    for options in '--size 65x48' '--sh-degree 1' '--fov 40' '--orbit 10' '--stereo 0.1' '--draw ids'; do
         fails "other options: $options" 1 "before.json cannot be compared: [a-z_0-9]*: " bench knot.ply $small $options \
             --compare before.json
     done

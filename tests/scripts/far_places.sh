@@ -143,7 +143,7 @@ check "text of floats: places" cmp plain.places floats.places
 
 # ---- Filtering, levels, parts ----------------------------------------------------------------------------------------
 
-"$fixsplat" convert plain.ply crop.fxs --crop -1,-1,-1,1,1,1 --quiet
+"$fixsplat" convert plain.ply crop.ply --crop -1,-1,-1,1,1,1 --quiet && "$fixsplat" convert crop.ply crop.fxs
 "$fixsplat" convert far.ply far-crop.ply --crop 499999,4499999,-1,500001,4500001,1 --quiet
 succeeds "--crop" convert far-crop.ply back.fxs $back
 check "--crop: the plain scene's bytes" cmp crop.fxs back.fxs

@@ -165,12 +165,12 @@ eye ../tip.ply --eye 0,-2,-9 --json
 ortho ../tip.ply --ortho 4 --json
 tangents ../tip.ply --tangents -1,1,1,-1 --json
 stereo ../tip.ply --stereo 0.1 --json
-path ../tip.ply --path 10 --json
+orbit ../tip.ply --orbit 10 --json
 levels ../levels.fxs --json
 packed ../plain.fxs --json
 two ../knot.ply ../plain.fxs --json
 compare ../tip.ply --compare ../before.json'
-options="path 11; frames 11; draw ids; json; compare ../before.json; threads 3; cpu c; max-memory 3M; $shared"
+options="orbit 11; frames 11; draw ids; json; compare ../before.json; threads 3; cpu c; max-memory 3M; $shared"
 "$fixsplat" make-scene landscape --count 300 -o land.ply && "$fixsplat" convert land.ply tip.ply --rotate 90,0,0 --quiet
 "$fixsplat" bench tip.ply --size 64x36 --json >before.json
 # The place of a scene and its profile change times alone.

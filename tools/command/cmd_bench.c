@@ -11,7 +11,7 @@
 
 typedef struct bench_options {
     frame_options frame;
-    int frames, path, json;
+    int frames, orbit, json;
     const char *compare;
     int draws;
 } bench_options;
@@ -34,7 +34,7 @@ static int take_draw(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"path", "N", INT(path, 2, 10000), .basic = 1, .help =
+    {"orbit", "N", INT(orbit, 2, 10000), .basic = 1, .help =
      "fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum"},
     {"frames", "N", INT(frames, 10, 10000), .help =
      "frames to measure, after two warm-up frames, 10 to 10000 (default 10)"},
@@ -50,8 +50,8 @@ static const option_row own_rows[] = {
 static const option_rule rules[] = {
     {"json", "compare", 0, "it prints a table"},
     {"view", 0, "cameras", 0},
-    {"frames", "path", 0, "it has a number of frames"},
-    {"up auto-up", "cameras", "path", "its views have their own up direction"},
+    {"frames", "orbit", 0, "it has a number of frames"},
+    {"up auto-up", "cameras", "orbit", "its views have their own up direction"},
     {0}
 };
 
@@ -65,7 +65,7 @@ static int read_options(bench_options *o, int argc, char **argv)
         return EXIT_USAGE;
     if (check_rules(rules))
         return EXIT_USAGE;
-    o->frames = o->path ? o->path : o->frames ? o->frames : 10;
+    o->frames = o->orbit ? o->orbit : o->frames ? o->frames : 10;
     return frame_options_check(&o->frame);
 }
 
@@ -91,8 +91,8 @@ static fxs_view view_of_frame(const bench_options *o, const world *w, const fxs_
     double middle[3];
     for (int k = 0; k < 3; k++)
         middle[k] = (w->inner_low[k] + w->inner_high[k]) / 2;
-    if (o->path)
-        fxs_view_orbit(&turned, middle, o->frame.up.at, 6.283185307179586 * i / o->path);
+    if (o->orbit)
+        fxs_view_orbit(&turned, middle, o->frame.up.at, 6.283185307179586 * i / o->orbit);
     return turned;
 }
 
@@ -177,8 +177,8 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
         {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
         {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
         {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_MARKED},
-        {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
-        {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
+        {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->orbit ? FACT_SAME : FACT_ASIDE},
+        {"orbit", 0, o->orbit, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
         {"stereo", 0, o->frame.stereo, FACT_SAME}, {"draws", 0, o->draws, FACT_SAME},
         {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME}, {"budget", 0, o->frame.render.budget, FACT_MARKED},
         {"detail", 0, o->frame.render.detail_q8 / 256.0, FACT_MARKED},
@@ -209,7 +209,7 @@ static void print_text(const spread columns[COLUMNS], const renderer *r, const b
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
            w->gaussians, view->width, view->height, o->frame.threads, cutoff_names[o->frame.render.cutoff], o->frames,
-           o->path ? " around the scene" : "");
+           o->orbit ? " around the scene" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
     for (int s = 0; s < (columns[DEVICE].most > 0 ? DEVICE + 1 : DEVICE); s++)
         printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
@@ -289,8 +289,8 @@ const command command_bench = {
     "  $ fixsplat bench scene.ply --compare before.json\n"
     "  $ fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
     "  $ fixsplat bench scene.ply --draw median-depth --draw ids\n"
-    "  $ fixsplat bench scene.ply --path 120\n"
-    "  $ fixsplat bench scene.fxs --budget 500000 --path 120\n"
+    "  $ fixsplat bench scene.ply --orbit 120\n"
+    "  $ fixsplat bench scene.fxs --budget 500000 --orbit 120\n"
     "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",
     {{own_rows, 0}, {camera_rows, offsetof(bench_options, frame)}, {world_rows, offsetof(bench_options, frame.world)},
      {frame_rows, offsetof(bench_options, frame)}, {level_rows, offsetof(bench_options, frame)},

@@ -7,6 +7,7 @@
 
 #include <fixsplat/fit.h>
 #include <fixsplat/pack.h>
+#include <fixsplat/renderer.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/kernels.h>

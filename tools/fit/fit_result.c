@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include <fixsplat/image.h>
+#include <fixsplat/renderer.h>
 #include <fixsplat/scene.h>
-#include <fixsplat/internal/start.h>
 #include "src/base/os_calls.h"
 #include "tools/command/file_guard.h"
 
@@ -123,9 +123,10 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const fx
     memset(r, 0, sizeof *r);
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
-    if (!result && (fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message) ||
-                    fxs_start_choose(r->packed.data, r->packed.bytes, &message)))
-        note("%s: no start view: %s", out, message.text);
+    if (!result && fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message))
+        note("%s: no start view of a photograph: %s", out, message.text);
+    if (!result)
+        result = fxs_start_choose(r->packed.data, r->packed.bytes, &message);
     if (!result)
         result = write_fit(r, fit, block, out, &message);
     return result ? fail_for(&message) : 0;

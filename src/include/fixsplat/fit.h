@@ -13,6 +13,7 @@
  *         ...
  *     fxs_fit_pack(fit, &scene, &pack_report, &message);
  *     fxs_fit_start_view(photos.fit, photos.fit_count, scene.data, &message);
+ *     fxs_start_choose(scene.data, scene.bytes, &message);
  *     fxs_fit_destroy(fit);
  *     fxs_photos_free(&photos);
  *
@@ -197,7 +198,7 @@ FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_
 /* Stores a start view (the first camera for viewers) in a packed scene at `data`, for fxs_file_write. It is the view of
    the most level photograph (the first, if several are equal), rolled upright, where up is fxs_views_up of all
    photographs. If their up directions cancel each other, it is the view of the first photograph. fxs_start_choose
-   (internal/start.h) then finds a view that shows more of the scene, with the up direction of the photographs.
+   (renderer.h) then finds a view that shows more of the scene, with the up direction of the photographs.
    Errors: as fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
 FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message);
 

@@ -91,6 +91,11 @@ FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, double box
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                               fxs_message *message);
 
+/* Chooses a start view for the packed scene of `bytes` bytes at `data`: fxs_first_view of the scene alone, with the
+   scene's up direction, for a picture of 16:9. Stores view and up direction in the scene. Call fxs_file_write or
+   fxs_file_seal afterwards. Errors: as fxs_first_view. */
+FXS_API int fxs_start_choose(void *data, size_t bytes, fxs_message *message);
+
 /* Frees an open scene; null is allowed. First call fxs_renderer_forget for each renderer that has rendered the
    scene. */
 FXS_API void fxs_close(fxs_opened *opened);

@@ -20,11 +20,6 @@ FXS_EXPERIMENTAL void fxs_start_of(fxs_start *start, const void *data);
    out of range are not stored. */
 FXS_EXPERIMENTAL void fxs_start_to(void *data, const fxs_start *start);
 
-/* Chooses a start view for the packed scene of `bytes` bytes at `data`: fxs_first_view of the scene alone, with the
-   scene's up direction, for a picture of 16:9. Stores view and up direction in the scene. Call fxs_file_write or
-   fxs_file_seal afterwards. Errors: as fxs_first_view. */
-FXS_EXPERIMENTAL int fxs_start_choose(void *data, size_t bytes, fxs_message *message);
-
 /* Reads the box of a packed scene's visible part from the scene's header at `data`. */
 FXS_EXPERIMENTAL void fxs_inner_box(const void *data, double low[3], double high[3]);
 
