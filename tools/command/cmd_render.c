@@ -117,7 +117,7 @@ static const option_row own_rows[] = {
     {"path", "FILE", TEXT(frame.path), .help =
      "render a film along a path through keys: the settings.json of a published page or of SuperSplat, a camera file "
      "for --cameras, or a text NAME.txt with a line \"eye look up fov time\" per key, 11 numbers. Up, fov (50) and "
-     "time may be left out from the end; # starts a comment"},
+     "time (seconds from the film's start) may be left out from the end; # starts a comment"},
     {"seconds", "N", REAL(frame.seconds, ABOVE_0, 86400, "seconds above 0, at most 86400"), .help =
      "length of the film of --path. The camera then moves at an even speed by length, turn and zoom, and starts and "
      "ends gently (default: the times of the keys)"},
@@ -132,7 +132,7 @@ static const option_row own_rows[] = {
      "a frame (usual: 180)"},
     {"aperture", "UNITS", REAL(frame.aperture, ABOVE_0, INFINITY, "a diameter above 0"), .help =
      "depth of field: each picture is the mean of --samples pictures in linear light, from points of a lens of this "
-     "diameter, scene units"},
+     "diameter, scene units (a 50th of the depth of --focus is a large lens)"},
     {"focus", "DEPTH|auto", take_focus, 0, .expected = "a depth above 0, or auto", .help =
      "depth that --aperture shows sharply, scene units (default auto: of the Gaussian in the middle of the picture, in "
      "a film of its first frame)"},

@@ -104,7 +104,7 @@ const option_row camera_rows[] = {
      "0,8,40..20 or all"},
     {"eye", "X,Y,Z", POINT(eye), .basic = 1, .help = "camera position, scene units"},
     {"look", "X,Y,Z", POINT(look), .basic = 1, .help =
-     "point that the camera looks at (default: the middle of the scene)"},
+     "point that the camera looks at (default: the middle of the scene; of a panorama: straight ahead)"},
     {"up", "X,Y,Z", POINT(up), .help =
      "up direction in the picture (default: as stored in an .fxs, else 0,-1,0: y points down); use 0,0,1 for scenes "
      "with z up"},

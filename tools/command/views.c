@@ -321,7 +321,7 @@ static int count_frames(const frame_options *o, const world *w, fxs_path *path)
     if (is_even && fxs_path_even(path, radius_of(w), (long)count, seconds, &message))
         return fail(0, "%s: %s", o->path, message.text);
     if (is_even && path->timed)
-        note("%s: its keys have times, which are kept without --%s; now the speed is even", o->path,
+        note("%s: the times of its keys are ignored, for an even speed; without --%s they are kept", o->path,
              o->frames ? "frames" : "seconds");
     return (int)count;
 }
