@@ -262,7 +262,7 @@ check "a text of keys: its times" equal "$(lines_of cams.json) $(positions cams.
     "8 0.000000000 0.000000000 -9.000000000 -6.000000000 -2.000000000 -6.000000000 "
 path --path keys.txt --seconds 10 --fps 30
 check "a text of keys: the same cameras everywhere" equal "$(cksum <cams.json)" "3894838748 119382"
-check "a text of keys: --seconds leaves its times out, and says so" grep -q 'keys.txt: its keys have times' logs/err
+check "a text of keys: --seconds leaves its times out, and says so" grep -q 'keys.txt: the times of its keys are ignored' logs/err
 printf '0 0 -9 0 0 0\n3 0 -9 0 0 0\n' >short.txt
 path --path short.txt --frames 3
 check "a text of keys: eye and look are enough" equal "$status $(cat logs/err)$(lines_of cams.json)" "0 3"

@@ -22,7 +22,12 @@ check "with its first view" equal "$("$fixsplat" info site/knot.fxs | grep -c '^
 check "the picture is its own" cmp site/knot.jpg poster.jpg
 check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" label="knot" poster="knot.jpg" poster-frame="1\.0000 [0-9.]*" background="#000000">' site/index.html
 check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
-check "it is that file" cmp site/small.fxs small.fxs
+check "it has a start view" grep -q '^start view' <<EOF
+$("$fixsplat" info site/small.fxs)
+EOF
+check "it is that scene" equal "$(seen site/small.fxs) $(wc -c <site/small.fxs)" "$(seen small.fxs) $(wc -c <small.fxs)"
+check "and as it is when it has a start view" "$fixsplat" publish site/small.fxs again --size 64x36 --quiet
+check "it is that file" cmp site/small.fxs again/small.fxs
 "$fixsplat" convert knot.ply 'as it is.fxs' --up 0.2,-0.5,0.1 --start-view 3,-2,-5,0,0,0
 "$fixsplat" publish 'as it is.fxs' a/b/site --size 64x36 >logs/out 2>logs/err
 check "what shows it" grep -q ': python3 -m http.server -d a/b/site$' logs/out

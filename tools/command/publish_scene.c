@@ -15,6 +15,7 @@
 #include "command.h"
 #include "tools/serve/scene_picture.h"
 
+#define COPY_MOST ((size_t)1 << 30)  /* largest .fxs that is copied in memory for its first start view */
 #define WORTH_SAYING 1.5           /* least reduction factor of the file size that is reported */
 
 static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
@@ -44,6 +45,13 @@ static int set_start(void *data, size_t bytes, const publish_start *o)
     const int error = o->view.given ? start_store(&o->view, data, &why)
                     : start.tangent > 0 ? 0 : fxs_start_choose(data, bytes, &why);
     return error ? fail_for(&why) : 0;
+}
+
+/* True if an .fxs must be changed: by the options, or for its first start view unless the file is very large. */
+static int needs_copy(const loaded_scene *scene, const publish_start *start)
+{
+    const fxs_opened *o = scene->opened;
+    return start->view.given || has_up(start) || (!(o->info->start.tangent > 0) && o->bytes <= COPY_MOST);
 }
 
 /* Replaces the mapping of an .fxs by a copy in memory with another start view. */
@@ -90,7 +98,7 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
     }
     void *data = (void *)(uintptr_t)scene->opened->data;
     int status = anew || !was_packed ? set_start(data, scene->opened->bytes, start)
-                 : start->view.given || has_up(start) ? copy_scene(scene, start) : 0;
+                 : needs_copy(scene, start) ? copy_scene(scene, start) : 0;
     if (status)
         free_scene(scene);
     else if (anew || !was_packed)
