@@ -284,7 +284,8 @@ succeeds "--decimate 50%" convert knot.ply half.ply --decimate 50%
 check "--decimate 50%: half" gaussians half.ply 1500 3
 "$fixsplat" convert knot.ply again.ply --decimate 1500
 check "--decimate: the same again" cmp half.ply again.ply
-succeeds "--decimate: more than there are" convert knot.ply again.ply --decimate 3001
+run convert knot.ply again.ply --decimate 3001
+check "--decimate: more than there are: said" says "knot.ply: has 3000 Gaussians: --decimate merges none"
 check "--decimate: more than there are: all stay" cmp knot.ply again.ply
 succeeds "--decimate to .fxs" convert knot.ply half.fxs --decimate 50%
 check "--decimate to .fxs: half" gaussians half.fxs 1500 3
@@ -317,7 +318,7 @@ edits() {
         {\"shape\": \"sphere\", \"subtract\": true, \"numbers\": [-2, 0, 0, 1]}]}]}" >edits.json
 }
 edits delete 00000000
-fails "--edits: of another scene" 1 'edits are for another scene: of 3000 Gaussians with the checksum 00000000' \
+fails "--edits: of another scene" 1 'edits are for another scene, or for another packing of it: of 3000 Gaussians with the checksum 00000000' \
     convert knot.ply edited.csv --edits edits.json
 checksum=$(sed 's/.*not of 3000 with //' logs/err)
 edits delete "$checksum"

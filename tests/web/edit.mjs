@@ -157,6 +157,14 @@ await run({
     assert.equal(await inside(`return $('tools').hidden`), true)
     await inside(`v.removeAttribute('edit')`)
     assert.equal(await inside(`return $('edit').hidden`), true)
+    const isHidden = await inside(`
+      const element = document.createElement('fixsplat-viewer')
+      element.setAttribute('edit', '')
+      document.body.append(element)
+      const is = element.shadowRoot.getElementById('edit').hidden
+      element.remove()
+      return is`)
+    assert.equal(isHidden, false, 'the attribute, set before the element is in the page')
     await still()
   },
 })

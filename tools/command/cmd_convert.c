@@ -225,7 +225,7 @@ static const option_row own_rows[] = {
     {"translate", "X,Y,Z", VECTOR(whole.translation, "three numbers X,Y,Z"), .help = "move by this vector"},
     {.help = "Second, Gaussians are removed, by their new positions:"},
     {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, 0, .expected =
-     "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", .basic = 1, .help =
+     "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ, no MIN above its MAX", .basic = 1, .help =
      "keep Gaussians with their centre in this box, edges included. Boxes may be repeated: any of them; likewise "
      "spheres and cylinders. Options of different kinds: all of them"},
     {"sphere", "X,Y,Z,R", take_sphere, 0, .expected =

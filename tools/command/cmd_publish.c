@@ -52,7 +52,8 @@ static const option_row own_rows[] = {
      .expected = START_EXPECTED, .help =
      "first view of the page and the poster, for one scene: as for fixsplat convert (default: the .fxs's own, else "
      "chosen by looking at the scene from many sides)"},
-    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "size of the poster (default 1280x720)"},
+    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED,
+     .help = "size of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
      "settings file of the viewer or of supersplat-viewer, with camera, annotations and tracks; for a folder of one "
      "scene"},
@@ -268,6 +269,8 @@ static int read_options(publish_options *o, int argc, char **argv)
     if (fxs_scene_format_of(o->site, 0))
         return fail(EXIT_USAGE, "publish: %s is a scene: the last name is that of %s to write", o->site,
                     o->single ? "a file" : "a folder");
+    if (!o->single && ends_with(o->site, ".html"))
+        return fail(EXIT_USAGE, "publish: %s is the name of a file: give --single, or the name of a folder", o->site);
     if (o->single && !ends_with(o->site, ".html"))
         return fail(EXIT_USAGE, "publish: --single writes a file whose name ends in .html, not %s", o->site);
     return frame_options_check(&o->frame);

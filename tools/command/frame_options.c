@@ -235,7 +235,7 @@ static const option_rule rules[] = {
     {"eye look", "cameras", 0, "give one camera"},
     {"fov", "cameras", 0, "its views have their own; --ortho and --tangents replace it"},
     {"auto-up", "up", 0, "give one"},
-    {"fov", "ortho", 0, "its picture has a height instead"},
+    {"fov", "ortho tangents", 0, "it gives the size of the picture"},
     {"fov ortho tangents", "panorama", 0, "it looks all around"},
     {"tangents", "ortho", 0, "give one"},
     {0}

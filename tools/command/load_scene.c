@@ -16,6 +16,7 @@
 #include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
 #include "src/base/os_calls.h"
+#include "command_line.h"
 #include "file_guard.h"
 
 #define LARGE ((size_t)64 << 20)    /* bytes from which an .fxs file may be paged (kept partly in memory) */
@@ -122,6 +123,8 @@ static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_fi
 {
     const load_options *o = p->options;
     const int error = o->filter ? filter(file, p->path, o, info, message) : 0;
+    if (!error && is_given("decimate") && o->decimate_count >= info->count && !o->again)
+        note("%s: has %" PRIu64 " Gaussians: --decimate merges none", p->path, info->count);
     return error || !(o->decimate_count || o->decimate_share > 0) ? error : decimate(file, o, info, message);
 }
 

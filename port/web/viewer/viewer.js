@@ -114,7 +114,7 @@ export class Viewer extends HTMLElement {
     this.shown = () => this.#change()
     document.addEventListener('visibilitychange', this.shown)
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches
-    for (const name of still ? ['poster'] : ['poster', 'turn'])
+    for (const name of still ? ['poster', 'edit'] : ['poster', 'edit', 'turn'])
       this.attributeChangedCallback(name, null, this.getAttribute(name))
     this.#choose()
     this.#look()

@@ -69,7 +69,8 @@ static int take_camera(const reader *r, const cJSON *camera, fxs_camera *out)
         const cJSON *item = item_of(camera, camera_fields[i].name);
         const int count = camera_fields[i].count, bits = camera_fields[i].bits;
         if (count > 1 ? !fxs_json_numbers(item, numbers, count) : !cJSON_IsNumber(item))
-            return wrong(r, "\"camera\" needs width, height, fx, fy, cx, cy, near, 9 numbers rotation and 3 position");
+            return wrong(r, "\"camera\" needs width, height, fx, fy, cx, cy, near, position and the 9 numbers of "
+                            "rotation (rows right, down, forward)");
         if (count == 1)
             numbers[0] = item->valuedouble;
         for (int k = 0; k < count; k++) {
@@ -234,9 +235,10 @@ int fxs_edits_do(const fxs_edits *edits, fxs_editor *editor, const fxs_context *
 {
     const uint32_t checksum = fxs_edit_checksum(&editor->scene);
     if (edits->gaussians != editor->left || edits->checksum != checksum)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the edits are for another scene: of %u Gaussians with the "
-                           "checksum %08x, not of %u with %08x", (unsigned)edits->gaussians, (unsigned)edits->checksum,
-                           (unsigned)editor->left, (unsigned)checksum);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the edits are for another scene, or for another packing of "
+                           "it: of %u Gaussians with the checksum %08x, not of %u with %08x",
+                           (unsigned)edits->gaussians, (unsigned)edits->checksum, (unsigned)editor->left,
+                           (unsigned)checksum);
     for (uint32_t i = 0; i < edits->count; i++) {
         for (uint32_t k = edits->edits[i].first; k < edits->edits[i].end; k++)
             FXS_TRY(fxs_editor_select(editor, context, &edits->shapes[k], message));
