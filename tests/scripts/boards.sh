@@ -5,6 +5,8 @@
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
+check "the example of a board compiles" ${CC:-cc} -std=c99 -Wall -Wextra -Wpedantic -Werror -Isrc/include -I. \
+    -c docs/examples/board.c -o "$work/board.o"
 if ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
     skip boards "no arm-none-eabi-gcc or no qemu-system-arm here"
     finish
