@@ -49,7 +49,7 @@ static int add_key(reading *r, const double values[NUMBERS], const double *time)
         return fault(r, "its time is not 0 to 86400 seconds");
     if (time && path->count && !(*time > path->keys[path->count - 1].at))
         return fault(r, "its time is not after that of the key before");
-    if ((size_t)path->count + 4 > r->room) {     /* 4: for close_path */
+    if ((size_t)path->count + 5 > r->room) {     /* this key, and 4 for close_path */
         fxs_path_key *more = fxs_enlarge(NULL, path->keys, r->room, 2 * r->room + 64, sizeof *more);
         if (!more)
             return fxs_fail_memory(r->message, r->name, r->room * 2 * sizeof *more);
@@ -175,12 +175,12 @@ static int read_their_key(reading *r, their_keys *keys, const cJSON *key)
     return add_key(r, values, &time);
 }
 
-/* Puts two more keys before and two behind a repeated track, which close the path. If the track ends with its last key,
-   one second is inserted before the next round, as the viewers do. */
+/* Puts two more keys before and two behind a repeated track, which close the path. If the track does not end
+   after its last key, the next round begins a second after that key. */
 static void close_path(fxs_path *path)
 {
     const long n = path->count;
-    const double length = path->end + (path->end > path->keys[n - 1].at ? 0 : 1);
+    const double last = path->keys[n - 1].at, length = path->end > last ? path->end : last + 1;
     memmove(path->keys + 2, path->keys, (size_t)n * sizeof *path->keys);
     for (int i = 0; i < 2; i++) {
         path->keys[i] = path->keys[n + i];

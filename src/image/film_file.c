@@ -86,9 +86,10 @@ static int start_ffmpeg(fxs_film *film, const struct encoder *encoder, fxs_messa
                            "- and its options", path);
     for (int i = 0; encoder->words[i]; i++)
         words[count++] = encoder->words[i];
-    snprintf(name, sizeof name, "file:%s", temporary);
+    const int is_short = snprintf(name, sizeof name, "file:%s", temporary) < (int)sizeof name;
     words[count] = name;
-    const int status = fxs_program_feed(words, film->log, &film->ffmpeg);
+    errno = ENAMETOOLONG;
+    const int status = is_short ? fxs_program_feed(words, film->log, &film->ffmpeg) : -1;
     film->is_fed = !status;
     if (!status)
         return 0;

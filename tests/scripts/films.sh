@@ -355,6 +355,11 @@ fails "--orbit 0" 2 "--orbit 0: expected" render $three --orbit 0 --hash
 fails "--orbit 1" 2 "--orbit 1" render $three --orbit 1 --hash
 fails "--orbit into one file" 2 "x.png: for 3 views" render $three --orbit 3 -o x.png
 
+keys=$(awk 'BEGIN { for (i = 0; i < 61; i++) printf "%s{\"time\": %d, \"eye\": [0, -2, %d], \"look\": [0, 0, 0], \"up\": [0, -1, 0], \"fov\": 50}", i ? ", " : "", i, -9 - i % 2 }')
+echo "{\"fixsplat\": 1, \"tracks\": [{\"name\": \"a\", \"loop\": \"repeat\", \"duration\": 5, \"keys\": [$keys]}]}" >many.json
+succeeds "--path: a repeated track of 61 keys, of which the film shows a few" render knot.ply $small --path many.json --fps 2 --hash
+check "--path: it begins with its first key" equal "$(sed -n 1p logs/out)" "$(hash_of knot.ply $small --eye 0,-2,-9 --look 0,0,0)"
+
 # ---- Motion blur and depth of field ----------------------------------------------------------------------------------
 
 printf '0 -2 -9 0 0 0 0 -1 0 50 0\n0 -2 -9 0 0 0 0 -1 0 50 1\n' >still.txt

@@ -206,7 +206,8 @@ static void choose_for_device(convert_options *o)
 static const option_row own_rows[] = {
     {.help = "Options:"},
     {"edits", "FILE", TEXT(edits), .help =
-     "first delete the Gaussians that were deleted by hand in the viewer, which saved FILE for this scene"},
+     "first delete the Gaussians that were deleted by hand in the viewer, which saved FILE for this scene (the search "
+     "for an up direction still sees them)"},
     {.help =
      "First, the whole scene is rotated, scaled and moved, always in this order, SH included. Axes are as in a .ply "
      "(x right, y down, z to the front):"},
@@ -790,7 +791,7 @@ static int run(int argc, char **argv)
     if (!status)
         status = check_files(&o);
     if (!status && o.edits)
-        status = edits_find(o.edits, o.in, &o.load, &o.deleted);
+        status = edits_find(o.edits, o.in, &o.load, &o.deleted, &o.filter.deleted_count);
     o.filter.deleted = o.deleted;
     o.load.filter = &o.filter;
     if (!status)

@@ -28,15 +28,20 @@ static int copy_fxs(edited *s, const char *path, const load_options *load)
     if (load_scene(&loaded, path, load))
         return EXIT_FAILED;
     const fxs_opened *opened = loaded.opened;
+    fxs_scene scene;
+    int error = FXS_ERR_MEMORY;
     s->packed.data = fxs_aligned_allocate(opened->bytes);
-    s->slots = malloc(((size_t)opened->scene->count + 1) * sizeof *s->slots);
-    if (s->packed.data && s->slots) {
+    if (s->packed.data) {
         memcpy(s->packed.data, opened->data, opened->bytes);
         s->packed.bytes = opened->bytes;
-        s->count = fxs_scene_numbers(opened->scene, s->slots);
+        error = fxs_scene_open(&scene, s->packed.data, s->packed.bytes);
     }
     free_scene(&loaded);
-    return s->packed.bytes ? 0 : fail(EXIT_FAILED, "%s: out of memory", path);
+    s->slots = error ? 0 : malloc(((size_t)scene.count + 1) * sizeof *s->slots);
+    if (!s->slots)
+        return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(error ? error : FXS_ERR_MEMORY));
+    s->count = fxs_scene_numbers(&scene, s->slots);
+    return 0;
 }
 
 static int pack(edited *s, const char *path, const load_options *load, fxs_scene_file *file,
@@ -66,9 +71,11 @@ static int open_edited(edited *s, const char *path, const load_options *load)
     if (open_unfiltered(path, load, &file, &info))
         return EXIT_FAILED;
     const int is_fxs = !strcmp(info.format, "fxs");
-    const int status = is_fxs ? 0 : pack(s, path, load, file, &info);
+    int status = is_fxs ? 0 : pack(s, path, load, file, &info);
     fxs_scene_file_close(file);
-    return is_fxs ? copy_fxs(s, path, load) : status;
+    if (is_fxs)
+        status = copy_fxs(s, path, load);
+    return status || s->count == info.count ? status : fail(EXIT_FAILED, "%s: its number of Gaussians is damaged", path);
 }
 
 static int delete(const edited *s, const fxs_edits *edits, uint8_t *deleted, fxs_message *message)
@@ -101,7 +108,7 @@ static void note_deleted(const char *path, const uint8_t *deleted, uint64_t coun
     note("%s: the edits delete %" PRIu64 " of %" PRIu64 " Gaussians", path, sum, count);
 }
 
-int edits_find(const char *path, const char *scene, const load_options *load, uint8_t **deleted)
+int edits_find(const char *path, const char *scene, const load_options *load, uint8_t **deleted, uint64_t *count)
 {
     edited s = {.threads = load->threads ? load->threads : fxs_processors()};
     fxs_edits edits;
@@ -120,6 +127,7 @@ int edits_find(const char *path, const char *scene, const load_options *load, ui
         status = fail(EXIT_FAILED, "%s: out of memory", scene);
     if (!status && delete(&s, &edits, *deleted, &message))
         status = fail(EXIT_FAILED, "--edits %s: %s", path, message.text);
+    *count = s.count;
     if (!status)
         note_deleted(scene, *deleted, s.count);
     fxs_edits_free(&edits);

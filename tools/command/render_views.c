@@ -251,7 +251,7 @@ static int sum(summing *s)
     light_sums *sums = &s->b->sums[s->device];
     if (sums->room < bytes) {
         free(sums->sums);
-        sums->sums = malloc(bytes * sizeof *sums->sums);
+        sums->sums = calloc(bytes, sizeof *sums->sums);
         sums->room = sums->sums ? bytes : 0;
     }
     if (!sums->sums)

@@ -202,7 +202,7 @@ static long views_of_orbit(const frame_options *options, const world *w, fxs_vie
     fxs_view *made = 0;
     if (count > 1)
         fail(-1, "--orbit begins at one view, --view %s are %ld", options->view, count);
-    else if (!(made = malloc((size_t)frames * sizeof *made)))
+    else if (!(made = calloc((size_t)frames, sizeof *made)))
         fail(-1, "out of memory: %ld views of a film", frames);
     else
         turn(options, w, *views, made);
@@ -337,7 +337,7 @@ static long views_of_path(frame_options *o, const world *w, fxs_view **views)
     path.frame.near = fxs_near_of_box(w->inner_low, w->inner_high);
     o->frames = error ? 0 : count_frames(o, w, &path);
     long count = (long)o->frames * views_per_frame(o);
-    if (count && !(*views = malloc((size_t)count * sizeof **views)))
+    if (count && !(*views = calloc((size_t)count, sizeof **views)))
         count = fail(0, "out of memory: %ld views of a film", count);
     for (long i = 0; i < count; i++)
         if (fxs_path_view(&path, time_of(o, i), &(*views)[i], &message))

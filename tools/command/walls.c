@@ -1,6 +1,8 @@
 /* Draws frames of a path as small pictures of median depths. Back ends without depths are left out. */
 #include "walls.h"
 
+#include <string.h>
+
 #include <fixsplat/internal/view_more.h>
 #include "command.h"
 #include "views.h"
@@ -32,6 +34,7 @@ void say_walls(const renderer *r, const world *w, const frame_options *o, const 
     small.draws = DRAW_MEDIAN_DEPTH;
     small.stereo = 0;
     small.has_scissor = 0;
+    memset(small.scissor, 0, sizeof small.scissor);
     for (long i = 0, was = 0; i < count; i += step) {
         const int is = is_covered(&small, w, o, &frames[i * views_per_frame(o)], &p);
         places += is && !was;

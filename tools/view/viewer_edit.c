@@ -87,7 +87,9 @@ static int select_shape(viewer *v, request *r)
     int error = renderer_camera(&v->renderer, &r->view, &r->shape.camera);
     if (!error)
         error = fxs_editor_select(&e->editor, &context, &r->shape, &r->message);
-    return error ? error : fxs_edits_add_shape(&e->list, &r->shape, &r->message);
+    if (!error && (error = fxs_edits_add_shape(&e->list, &r->shape, &r->message)) != 0)
+        clear(e);
+    return error;
 }
 
 static int act(viewer *v, int keep, fxs_message *message)
@@ -95,7 +97,12 @@ static int act(viewer *v, int keep, fxs_message *message)
     editing *e = &v->edit;
     const uint32_t done = e->editor.done;
     const int deleted = fxs_editor_act(&e->editor, keep, message);
-    return deleted < 0 ? deleted : fxs_edits_add(&e->list, done, keep, message);
+    const int error = deleted < 0 ? deleted : fxs_edits_add(&e->list, done, keep, message);
+    if (error && deleted >= 0) {
+        fxs_editor_go(&e->editor, done);
+        e->editor.last = done;
+    }
+    return error;
 }
 
 static int write_edits(viewer *v, request *r)

@@ -6,10 +6,11 @@ export const LOOPS = ['none', 'repeat', 'pingpong']
 const flat = ({ eye, look, up, fov }) => [...eye, ...look, ...up, fov]
 
 /** Returns the keys of a repeated track with two more keys before and two behind, which close the path. If the track
-    ends with its last key, one second is inserted before the next round, as in supersplat-viewer. */
+    does not end after its last key, the next round begins a second after that key, as in supersplat-viewer. */
 function closed(keys, duration) {
   if (keys.length < 2) return keys
-  const length = duration + (duration === keys.at(-1).time ? 1 : 0)
+  const last = keys.at(-1).time
+  const length = duration > last ? duration : last + 1
   const later = (key, by) => ({ ...key, time: key.time + by })
   const [before, behind] = [keys.slice(-2), keys.slice(0, 2)]
   return [...before.map((key) => later(key, -length)), ...keys, ...behind.map((key) => later(key, length))]

@@ -319,8 +319,10 @@ typedef struct fxs_scene_filter {
        sets info->start.up to the normal of the ground, if the scene has one. The filter reads the file four times more,
        and holds 72 MB. If no thing stands out, the error is FXS_ERR_ARGUMENT */
     int thing;
-    const uint8_t *deleted;        /* a byte for each Gaussian of the stream; not 0: the Gaussian is dropped, and not
-                                      counted in the report. Null: none. The caller keeps it like `shapes` */
+    const uint8_t *deleted;        /* a byte for each of the stream's first deleted_count Gaussians; not 0: the Gaussian
+                                      is dropped, and not counted in the report. Null: none. The caller keeps it like
+                                      `shapes` */
+    uint64_t deleted_count;
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {

@@ -216,6 +216,18 @@ static int find_depths(const fxs_editor *e, const fxs_context *context, const fx
     return error ? fxs_fail_as(error, message, "the picture of a lasso or a brush: %s", fxs_strerror(error)) : 0;
 }
 
+/* True if a lasso or a brush is within the limits that keep sums of its coordinates in range. */
+static int has_range(const fxs_edit_shape *s)
+{
+    for (uint32_t i = 0; i < s->point_numbers; i++) {
+        const int is_radius = s->kind == FXS_EDIT_BRUSH && i % 3 == 2;
+        if (s->points[i] < (is_radius ? 0 : -FXS_EDIT_OUTSIDE) ||
+            s->points[i] > (is_radius ? FXS_BRUSH_MOST : FXS_EDIT_OUTSIDE))
+            return 0;
+    }
+    return 1;
+}
+
 static int make_picture(const fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, picture *p,
                         fxs_message *message)
 {
@@ -225,6 +237,8 @@ static int make_picture(const fxs_editor *e, const fxs_context *context, const f
     if (!is_size || pixels > FXS_EDIT_PIXELS_MOST)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a lasso or a brush in a picture of %d x %d pixels: at most %u "
                            "in all", (int)c->width, (int)c->height, FXS_EDIT_PIXELS_MOST);
+    if (!has_range(s))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a pixel of a lasso or a brush, or a radius, is out of range");
     p->mask = fxs_allocate_zeroed(NULL, pixels, 1);
     p->depths = s->front ? fxs_allocate(NULL, pixels, sizeof *p->depths) : NULL;
     if (!p->mask || (s->front && !p->depths))

@@ -38,12 +38,14 @@ static const struct {
 
 #include <cjson/cJSON.h>
 
-#define OUTSIDE 0x1p20    /* largest coordinate of a lasso or a brush, pixels */
+#define WORK_MOST ((uint64_t)1 << 34)   /* most pixels that the shapes of a file write */
+
 
 typedef struct reader {
     fxs_edits *edits;
     const char *path;
     fxs_message *message;
+    uint64_t *work;           /* pixels that the shapes so far write */
 } reader;
 
 static int wrong(const reader *r, const char *what)
@@ -102,7 +104,7 @@ static int take_points(const reader *r, const cJSON *list, fxs_edit_shape *shape
     cJSON_ArrayForEach(item, list) {
         const double x = cJSON_IsNumber(item) ? item->valuedouble : NAN;
         const int is_radius = each == 3 && n % 3 == 2;
-        if (!(x == floor(x) && x >= (is_radius ? 0 : -OUTSIDE) && x <= (is_radius ? FXS_BRUSH_MOST : OUTSIDE)))
+        if (!(x == floor(x) && x >= (is_radius ? 0 : -FXS_EDIT_OUTSIDE) && x <= (is_radius ? FXS_BRUSH_MOST : FXS_EDIT_OUTSIDE)))
             return wrong(r, "\"points\" are whole pixels, up to 2^20, a radius 0 to 1024");
         points[n++] = (int32_t)x;
     }
@@ -131,6 +133,18 @@ static int take_shape(const reader *r, const cJSON *item, fxs_edit_shape *shape)
     return is_finite ? 0 : wrong(r, "\"numbers\" of a box are 6, of a sphere 4");
 }
 
+/* Returns about how many pixels a lasso or a brush writes. */
+static uint64_t work_of(const fxs_edit_shape *s)
+{
+    const uint64_t pixels = (uint64_t)s->camera.width * (uint64_t)s->camera.height;
+    uint64_t work = s->kind < FXS_EDIT_LASSO ? 0 : s->front ? 16 * pixels : pixels;
+    if (s->kind == FXS_EDIT_LASSO)
+        work += s->point_numbers / 2 * (uint64_t)s->camera.height;
+    for (uint32_t i = 2; s->kind == FXS_EDIT_BRUSH && i < s->point_numbers; i += 3)
+        work += (2 * (uint64_t)s->points[i] + 1) * (2 * (uint64_t)s->points[i] + 1);
+    return work;
+}
+
 static int take_edit(const reader *r, const cJSON *edit)
 {
     fxs_edits *all = r->edits;
@@ -146,6 +160,9 @@ static int take_edit(const reader *r, const cJSON *edit)
         const int error = take_shape(r, item, &all->shapes[all->shape_count++]);
         if (error)
             return error;
+        *r->work += work_of(&all->shapes[all->shape_count - 1]);
+        if (*r->work > WORK_MOST)
+            return wrong(r, "the shapes have more pixels than 2^34");
     }
     all->edits[all->count++].end = all->shape_count;
     return 0;
@@ -189,7 +206,8 @@ static int take_root(const reader *r, const cJSON *root)
 
 static int read_text(fxs_edits *edits, const fxs_text *text, fxs_message *message)
 {
-    const reader r = {edits, text->path, message};
+    uint64_t work = 0;
+    const reader r = {edits, text->path, message, &work};
     cJSON *root;
     int error = fxs_json_parse(text, NULL, &root, message);
     if (error)

@@ -82,7 +82,8 @@ static int passes(filter_reader *r, fxs_gaussian *g)
     const int coefficients = 3 * r->filter.sh_degree * (r->filter.sh_degree + 2);
     const double place[3] = {r->origin[0] + (double)g->position[0], r->origin[1] + (double)g->position[1],
                              r->origin[2] + (double)g->position[2]};
-    if (r->filter.deleted && r->filter.deleted[r->next++])
+    const uint64_t at = r->next++;
+    if (r->filter.deleted && at < r->filter.deleted_count && r->filter.deleted[at])
         return 0;
     r->report.read++;
     if (!is_inside(&r->filter, place) || !is_in_shapes(&r->filter, place))

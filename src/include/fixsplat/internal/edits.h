@@ -14,6 +14,7 @@ extern "C" {
 #define FXS_EDIT_NUMBERS_MOST 196608u   /* largest number of coordinates of a lasso or a brush */
 #define FXS_EDIT_PIXELS_MOST (1u << 26) /* largest picture of a lasso or a brush */
 #define FXS_BRUSH_MOST 1024             /* largest radius of a brush, pixels */
+#define FXS_EDIT_OUTSIDE (1 << 20)      /* largest distance of a lasso or a brush from the picture's corner, pixels */
 
 enum fxs_edit_kind { FXS_EDIT_BOX, FXS_EDIT_SPHERE, FXS_EDIT_LASSO, FXS_EDIT_BRUSH, FXS_EDIT_KINDS };
 
