@@ -75,7 +75,8 @@ static int open_edited(edited *s, const char *path, const load_options *load)
     fxs_scene_file_close(file);
     if (is_fxs)
         status = copy_fxs(s, path, load);
-    return status || s->count == info.count ? status : fail(EXIT_FAILED, "%s: its number of Gaussians is damaged", path);
+    return status || s->count == info.count ? status
+                                            : fail(EXIT_FAILED, "%s: the number of Gaussians is damaged", path);
 }
 
 static int delete(const edited *s, const fxs_edits *edits, uint8_t *deleted, fxs_message *message)

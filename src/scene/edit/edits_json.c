@@ -104,7 +104,8 @@ static int take_points(const reader *r, const cJSON *list, fxs_edit_shape *shape
     cJSON_ArrayForEach(item, list) {
         const double x = cJSON_IsNumber(item) ? item->valuedouble : NAN;
         const int is_radius = each == 3 && n % 3 == 2;
-        if (!(x == floor(x) && x >= (is_radius ? 0 : -FXS_EDIT_OUTSIDE) && x <= (is_radius ? FXS_BRUSH_MOST : FXS_EDIT_OUTSIDE)))
+        if (!(x == floor(x) && x >= (is_radius ? 0 : -FXS_EDIT_OUTSIDE) &&
+              x <= (is_radius ? FXS_BRUSH_MOST : FXS_EDIT_OUTSIDE)))
             return wrong(r, "\"points\" are whole pixels, up to 2^20, a radius 0 to 1024");
         points[n++] = (int32_t)x;
     }
