@@ -123,10 +123,11 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const fx
     memset(r, 0, sizeof *r);
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
-    if (!result && fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message))
-        note("%s: no start view of a photograph: %s", out, message.text);
-    if (!result)
+    if (!result) {
+        /* A failure is no fault: only the up direction is of use, and fxs_start_choose finds one where there is none. */
+        (void)fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message);
         result = fxs_start_choose(r->packed.data, r->packed.bytes, &message);
+    }
     if (!result)
         result = write_fit(r, fit, block, out, &message);
     return result ? fail_for(&message) : 0;
