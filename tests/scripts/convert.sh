@@ -341,6 +341,9 @@ $("$fixsplat" info edited.fxs --json)
 END
 echo '{"format": "fixsplat edits"' >bad.json
 fails "--edits: a file that breaks off" 1 'bad.json' convert knot.ply new.ply --edits bad.json
+discs=$(awk 'BEGIN { for (i = 0; i < 4100; i++) printf "%s0, 0, 1024", i ? ", " : "" }')
+sed 's/"shape": "lasso"/"shape": "brush"/; s/"points": \[[^]]*\]/"points": ['"$discs"']/' edits.json >wide.json
+fails "--edits: shapes of too many pixels" 1 'the shapes have more pixels than' convert knot.ply new.ply --edits wide.json
 fails "--edits: a missing file" 1 'none.json' convert knot.ply new.ply --edits none.json
 fails "--edits of two scenes" 2 '--edits is for one scene' convert knot.ply row.ply new.ply --edits edits.json
 cp edits.json edits.ply
