@@ -124,7 +124,7 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const fx
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
     if (!result) {
-        /* A failure is no fault: only the up direction is of use, and fxs_start_choose finds one where there is none. */
+        /* A failure is no fault: only the up direction is of use, and fxs_start_choose finds a missing one. */
         (void)fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message);
         result = fxs_start_choose(r->packed.data, r->packed.bytes, &message);
     }
