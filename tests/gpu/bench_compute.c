@@ -13,6 +13,8 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/gl.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/backends.h>
+#include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/internal/packed.h>
 #include "kernels/compute/gl31.h"
 
