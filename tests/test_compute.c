@@ -306,7 +306,8 @@ static int check_lists(const uint32_t *depths)
     uint32_t *counts = read_words(FXS_COMPUTE_COUNTS, 0, f->classes);
     int good = 1;
     for (uint32_t tile = 0; tile < tiles && good; tile++) {
-        const uint32_t count = counts[FXS_COMPUTE_TILES + tile], first = counts[f->next + tile] - count;
+        const uint32_t *list = counts + FXS_COMPUTE_TILES + FXS_COMPUTE_LIST * tile;
+        const uint32_t count = list[0], first = list[1] - count;
         uint32_t *entries = read_words(FXS_COMPUTE_ENTRIES, first, (uint64_t)count + 1);
         fxs_key before = 0;
         for (uint32_t i = 0; i < count && good; i++) {

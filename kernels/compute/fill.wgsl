@@ -18,7 +18,7 @@ fn fits() -> bool
 
 fn put_entry(tile: u32, entry: u32)
 {
-    entries[atomicAdd(&counts[frame.next + tile], 1u)] = entry;
+    entries[atomicAdd(&counts[list_of(tile) + 1u], 1u)] = entry;
 }
 
 fn fill_box(slot: u32)

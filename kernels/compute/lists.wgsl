@@ -41,7 +41,7 @@ fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     var entries_before = 0u;
     for (var first = 0u; first < across; first += THREADS) {
         let column = first + thread;
-        let at = TILES + row + column;
+        let at = list_of(row + column);
         var own = 0u;
         if (column < across) {
             own = atomicLoad(&counts[at]);
@@ -57,7 +57,7 @@ fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         entries_before = plus(entries_before, sum_of_all(true), true);
         if (column < across) {
             atomicStore(&counts[at], length);
-            atomicStore(&counts[frame.next + row + column], end - length);
+            atomicStore(&counts[at + 1u], end - length);
         }
     }
     if (thread == 0u) {
@@ -76,11 +76,11 @@ fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     workgroupBarrier();
     for (var column = thread; column < across; column += THREADS) {
         let tile = row + column;
-        let length = atomicLoad(&counts[TILES + tile]);
+        let length = atomicLoad(&counts[list_of(tile)]);
         let class_number = class_of(length);
         put_blocks(tile, length);
         let place = atomicAdd(&counts[CLASS_COUNTS + class_number], 1u);
         atomicStore(&counts[frame.classes + class_number * across * u32(frame.tiles.y) + place], tile);
-        atomicAdd(&counts[frame.next + tile], first_page * PAGE);
+        atomicAdd(&counts[list_of(tile) + 1u], first_page * PAGE);
     }
 }

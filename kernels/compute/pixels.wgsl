@@ -181,8 +181,8 @@ fn patch_of(group: vec3<u32>) -> Patch
         return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
     }
     let corner = corner_of(tile, patch_number);
-    let count = counts[TILES + tile];
-    return Patch(tile, corner.x, corner.y, rows, counts[frame.next + tile] - count, count);
+    let count = counts[list_of(tile)];
+    return Patch(tile, corner.x, corner.y, rows, counts[list_of(tile) + 1u] - count, count);
 }
 
 struct Place {

@@ -365,9 +365,8 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
     f->depths = words_at(&words, (uint64_t)FXS_CHUNK * r->chunks);
     lay_out_stages(p, r, pixels, &words);
-    f->seen = (uint32_t)(FXS_COMPUTE_TILES + tiles);
-    f->cleared = f->next = f->seen + p->places / 32 + 1;
-    f->classes = (uint32_t)(f->next + tiles);
+    f->seen = (uint32_t)(FXS_COMPUTE_TILES + FXS_COMPUTE_LIST * tiles);
+    f->cleared = f->classes = f->seen + p->places / 32 + 1;
     f->blocks = (uint32_t)(f->classes + FXS_COMPUTE_CLASSES * tiles);
     f->block_room = (uint32_t)(tiles + (uint64_t)r->pages * (FXS_COMPUTE_PAGE / FXS_COMPUTE_BLOCK));
     f->cutoff = (int32_t)p->view.cutoff;

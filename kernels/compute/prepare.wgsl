@@ -52,10 +52,10 @@ fn count_tiles(row: i32, s: Span)
     if (s.first > s.last) {
         return;
     }
-    let tile = TILES + u32(row * frame.tiles.x);
-    atomicAdd(&counts[tile + u32(s.first)], 1u);
+    let tile = u32(row * frame.tiles.x);
+    atomicAdd(&counts[list_of(tile + u32(s.first))], 1u);
     if (s.last < frame.tiles.x - 1) {
-        atomicAdd(&counts[tile + u32(s.last) + 1u], 0xffffffffu);
+        atomicAdd(&counts[list_of(tile + u32(s.last) + 1u)], 0xffffffffu);
     }
 }
 

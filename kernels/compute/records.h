@@ -27,7 +27,7 @@ enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };
 enum {
     FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,
     FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 512, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64,
-    FXS_COMPUTE_SPAN = 8
+    FXS_COMPUTE_SPAN = 8, FXS_COMPUTE_LIST = 8
 };
 enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_COMPUTE_DAMAGED, FXS_COMPUTE_VISIBLE,
        FXS_COMPUTE_ENTRY_COUNT, FXS_COMPUTE_LONGEST = 9 };
@@ -35,7 +35,7 @@ enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_CO
 typedef struct fxs_compute_frame {
     int32_t size[2], tiles[2];
     uint32_t places, spans, chunk_room, large_room, page_room;
-    uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, next, classes;
+    uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, unused, classes;
     uint32_t blocks, block_room, spare, tile_bits, cleared;
     int32_t cutoff, cut_q11;
     uint32_t format;

@@ -29,6 +29,8 @@ const LONG_BLOCKS: u32 = 8u;
 const LONGEST: u32 = 9u;
 const CLASS_COUNTS: u32 = 16u;
 const TILES: u32 = 64u;
+const LIST: u32 = 8u;              // words from one tile's list to the next: atomics in one memory sector are slow
+
 
 struct Frame {
     size: vec2<i32>,
@@ -49,7 +51,7 @@ struct Frame {
     // Offset of the spans, ranges of drawn chunks. Each has first and end place, first and end visible place, object
     // id, first chunk.
     spans_at: u32,
-    next: u32,
+    unused: u32,
     classes: u32,
     blocks: u32,           // offset in `counts` of the blocks to sort: tile, and number of the block in the tile's list
     block_room: u32,
@@ -134,6 +136,12 @@ struct Bounds {
 }
 
 const EVERYWHERE_Q8: i32 = 0x40000000;
+
+// Returns where `counts` has the length of a tile's list, followed by the place of its next entry, later of its end.
+fn list_of(tile: u32) -> u32
+{
+    return TILES + LIST * tile;
+}
 
 fn half_of(word: u32, i: u32) -> u32
 {

@@ -73,8 +73,8 @@ fn take_block(group: vec3<u32>, thread: u32) -> Block
         own_block.count = 0u;
         if (number < long + counts[SHORT_BLOCKS] && fits()) {
             let tile = counts[at];
-            let count = counts[TILES + tile];
-            own_block = Block(counts[frame.next + tile] - count, count, BLOCK * (counts[at + 1u] % DONE),
+            let count = counts[list_of(tile)];
+            own_block = Block(counts[list_of(tile) + 1u] - count, count, BLOCK * (counts[at + 1u] % DONE),
                               counts[at + 1u] / DONE);
             counts[at + 1u] += DONE;
         }

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=32,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -21,31 +21,32 @@ const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=40
 BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;
 const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const
 uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const
-uint CLASS_COUNTS=16u;const uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;const uint SOME=32u;
-const uint APART=4u;layout(std430,binding=0)readonly buffer type_11_block_0Compute{uint _group_1_binding_0_cs[];};
-layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=1)readonly
-buffer type_11_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer
-type_13_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_11_block_4Compute{uint
-_group_1_binding_3_cs[];};shared uvec4 shapes[32];shared uvec4 shades[32];shared uint touching[2];shared uint
-open_round;shared uint open_pixels[2];int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,
-int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int
-_e4=c;int _e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int
-cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,
-int c_1){return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p_2=0;int
-_e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p_2=_e3;int _e5=p_2;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);
-p_2=_e7;int _e8=p_2;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p_2=_e10;int _e11=p_2;int _e12=p_2;int
-_e13=fxs_mul_q15_(_e11,_e12);p_2=_e13;int _e14=p_2;int _e15=p_2;int _e16=fxs_mul_q15_(_e14,_e15);p_2=_e16;int _e17=p_2;
-int _e18=p_2;int _e19=fxs_mul_q15_(_e17,_e18);p_2=_e19;int _e20=p_2;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return
-_e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);
-return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,
-colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int
-transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int
-_e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){
-return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uint classes_before(uint number,uvec4 sizes,inout
-uint start,inout uint all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint z=(w + sizes.z);uint y=(z + sizes.y);uint x=(y +
-sizes.x);uvec4 ends=uvec4(x,y,z,w);uvec4 before=mix(uvec4(0u),uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4
-last=(before*ends);all_=x;uint _e22=start;start=max(_e22,max(max(last.x,last.y),max(last.z,last.w)));return(((before.x
-+ before.y)+ before.z)+ before.w);}uvec4 class_sizes(uint first_1){uint at_2=(CLASS_COUNTS + first_1);uint
+uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;
+const uint SOME=32u;const uint APART=4u;layout(std430,binding=0)readonly buffer type_11_block_0Compute{uint
+_group_1_binding_0_cs[];};layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};
+layout(std430,binding=1)readonly buffer type_11_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
+binding=2)readonly buffer type_13_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
+type_11_block_4Compute{uint _group_1_binding_3_cs[];};shared uvec4 shapes[32];shared uvec4 shades[32];shared uint
+touching[2];shared uint open_round;shared uint open_pixels[2];int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);
+}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;
+c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int
+fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int
+fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int
+level_q11_){int p_2=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p_2=_e3;int _e5=p_2;int _e7=fxs_mul_add_q15_(_e5,
+level_q11_,-32730);p_2=_e7;int _e8=p_2;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p_2=_e10;int _e11=p_2;int
+_e12=p_2;int _e13=fxs_mul_q15_(_e11,_e12);p_2=_e13;int _e14=p_2;int _e15=p_2;int _e16=fxs_mul_q15_(_e14,_e15);p_2=_e16;
+int _e17=p_2;int _e18=p_2;int _e19=fxs_mul_q15_(_e17,_e18);p_2=_e19;int _e20=p_2;int _e22=fxs_min(_e20,
+FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int
+_e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int
+colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int
+fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,
+transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int
+fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uint
+list_of(uint tile){return(TILES +(LIST*tile));}uint classes_before(uint number,uvec4 sizes,inout uint start,inout uint
+all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint z=(w + sizes.z);uint y=(z + sizes.y);uint x=(y + sizes.x);uvec4
+ends=uvec4(x,y,z,w);uvec4 before=mix(uvec4(0u),uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4 last=(before*ends);
+all_=x;uint _e22=start;start=max(_e22,max(max(last.x,last.y),max(last.z,last.w)));return(((before.x + before.y)+
+before.z)+ before.w);}uvec4 class_sizes(uint first_1){uint at_2=(CLASS_COUNTS + first_1);uint
 _e5=_group_1_binding_0_cs[at_2];uint _e10=_group_1_binding_0_cs[(at_2 + 1u)];uint _e15=_group_1_binding_0_cs[(at_2 +
 2u)];uint _e20=_group_1_binding_0_cs[(at_2 + 3u)];return uvec4(_e5,_e10,_e15,_e20);}uint tile_at(uint number_1){uint
 start_1=0u;uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4 _e4=class_sizes(8u);uvec4 _e6=class_sizes(4u);uvec4
@@ -99,18 +100,18 @@ word_2=(((r|(g<<8u))|(b_3<<16u))|4278190080u);uint _e106=_group_0_binding_0_cs.f
 int _e112=fxs_coverage_8bit(transmittance);word_2=((_e109&16777215u)|(uint(_e112)<<24u));}uint
 _e119=_group_0_binding_0_cs.format;if((_e119==2u)){word_2=((((((r*31u)+ 127u)/255u)<<11u)|((((g*63u)+
 127u)/255u)<<5u))|(((b_3*31u)+ 127u)/255u));}uint _e149=_group_0_binding_0_cs.colour;uint _e152=word_2;
-_group_1_binding_3_cs[(_e149 + at)]=_e152;return;}uvec2 corner_of(uint tile,uint number_2){uint
+_group_1_binding_3_cs[(_e149 + at)]=_e152;return;}uvec2 corner_of(uint tile_1,uint number_2){uint
 _e4=_group_0_binding_0_cs.tile_bits;uint halves=(_e4 - 3u);int _e10=_group_0_binding_0_cs.tiles.x;uint
-across=uint(_e10);uint _e17=_group_0_binding_0_cs.tile_bits;return((uvec2((tile%across),
-(tile/across))<<uvec2(_e17))+(uvec2((number_2&halves),((number_2>>1u)&halves))*SIDE));}Patch patch_of(uvec3 group_2){
+across=uint(_e10);uint _e17=_group_0_binding_0_cs.tile_bits;return((uvec2((tile_1%across),
+(tile_1/across))<<uvec2(_e17))+(uvec2((number_2&halves),((number_2>>1u)&halves))*SIDE));}Patch patch_of(uvec3 group_2){
 bool local_7=false;uint number_3=((group_2.y*ROW_OF_GROUPS)+ group_2.x);uint _e8=_group_0_binding_0_cs.tile_bits;uint
 halves_1=(_e8 - 3u);uint longest=_group_1_binding_0_cs[31];uint by_rows=((SIDE*longest)<<(2u*halves_1));uint
 whole=(number_3 - min(number_3,by_rows));uint patch_number=((number_3>=by_rows)?(whole
 +(by_rows/SIDE)):(number_3/SIDE));uvec2 rows=((number_3>=by_rows)?uvec2(0u,7u):uvec2((number_3%SIDE)));uint
 _e39=tile_at((patch_number>>(2u*halves_1)));if(!((_e39==NOTHING))){bool _e45=fits();local_7=!(_e45);}else{local_7=true;}
 bool _e48=local_7;if(_e48){return Patch(NOTHING,0u,0u,rows,0u,0u);}uvec2 _e55=corner_of(_e39,patch_number);uint
-count=_group_1_binding_0_cs[(TILES + _e39)];uint _e66=_group_0_binding_0_cs.next;uint _e69=_group_1_binding_0_cs[(_e66
-+ _e39)];return Patch(_e39,_e55.x,_e55.y,rows,(_e69 - count),count);}Place place_of(Patch here_2,uint thread_2){bool
+_e57=list_of(_e39);uint count=_group_1_binding_0_cs[_e57];uint _e63=list_of(_e39);uint _e67=_group_1_binding_0_cs[(_e63
++ 1u)];return Patch(_e39,_e55.x,_e55.y,rows,(_e67 - count),count);}Place place_of(Patch here_2,uint thread_2){bool
 local_8=false;bool local_9=false;uint column_1=(thread_2%APART);uint row_3=(thread_2/APART);uvec2 x_1=(uvec2(here_2.x)+
 uvec2(column_1,(column_1 + APART)));int _e17=_group_0_binding_0_cs.size.x;int _e26=_group_0_binding_0_cs.size.x;int
 _e35=_group_0_binding_0_cs.size.y;if(((here_2.y + row_3)<uint(_e35))){local_8=(row_3>=here_2.rows.x);}else{

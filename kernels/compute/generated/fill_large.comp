@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -19,10 +19,10 @@ uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;c
 CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
 VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
 ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
-_group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_13_block_1Compute{uvec4 _group_1_binding_0_cs[];};
-layout(std430,binding=1)readonly buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
-binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
+uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;layout(std140,binding=0)uniform
+Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_13_block_1Compute{uvec4
+_group_1_binding_0_cs[];};layout(std430,binding=1)readonly buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};
+layout(std430,binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
 type_14_block_4Compute{uint _group_1_binding_3_cs[];};shared ivec4 spans[8];int fxs_min(int a_1,int b_2){
 return((a_1<b_2)?a_1:b_2);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),
 FXS_FAINT_Q11_);return _e4;}uvec2 add_wide(uvec2 a_3,uvec2 b_4){uint low=(a_3.x + b_4.x);return uvec2(low,((a_3.y +
@@ -40,50 +40,50 @@ findMSB(x_2)));}uint rsqrt_step(uint m_1,uint y_q30_1){uint _e8=mul_high((2u*y_q
 _e8);uint _e12=mul_high((2u*y_q30_1),(2u*(1610612736u - _e9)));return _e12;}uint rsqrt(uint m_2){uint _e3=mul_high(m_2,
 1431655765u);uint _e5=rsqrt_step(m_2,(2369829601u - _e3));uint _e6=rsqrt_step(m_2,_e5);uint _e7=rsqrt_step(m_2,_e6);
 return _e7;}uint sqrt_of(uint x_5){if((x_5==0u)){return 0u;}int _e4=zeros_of(x_5);uint shift=(uint(_e4)&4294967294u);
-uint m_3=(x_5<<shift);uint _e9=rsqrt(m_3);uint _e10=mul_high(m_3,_e9);return(_e10>>(14u +(shift/2u)));}Span
-columns_between(int left_q8_,int right_q8_){bool local_5=false;bool local_6=false;int first=((left_q8_ + 255)>>8u);int
-last=(right_q8_>>8u);if(!((last<0))){int _e16=_group_0_binding_0_cs.size.x;local_5=(first>=_e16);}else{local_5=true;}
-bool _e19=local_5;if(!(_e19)){local_6=(first>last);}else{local_6=true;}bool _e25=local_6;if(_e25){return Span(0,-1);}
-uint _e33=_group_0_binding_0_cs.tile_bits;uint _e37=_group_0_binding_0_cs.tile_bits;int
-_e42=_group_0_binding_0_cs.tiles.x;int _e48=_group_0_binding_0_cs.size.x;return Span((max(first,0)>>_e33),
-((last>=_e48)?(_e42 - 1):(last>>_e37)));}int radius_q12_(int offset_q11_2){int _e3=_group_0_binding_0_cs.cut_q11_;int
-_e4=fxs_limit_q11_(offset_q11_2,_e3);uint _e11=sqrt_of((uint(((_e4 - offset_q11_2)+ 1))<<13u));return(int(_e11)+ 1);}
-int v_at_row(inout Splat s_1,inout Bounds b_13,int row){int _e7=b_13.c_q14_.y;int _e10=s_1.vy_q24_;uvec2
-_e11=mul_signed(((row<<14u)- _e7),_e10);uvec2 _e13=shift_signed(_e11,26u);int _e14=low_of(_e13);return _e14;}int
-half_at(inout Bounds b_14,int r_q12_,int v_q12_){uint _e7=sqrt_of(uint(((r_q12_*r_q12_)-(v_q12_*v_q12_))));uint
-root=(_e7 + 1u);uint _e11=b_14.breadth_q8_;uvec2 _e12=mul_wide(_e11,root);uvec2 _e14=shift_right(_e12,12u);return
-int(_e14.x);}Span ellipse_span(inout Splat s_2,inout Bounds b_15,int r,int row_1){bool local_7=false;bool local_8=false;
-int left=0;int right=0;uvec2 tangent=uvec2(0u);bool local_9=false;bool local_10=false;uint
-_e6=_group_0_binding_0_cs.tile_bits;int _e8=v_at_row(s_2,b_15,(row_1<<_e6));uint _e13=_group_0_binding_0_cs.tile_bits;
-int _e17=v_at_row(s_2,b_15,(((row_1 + 1)<<_e13)- 1));int reach=b_15.half_width_q8_;if(!((_e8>(r + 2)))){
-local_7=(_e17<(-(r)- 2));}else{local_7=true;}bool _e31=local_7;if(_e31){local_8=(reach!=EVERYWHERE_Q8_);}else{
-local_8=false;}bool _e37=local_8;if(_e37){return Span(0,-1);}int top=min(max(_e8,-(r)),r);int bottom=min(max((_e17 + 1),
--(r)),r);int _e48=b_15.shear_q8_;uvec2 _e49=mul_signed(_e48,top);uvec2 _e51=shift_signed(_e49,12u);int
-_e52=low_of(_e51);int _e54=b_15.shear_q8_;uvec2 _e55=mul_signed(_e54,bottom);uvec2 _e57=shift_signed(_e55,12u);int
-_e58=low_of(_e57);int _e59=half_at(b_15,r,top);int _e60=half_at(b_15,r,bottom);left=-(max((_e59 - _e52),(_e60 - _e58)));
-right=max((_e59 + _e52),(_e60 + _e58));int _e71=b_15.shear_q8_;uvec2 _e75=mul_wide(uint(abs(_e71)),uint(r));uvec2
-_e77=shift_right(_e75,12u);uvec2 _e80=mul_wide(_e77.x,uint(r));tangent=_e80;int _e83=b_15.shear_q8_;if((_e83<0)){uvec2
-_e86=tangent;uvec2 _e87=negate(_e86);tangent=_e87;}uvec2 _e88=tangent;uvec2 _e89=negate(_e88);uvec2 _e90=mul_signed(top,
-reach);uvec2 _e91=mul_signed(bottom,reach);uvec2 _e92=tangent;bool _e93=less(_e92,_e90);if(!(_e93)){uvec2 _e97=tangent;
-bool _e98=less(_e91,_e97);local_9=!(_e98);}else{local_9=false;}bool _e101=local_9;if(_e101){right=reach;}bool
-_e102=less(_e89,_e90);if(!(_e102)){bool _e106=less(_e91,_e89);local_10=!(_e106);}else{local_10=false;}bool
-_e109=local_10;if(_e109){left=-(reach);}int _e113=b_15.c_q14_.x;int c_q8_1=(_e113>>6u);int margin=((reach>>8u)+ 32);int
-_e120=left;int _e125=right;Span _e131=columns_between((c_q8_1 + max((_e120 - margin),-(reach))),(c_q8_1 -
-max((-(_e125)- margin),-(reach))));return _e131;}Span square_span(int centre_q14_,uint radius,int tiles){int
-pixel=(centre_q14_>>14u);int first_1=((pixel - int(radius))>>4u);int last_1=((((pixel + int(radius))+ 15)>>4u)- 1);
-return Span(min(max(first_1,0),tiles),min(max(last_1,-1),(tiles - 1)));}Span rows_of(inout Splat s_3,inout Bounds b_16){
-int _e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){int _e9=b_16.c_q14_.y;uint _e11=b_16.square_radius;int
-_e15=_group_0_binding_0_cs.tiles.y;Span _e16=square_span(_e9,_e11,_e15);return _e16;}int _e19=s_3.rows.x;uint
-_e22=_group_0_binding_0_cs.tile_bits;int _e26=s_3.rows.y;uint _e29=_group_0_binding_0_cs.tile_bits;return
-Span((_e19>>_e22),(_e26>>_e29));}Span span_of(inout Splat s_4,inout Bounds b_17,int r_q12_1,int row_2){int
-_e6=_group_0_binding_0_cs.cutoff;if((_e6==1)){int _e11=b_17.c_q14_.x;uint _e13=b_17.square_radius;int
-_e17=_group_0_binding_0_cs.tiles.x;Span _e18=square_span(_e11,_e13,_e17);return _e18;}Span _e19=ellipse_span(s_4,b_17,
-r_q12_1,row_2);return _e19;}bool fits(){bool local_11=false;bool local_12=false;uint _e2=_group_1_binding_2_cs[2];uint
-_e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint _e11=_group_1_binding_2_cs[1];uint
-_e14=_group_0_binding_0_cs.large_room;local_11=(_e11<=_e14);}else{local_11=false;}bool _e17=local_11;if(_e17){uint
+uint m_3=(x_5<<shift);uint _e9=rsqrt(m_3);uint _e10=mul_high(m_3,_e9);return(_e10>>(14u +(shift/2u)));}uint
+list_of(uint tile){return(TILES +(LIST*tile));}Span columns_between(int left_q8_,int right_q8_){bool local_5=false;bool
+local_6=false;int first=((left_q8_ + 255)>>8u);int last=(right_q8_>>8u);if(!((last<0))){int
+_e16=_group_0_binding_0_cs.size.x;local_5=(first>=_e16);}else{local_5=true;}bool _e19=local_5;if(!(_e19)){
+local_6=(first>last);}else{local_6=true;}bool _e25=local_6;if(_e25){return Span(0,-1);}uint
+_e33=_group_0_binding_0_cs.tile_bits;uint _e37=_group_0_binding_0_cs.tile_bits;int _e42=_group_0_binding_0_cs.tiles.x;
+int _e48=_group_0_binding_0_cs.size.x;return Span((max(first,0)>>_e33),((last>=_e48)?(_e42 - 1):(last>>_e37)));}int
+radius_q12_(int offset_q11_2){int _e3=_group_0_binding_0_cs.cut_q11_;int _e4=fxs_limit_q11_(offset_q11_2,_e3);uint
+_e11=sqrt_of((uint(((_e4 - offset_q11_2)+ 1))<<13u));return(int(_e11)+ 1);}int v_at_row(inout Splat s_1,inout Bounds
+b_13,int row){int _e7=b_13.c_q14_.y;int _e10=s_1.vy_q24_;uvec2 _e11=mul_signed(((row<<14u)- _e7),_e10);uvec2
+_e13=shift_signed(_e11,26u);int _e14=low_of(_e13);return _e14;}int half_at(inout Bounds b_14,int r_q12_,int v_q12_){
+uint _e7=sqrt_of(uint(((r_q12_*r_q12_)-(v_q12_*v_q12_))));uint root=(_e7 + 1u);uint _e11=b_14.breadth_q8_;uvec2
+_e12=mul_wide(_e11,root);uvec2 _e14=shift_right(_e12,12u);return int(_e14.x);}Span ellipse_span(inout Splat s_2,inout
+Bounds b_15,int r,int row_1){bool local_7=false;bool local_8=false;int left=0;int right=0;uvec2 tangent=uvec2(0u);bool
+local_9=false;bool local_10=false;uint _e6=_group_0_binding_0_cs.tile_bits;int _e8=v_at_row(s_2,b_15,(row_1<<_e6));uint
+_e13=_group_0_binding_0_cs.tile_bits;int _e17=v_at_row(s_2,b_15,(((row_1 + 1)<<_e13)- 1));int reach=b_15.half_width_q8_;
+if(!((_e8>(r + 2)))){local_7=(_e17<(-(r)- 2));}else{local_7=true;}bool _e31=local_7;if(_e31){
+local_8=(reach!=EVERYWHERE_Q8_);}else{local_8=false;}bool _e37=local_8;if(_e37){return Span(0,-1);}int top=min(max(_e8,
+-(r)),r);int bottom=min(max((_e17 + 1),-(r)),r);int _e48=b_15.shear_q8_;uvec2 _e49=mul_signed(_e48,top);uvec2
+_e51=shift_signed(_e49,12u);int _e52=low_of(_e51);int _e54=b_15.shear_q8_;uvec2 _e55=mul_signed(_e54,bottom);uvec2
+_e57=shift_signed(_e55,12u);int _e58=low_of(_e57);int _e59=half_at(b_15,r,top);int _e60=half_at(b_15,r,bottom);
+left=-(max((_e59 - _e52),(_e60 - _e58)));right=max((_e59 + _e52),(_e60 + _e58));int _e71=b_15.shear_q8_;uvec2
+_e75=mul_wide(uint(abs(_e71)),uint(r));uvec2 _e77=shift_right(_e75,12u);uvec2 _e80=mul_wide(_e77.x,uint(r));
+tangent=_e80;int _e83=b_15.shear_q8_;if((_e83<0)){uvec2 _e86=tangent;uvec2 _e87=negate(_e86);tangent=_e87;}uvec2
+_e88=tangent;uvec2 _e89=negate(_e88);uvec2 _e90=mul_signed(top,reach);uvec2 _e91=mul_signed(bottom,reach);uvec2
+_e92=tangent;bool _e93=less(_e92,_e90);if(!(_e93)){uvec2 _e97=tangent;bool _e98=less(_e91,_e97);local_9=!(_e98);}else{
+local_9=false;}bool _e101=local_9;if(_e101){right=reach;}bool _e102=less(_e89,_e90);if(!(_e102)){bool _e106=less(_e91,
+_e89);local_10=!(_e106);}else{local_10=false;}bool _e109=local_10;if(_e109){left=-(reach);}int _e113=b_15.c_q14_.x;int
+c_q8_1=(_e113>>6u);int margin=((reach>>8u)+ 32);int _e120=left;int _e125=right;Span _e131=columns_between((c_q8_1 +
+max((_e120 - margin),-(reach))),(c_q8_1 - max((-(_e125)- margin),-(reach))));return _e131;}Span square_span(int
+centre_q14_,uint radius,int tiles){int pixel=(centre_q14_>>14u);int first_1=((pixel - int(radius))>>4u);int
+last_1=((((pixel + int(radius))+ 15)>>4u)- 1);return Span(min(max(first_1,0),tiles),min(max(last_1,-1),(tiles - 1)));}
+Span rows_of(inout Splat s_3,inout Bounds b_16){int _e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){int _e9=b_16.c_q14_.y;
+uint _e11=b_16.square_radius;int _e15=_group_0_binding_0_cs.tiles.y;Span _e16=square_span(_e9,_e11,_e15);return _e16;}
+int _e19=s_3.rows.x;uint _e22=_group_0_binding_0_cs.tile_bits;int _e26=s_3.rows.y;uint
+_e29=_group_0_binding_0_cs.tile_bits;return Span((_e19>>_e22),(_e26>>_e29));}Span span_of(inout Splat s_4,inout Bounds
+b_17,int r_q12_1,int row_2){int _e6=_group_0_binding_0_cs.cutoff;if((_e6==1)){int _e11=b_17.c_q14_.x;uint
+_e13=b_17.square_radius;int _e17=_group_0_binding_0_cs.tiles.x;Span _e18=square_span(_e11,_e13,_e17);return _e18;}Span
+_e19=ellipse_span(s_4,b_17,r_q12_1,row_2);return _e19;}bool fits(){bool local_11=false;bool local_12=false;uint
+_e2=_group_1_binding_2_cs[2];uint _e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint _e11=_group_1_binding_2_cs[1];
+uint _e14=_group_0_binding_0_cs.large_room;local_11=(_e11<=_e14);}else{local_11=false;}bool _e17=local_11;if(_e17){uint
 _e22=_group_1_binding_2_cs[0];uint _e25=_group_0_binding_0_cs.chunk_room;local_12=(_e22<=_e25);}else{local_12=false;}
-bool _e28=local_12;return _e28;}void put_entry(uint tile,uint entry){uint _e6=_group_0_binding_0_cs.next;uint
-_e10=atomicAdd(_group_1_binding_2_cs[(_e6 + tile)],1u);_group_1_binding_3_cs[_e10]=entry;return;}Splat large_splat(uint
+bool _e28=local_12;return _e28;}void put_entry(uint tile_1,uint entry){uint _e4=list_of(tile_1);uint
+_e9=atomicAdd(_group_1_binding_2_cs[(_e4 + 1u)],1u);_group_1_binding_3_cs[_e9]=entry;return;}Splat large_splat(uint
 slot_1){uvec4 a_19=_group_1_binding_0_cs[(2u*slot_1)];uvec4 b_18=_group_1_binding_0_cs[((2u*slot_1)+ 1u)];return
 Splat(a_19.x,a_19.y,int(a_19.z),int(a_19.w),int(b_18.x),int((b_18.y&65535u)),ivec2(int((b_18.w&65535u)),
 int((b_18.w>>16u))));}void main(){uvec3 group_1=gl_WorkGroupID;uint thread_1=gl_LocalInvocationIndex;Splat s=Splat(0u,

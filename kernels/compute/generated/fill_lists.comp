@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -19,24 +19,25 @@ uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;c
 CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
 VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
 ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
-_group_0_binding_0_cs;};layout(std430,binding=0)buffer type_14_block_1Compute{uint _group_1_binding_0_cs[];};
-layout(std430,binding=1)readonly buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
-binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
-type_14_block_4Compute{uint _group_1_binding_3_cs[];};bool fits(){bool local_11=false;bool local_12=false;uint
-_e2=_group_1_binding_2_cs[2];uint _e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint _e11=_group_1_binding_2_cs[1];
-uint _e14=_group_0_binding_0_cs.large_room;local_11=(_e11<=_e14);}else{local_11=false;}bool _e17=local_11;if(_e17){uint
-_e22=_group_1_binding_2_cs[0];uint _e25=_group_0_binding_0_cs.chunk_room;local_12=(_e22<=_e25);}else{local_12=false;}
-bool _e28=local_12;return _e28;}void put_entry(uint tile,uint entry){uint _e6=_group_0_binding_0_cs.next;uint
-_e10=atomicAdd(_group_1_binding_2_cs[(_e6 + tile)],1u);_group_1_binding_3_cs[_e10]=entry;return;}void fill_box(uint
-slot){uvec2 bits=uvec2(0u);uint bit=0u;uint _e4=_group_0_binding_0_cs.boxes;uint _e9=_group_1_binding_1_cs[(_e4
-+(2u*slot))];uint _e13=_group_0_binding_0_cs.boxes;uint _e20=_group_1_binding_1_cs[((_e13 +(2u*slot))+ 1u)];
-bits=uvec2(_e9,_e20);uint _e24=bits.y;uint first_tile=(_e24>>10u);int _e30=_group_0_binding_0_cs.tiles.x;uint
-across=uint(_e30);uint _e33=bits.y;bits.y=(_e33&1023u);while(true){uint _e37=bits.x;uint _e39=bits.y;
-if(((_e37|_e39)!=0u)){}else{break;}{bit=0u;uint _e46=bits.x;if((_e46!=0u)){uint _e50=bits.x;bit=min(uint(findLSB(_e50)),
-32u);uint _e53=bits.x;uint _e55=bits.x;bits.x=(_e53&(_e55 - 1u));}else{uint _e61=bits.y;bit=(32u +
-min(uint(findLSB(_e61)),32u));uint _e65=bits.y;uint _e67=bits.y;bits.y=(_e65&(_e67 - 1u));}uint _e71=bit;uint _e76=bit;
-put_entry(((first_tile +((_e71/6u)*across))+(_e76%6u)),slot);}}return;}void put_arguments(uint at,uint groups){
+uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;layout(std140,binding=0)uniform
+Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)buffer type_14_block_1Compute{uint
+_group_1_binding_0_cs[];};layout(std430,binding=1)readonly buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};
+layout(std430,binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
+type_14_block_4Compute{uint _group_1_binding_3_cs[];};uint list_of(uint tile){return(TILES +(LIST*tile));}bool fits(){
+bool local_11=false;bool local_12=false;uint _e2=_group_1_binding_2_cs[2];uint _e5=_group_0_binding_0_cs.page_room;
+if((_e2<=_e5)){uint _e11=_group_1_binding_2_cs[1];uint _e14=_group_0_binding_0_cs.large_room;local_11=(_e11<=_e14);}
+else{local_11=false;}bool _e17=local_11;if(_e17){uint _e22=_group_1_binding_2_cs[0];uint
+_e25=_group_0_binding_0_cs.chunk_room;local_12=(_e22<=_e25);}else{local_12=false;}bool _e28=local_12;return _e28;}void
+put_entry(uint tile_1,uint entry){uint _e4=list_of(tile_1);uint _e9=atomicAdd(_group_1_binding_2_cs[(_e4 + 1u)],1u);
+_group_1_binding_3_cs[_e9]=entry;return;}void fill_box(uint slot){uvec2 bits=uvec2(0u);uint bit=0u;uint
+_e4=_group_0_binding_0_cs.boxes;uint _e9=_group_1_binding_1_cs[(_e4 +(2u*slot))];uint _e13=_group_0_binding_0_cs.boxes;
+uint _e20=_group_1_binding_1_cs[((_e13 +(2u*slot))+ 1u)];bits=uvec2(_e9,_e20);uint _e24=bits.y;uint
+first_tile=(_e24>>10u);int _e30=_group_0_binding_0_cs.tiles.x;uint across=uint(_e30);uint _e33=bits.y;
+bits.y=(_e33&1023u);while(true){uint _e37=bits.x;uint _e39=bits.y;if(((_e37|_e39)!=0u)){}else{break;}{bit=0u;uint
+_e46=bits.x;if((_e46!=0u)){uint _e50=bits.x;bit=min(uint(findLSB(_e50)),32u);uint _e53=bits.x;uint _e55=bits.x;
+bits.x=(_e53&(_e55 - 1u));}else{uint _e61=bits.y;bit=(32u + min(uint(findLSB(_e61)),32u));uint _e65=bits.y;uint
+_e67=bits.y;bits.y=(_e65&(_e67 - 1u));}uint _e71=bit;uint _e76=bit;put_entry(((first_tile
++((_e71/6u)*across))+(_e76%6u)),slot);}}return;}void put_arguments(uint at,uint groups){
 _group_1_binding_0_cs[(4u*at)]=min(groups,ROW_OF_GROUPS);_group_1_binding_0_cs[((4u*at)+ 1u)]=(((groups +
 ROW_OF_GROUPS)- 1u)/ROW_OF_GROUPS);_group_1_binding_0_cs[((4u*at)+ 2u)]=1u;return;}void put_later(){uint i_1=0u;uint
 _e3=_group_0_binding_0_cs.tile_bits;uint patches=(2u*(_e3 - 3u));uint empty=_group_1_binding_2_cs[16];uint

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -18,8 +18,8 @@ LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;cons
 CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;
 const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const
 uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;
-const uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,
-binding=1)uniform Object_block_0Compute{Object _group_0_binding_1_cs;};layout(std140,binding=0)uniform
+const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);
+layout(std140,binding=1)uniform Object_block_0Compute{Object _group_0_binding_1_cs;};layout(std140,binding=0)uniform
 Frame_block_1Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_13_block_2Compute{uint
 _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_13_block_3Compute{uint _group_1_binding_1_cs[];};
 layout(std430,binding=2)buffer type_15_block_4Compute{uint _group_1_binding_2_cs[];};shared uint seen_bits[4];uvec2

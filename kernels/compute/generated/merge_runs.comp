@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -17,15 +17,15 @@ ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_R
 PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint
 NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;
 const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const
-uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const int
+uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int
 EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;const uint SAMPLES=16u;const uint RANGE=16u;const uint BINS=256u;const
 uint DONE=1048576u;layout(std430,binding=0)buffer type_14_block_0Compute{uint _group_1_binding_0_cs[];};layout(std140,
 binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=1)buffer
 type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_14_block_3Compute{uint
 _group_1_binding_2_cs[];};shared uvec2 keys[512];shared Block own_block;shared uint below_split[2];shared uint
-splits[2];bool fits(){bool local_1=false;bool local_2=false;uint _e2=_group_1_binding_0_cs[2];uint
-_e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint _e11=_group_1_binding_0_cs[1];uint
-_e14=_group_0_binding_0_cs.large_room;local_1=(_e11<=_e14);}else{local_1=false;}bool _e17=local_1;if(_e17){uint
+splits[2];uint list_of(uint tile){return(TILES +(LIST*tile));}bool fits(){bool local_1=false;bool local_2=false;uint
+_e2=_group_1_binding_0_cs[2];uint _e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint _e11=_group_1_binding_0_cs[1];
+uint _e14=_group_0_binding_0_cs.large_room;local_1=(_e11<=_e14);}else{local_1=false;}bool _e17=local_1;if(_e17){uint
 _e22=_group_1_binding_0_cs[0];uint _e25=_group_0_binding_0_cs.chunk_room;local_2=(_e22<=_e25);}else{local_2=false;}bool
 _e28=local_2;return _e28;}uvec2 key_of(uint entry){uint _e4=_group_0_binding_0_cs.depths;uint
 _e9=_group_1_binding_2_cs[(_e4 +(entry&2147483647u))];return uvec2(entry,_e9);}uvec2 key_at(bool in_spare,uint at){
@@ -39,17 +39,17 @@ number_2=((group_2.y*ROW_OF_GROUPS)+ group_2.x);if((thread_3==0u)){uint long_=_g
 _e14=_group_0_binding_0_cs.blocks;uint _e19=_group_0_binding_0_cs.block_room;uint at_4=(_e14
 +(2u*((number_2<long_)?((_e19 - 1u)- number_2):(number_2 - long_))));own_block.count=0u;uint
 _e32=_group_1_binding_0_cs[7];if((number_2<(long_ + _e32))){bool _e37=fits();local_3=_e37;}else{local_3=false;}bool
-_e39=local_3;if(_e39){uint tile=_group_1_binding_0_cs[at_4];uint count_2=_group_1_binding_0_cs[(TILES + tile)];uint
-_e52=_group_0_binding_0_cs.next;uint _e55=_group_1_binding_0_cs[(_e52 + tile)];uint _e62=_group_1_binding_0_cs[(at_4 +
-1u)];uint _e70=_group_1_binding_0_cs[(at_4 + 1u)];own_block=Block((_e55 - count_2),count_2,(BLOCK*(_e62%DONE)),
-(_e70/DONE));uint _e78=_group_1_binding_0_cs[(at_4 + 1u)];_group_1_binding_0_cs[(at_4 + 1u)]=(_e78 + DONE);}}
-memoryBarrierShared();barrier();Block _e82=own_block;memoryBarrierShared();barrier();return _e82;}uint split(uint
-thread_6,bool in_spare_2,uint first_1,uint a_2,uint second,uint b_2,uint d,uint run){uint low=0u;uint high=0u;uint
-i_10=0u;bool local_6=false;uint side=(thread_6/64u);low=(d - min(d,b_2));high=min(d,a_2);for(;(i_10<=(run/6u));
-i_10=(i_10 + 1u)){{uint _e21=high;uint _e22=low;uint step_2=(((_e21 - _e22)+ 63u)/64u);uint _e28=low;uint place_1=(_e28
-+((thread_6%64u)*step_2));below_split[side]=0u;memoryBarrierShared();barrier();uint _e36=high;if((place_1<_e36)){uvec2
-_e41=key_at(in_spare_2,(first_1 + place_1));uvec2 _e46=key_at(in_spare_2,(((second + d)- 1u)- place_1));bool
-_e47=is_below(_e41,_e46);local_6=_e47;}else{local_6=false;}bool _e49=local_6;if(_e49){uint
+_e39=local_3;if(_e39){uint tile_1=_group_1_binding_0_cs[at_4];uint _e44=list_of(tile_1);uint
+count_2=_group_1_binding_0_cs[_e44];uint _e49=list_of(tile_1);uint _e53=_group_1_binding_0_cs[(_e49 + 1u)];uint
+_e60=_group_1_binding_0_cs[(at_4 + 1u)];uint _e68=_group_1_binding_0_cs[(at_4 + 1u)];own_block=Block((_e53 - count_2),
+count_2,(BLOCK*(_e60%DONE)),(_e68/DONE));uint _e76=_group_1_binding_0_cs[(at_4 + 1u)];_group_1_binding_0_cs[(at_4 +
+1u)]=(_e76 + DONE);}}memoryBarrierShared();barrier();Block _e80=own_block;memoryBarrierShared();barrier();return _e80;}
+uint split(uint thread_6,bool in_spare_2,uint first_1,uint a_2,uint second,uint b_2,uint d,uint run){uint low=0u;uint
+high=0u;uint i_10=0u;bool local_6=false;uint side=(thread_6/64u);low=(d - min(d,b_2));high=min(d,a_2);for(;
+(i_10<=(run/6u));i_10=(i_10 + 1u)){{uint _e21=high;uint _e22=low;uint step_2=(((_e21 - _e22)+ 63u)/64u);uint _e28=low;
+uint place_1=(_e28 +((thread_6%64u)*step_2));below_split[side]=0u;memoryBarrierShared();barrier();uint _e36=high;
+if((place_1<_e36)){uvec2 _e41=key_at(in_spare_2,(first_1 + place_1));uvec2 _e46=key_at(in_spare_2,(((second + d)- 1u)-
+place_1));bool _e47=is_below(_e41,_e46);local_6=_e47;}else{local_6=false;}bool _e49=local_6;if(_e49){uint
 _e53=atomicAdd(below_split[side],1u);}memoryBarrierShared();barrier();uint below_3=below_split[side];
 memoryBarrierShared();barrier();uint _e57=high;uint _e58=low;high=min(_e57,(_e58 +(below_3*step_2)));uint _e62=low;
 low=(_e62 +((below_3!=0u)?(((below_3 - 1u)*step_2)+ 1u):0u));}}uint _e76=low;return _e76;}uint count_below(uint first_2,

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -24,11 +24,11 @@ uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;c
 CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
 VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
 ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;
-const uint SMALL=2u;const uint COMPACT=1u;layout(std140,binding=1)uniform Object_block_0Compute{Object
-_group_0_binding_1_cs;};layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};shared uint
-record[64];layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,
-binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
+uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int
+SIDE_Q23_=536870912;const uint SMALL=2u;const uint COMPACT=1u;layout(std140,binding=1)uniform Object_block_0Compute{
+Object _group_0_binding_1_cs;};layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};
+shared uint record[64];layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};
+layout(std430,binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
 type_25_block_4Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4
 _group_1_binding_3_cs[];};shared uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int
 fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
@@ -69,13 +69,14 @@ _e10=mul_high(m_3,_e9);return(_e10>>(14u +(shift_3/2u)));}int exp2_q15_(int f_q1
 log2_q16_(uvec2 x_6){int q=0;int _e1=zeros_of_wide(x_6);uvec2 _e3=shift_left(x_6,uint(_e1));uvec2 _e5=shift_left(_e3,
 1u);int t_q15_=int((_e5.y>>17u));q=(((-2776*t_q15_)+ 16384)>>15u);int _e17=q;q=((((_e17 + 6897)*t_q15_)+ 16384)>>15u);
 int _e25=q;q=((((_e25 - 9697)*t_q15_)+ 16384)>>15u);int _e33=q;q=((((_e33 + 14605)*(32768 - t_q15_))+ 16384)>>15u);int
-_e47=q;return(((63 - _e1)*65536)+(2*((((32768 + _e47)*(t_q15_>>1u))+ 8192)>>14u)));}uint half_of(uint word,uint i){
-return((word>>(16u*(i%2u)))&65535u);}uvec2 crop_bound(uint crop,uint i_1,bool high){uint word_3=((2u*i_1)+(high?6u:0u));
-uvec4 four=_group_0_binding_1_cs.crops[((4u*crop)+(word_3/4u))];return(((word_3%4u)==2u)?four.zw:four.xy);}bool
-lies_in(inout uvec2 low[3],inout uvec2 high_1[3],uint crop_1,bool any_){bool inside=true;uint i_2=0u;bool local=false;
-bool local_1=false;for(;(i_2<3u);i_2=(i_2 + 1u)){{uint _e11=i_2;uvec2 _e13=low[_e11];uint _e14=i_2;uvec2
-_e16=high_1[_e14];uvec2 first=(any_?_e16:_e13);uint _e18=i_2;uvec2 _e20=high_1[_e18];uint _e21=i_2;uvec2 _e23=low[_e21];
-uvec2 last=(any_?_e23:_e20);bool _e25=inside;if(_e25){uint _e28=i_2;uvec2 _e30=crop_bound(crop_1,_e28,false);bool
+_e47=q;return(((63 - _e1)*65536)+(2*((((32768 + _e47)*(t_q15_>>1u))+ 8192)>>14u)));}uint list_of(uint tile){
+return(TILES +(LIST*tile));}uint half_of(uint word,uint i){return((word>>(16u*(i%2u)))&65535u);}uvec2 crop_bound(uint
+crop,uint i_1,bool high){uint word_3=((2u*i_1)+(high?6u:0u));uvec4
+four=_group_0_binding_1_cs.crops[((4u*crop)+(word_3/4u))];return(((word_3%4u)==2u)?four.zw:four.xy);}bool lies_in(inout
+uvec2 low[3],inout uvec2 high_1[3],uint crop_1,bool any_){bool inside=true;uint i_2=0u;bool local=false;bool
+local_1=false;for(;(i_2<3u);i_2=(i_2 + 1u)){{uint _e11=i_2;uvec2 _e13=low[_e11];uint _e14=i_2;uvec2 _e16=high_1[_e14];
+uvec2 first=(any_?_e16:_e13);uint _e18=i_2;uvec2 _e20=high_1[_e18];uint _e21=i_2;uvec2 _e23=low[_e21];uvec2
+last=(any_?_e23:_e20);bool _e25=inside;if(_e25){uint _e28=i_2;uvec2 _e30=crop_bound(crop_1,_e28,false);bool
 _e31=less(first,_e30);local=!(_e31);}else{local=false;}bool _e34=local;if(_e34){uint _e37=i_2;uvec2
 _e39=crop_bound(crop_1,_e37,true);bool _e40=less(_e39,last);local_1=!(_e40);}else{local_1=false;}bool _e43=local_1;
 inside=_e43;}}bool _e47=inside;return _e47;}bool is_within_crops(inout uvec2 low_1[3],inout uvec2 high_2[3]){bool
@@ -424,49 +425,49 @@ offset_of(uint opacity,uint share_q8_1){uint offset_q11_5=0u;uint _e5=record[17]
 uint _e12=_group_1_binding_1_cs[(code_7/2u)];uint _e13=half_of(_e12,code_7);offset_q11_5=_e13;if((share_q8_1!=256u)){
 uint _e17=offset_q11_5;uint _e18=share_of_q11_(_e17,share_q8_1);offset_q11_5=_e18;}uint _e19=offset_q11_5;int
 _e23=_group_0_binding_1_cs.offset_q11_;return(int(_e19)+ _e23);}void count_tiles(int row_4,Span s_8){
-if((s_8.first>s_8.last)){return;}int _e9=_group_0_binding_0_cs.tiles.x;uint tile=(TILES + uint((row_4*_e9)));uint
-_e19=atomicAdd(_group_1_binding_2_cs[(tile + uint(s_8.first))],1u);int _e24=_group_0_binding_0_cs.tiles.x;
-if((s_8.last<(_e24 - 1))){uint _e36=atomicAdd(_group_1_binding_2_cs[((tile + uint(s_8.last))+ 1u)],4294967295u);return;}
-else{return;}}void put_large(uint slot,inout Bounds b_30,int first_row){uint _e6=atomicAdd(_group_1_binding_2_cs[1],1u);
-uint _e9=_group_0_binding_0_cs.large_room;if((_e6<_e9)){uint _e13=_group_0_binding_0_cs.larges;uint at_9=(_e13
-+(LARGE*_e6));_group_1_binding_1_cs[at_9]=slot;int _e25=b_30.c_q14_.x;_group_1_binding_1_cs[(at_9 + 1u)]=uint(_e25);int
-_e33=b_30.c_q14_.y;_group_1_binding_1_cs[(at_9 + 2u)]=uint(_e33);uint _e40=b_30.breadth_q8_;_group_1_binding_1_cs[(at_9
-+ 3u)]=_e40;int _e46=b_30.shear_q8_;_group_1_binding_1_cs[(at_9 + 4u)]=uint(_e46);int _e53=b_30.half_width_q8_;
-_group_1_binding_1_cs[(at_9 + 5u)]=uint(_e53);uint _e60=b_30.square_radius;_group_1_binding_1_cs[(at_9 + 6u)]=_e60;
-_group_1_binding_1_cs[(at_9 + 7u)]=uint(first_row);return;}else{return;}}uvec2 list_splat(uint slot_1,inout Placed
-out_7){Splat s_9=Splat(0u,0u,0,0,0,0,ivec2(0));Bounds b_31=Bounds(ivec2(0),0u,0,0,0u);bool local_22=false;bool
-local_23=false;bool local_24=false;bool local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;
-uvec2 box=uvec2(0u,0u);int row_5=0;bool local_29=false;int row_6=0;bool local_30=false;Splat _e3=out_7.splat;s_9=_e3;
-Bounds _e6=out_7.bounds;b_31=_e6;Span _e8=rows_of(s_9,b_31);Span _e9=columns_of(b_31);int
-_e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);if(!(is_square)){local_22=(_e9.first>_e9.last);}else{
-local_22=false;}bool _e22=local_22;if(_e22){return uvec2(0u,0u);}int _e30=_group_0_binding_0_cs.tiles.x;uint
-first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){local_23=(_e8.first==_e8.last);}else{local_23=false;}
-bool _e42=local_23;if(_e42){int _e47=s_9.rows.x;local_24=(_e47>0);}else{local_24=false;}bool _e51=local_24;if(_e51){int
-_e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;local_25=(_e56<(_e60 - 1));}else{local_25=false;}bool
-_e65=local_25;if(_e65){local_26=((_e9.last - _e9.first)<4);}else{local_26=false;}bool _e74=local_26;if(_e74){
-count_tiles(_e8.first,_e9);return uvec2(((2u<<uint((_e9.last - _e9.first)))- 1u),(first_tile<<10u));}if(!(is_square)){
-local_27=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{local_27=true;}bool _e96=local_27;if(!(_e96)){local_28=((_e8.last
-- _e8.first)>=BOX_ROWS);}else{local_28=true;}bool large=local_28;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);
-row_5=_e8.first;for(;(row_5<=_e8.last);row_5=(row_5 + 1)){{int _e119=row_5;Span _e120=span_of(s_9,b_31,_e109,_e119);int
-_e121=row_5;count_tiles(_e121,_e120);if(!(large)){local_29=(_e120.first<=_e120.last);}else{local_29=false;}bool
-_e129=local_29;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2
-_e143=box;int _e147=row_5;uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));
-box=(_e143|_e152);}}}row_6=_e8.first;for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){
-local_30=large;}else{local_30=false;}bool _e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_31,
-_e166);}}uint _e171=box.x;uint _e173=box.y;if(((_e171|_e173)==0u)){uvec2 _e177=box;return _e177;}uint _e179=box.x;uint
-_e181=box.y;return uvec2(_e179,(_e181|(first_tile<<10u)));}void put_splat(uint slot_2,inout Splat s_10,ivec3
-colour_q13_1){uint _e8=s_10.u0_q24_;uint _e10=s_10.v0_q24_;int _e12=s_10.ux_q24_;int _e15=s_10.uy_q24_;
-_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,uint(_e12),uint(_e15));int _e25=s_10.vy_q24_;int
-_e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;_group_1_binding_3_cs[((2u*slot_2)+
-1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),
-(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint chunk_1,uint slot_3){Projected
-centre_8=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,0u,0,0,0,0,ivec2(0)),
-Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,ivec2(0));uint
-g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;uint
-_e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 - _e9)-
-_e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return uvec2(0u,0u);}
-bool _e32=project_centre(centre_8,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];int
-_e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_8,_e20.scale,
+if((s_8.first>s_8.last)){return;}int _e8=_group_0_binding_0_cs.tiles.x;uint tile_1=uint((row_4*_e8));uint
+_e15=list_of((tile_1 + uint(s_8.first)));uint _e18=atomicAdd(_group_1_binding_2_cs[_e15],1u);int
+_e23=_group_0_binding_0_cs.tiles.x;if((s_8.last<(_e23 - 1))){uint _e33=list_of(((tile_1 + uint(s_8.last))+ 1u));uint
+_e36=atomicAdd(_group_1_binding_2_cs[_e33],4294967295u);return;}else{return;}}void put_large(uint slot,inout Bounds
+b_30,int first_row){uint _e6=atomicAdd(_group_1_binding_2_cs[1],1u);uint _e9=_group_0_binding_0_cs.large_room;
+if((_e6<_e9)){uint _e13=_group_0_binding_0_cs.larges;uint at_9=(_e13 +(LARGE*_e6));_group_1_binding_1_cs[at_9]=slot;int
+_e25=b_30.c_q14_.x;_group_1_binding_1_cs[(at_9 + 1u)]=uint(_e25);int _e33=b_30.c_q14_.y;_group_1_binding_1_cs[(at_9 +
+2u)]=uint(_e33);uint _e40=b_30.breadth_q8_;_group_1_binding_1_cs[(at_9 + 3u)]=_e40;int _e46=b_30.shear_q8_;
+_group_1_binding_1_cs[(at_9 + 4u)]=uint(_e46);int _e53=b_30.half_width_q8_;_group_1_binding_1_cs[(at_9 +
+5u)]=uint(_e53);uint _e60=b_30.square_radius;_group_1_binding_1_cs[(at_9 + 6u)]=_e60;_group_1_binding_1_cs[(at_9 +
+7u)]=uint(first_row);return;}else{return;}}uvec2 list_splat(uint slot_1,inout Placed out_7){Splat s_9=Splat(0u,0u,0,0,0,
+0,ivec2(0));Bounds b_31=Bounds(ivec2(0),0u,0,0,0u);bool local_22=false;bool local_23=false;bool local_24=false;bool
+local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;uvec2 box=uvec2(0u,0u);int row_5=0;bool
+local_29=false;int row_6=0;bool local_30=false;Splat _e3=out_7.splat;s_9=_e3;Bounds _e6=out_7.bounds;b_31=_e6;Span
+_e8=rows_of(s_9,b_31);Span _e9=columns_of(b_31);int _e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);
+if(!(is_square)){local_22=(_e9.first>_e9.last);}else{local_22=false;}bool _e22=local_22;if(_e22){return uvec2(0u,0u);}
+int _e30=_group_0_binding_0_cs.tiles.x;uint first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){
+local_23=(_e8.first==_e8.last);}else{local_23=false;}bool _e42=local_23;if(_e42){int _e47=s_9.rows.x;local_24=(_e47>0);}
+else{local_24=false;}bool _e51=local_24;if(_e51){int _e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;
+local_25=(_e56<(_e60 - 1));}else{local_25=false;}bool _e65=local_25;if(_e65){local_26=((_e9.last - _e9.first)<4);}else{
+local_26=false;}bool _e74=local_26;if(_e74){count_tiles(_e8.first,_e9);return uvec2(((2u<<uint((_e9.last -
+_e9.first)))- 1u),(first_tile<<10u));}if(!(is_square)){local_27=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{
+local_27=true;}bool _e96=local_27;if(!(_e96)){local_28=((_e8.last - _e8.first)>=BOX_ROWS);}else{local_28=true;}bool
+large=local_28;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);row_5=_e8.first;for(;(row_5<=_e8.last);
+row_5=(row_5 + 1)){{int _e119=row_5;Span _e120=span_of(s_9,b_31,_e109,_e119);int _e121=row_5;count_tiles(_e121,_e120);
+if(!(large)){local_29=(_e120.first<=_e120.last);}else{local_29=false;}bool _e129=local_29;if(_e129){uint
+bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2 _e143=box;int _e147=row_5;
+uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));box=(_e143|_e152);}}}row_6=_e8.first;
+for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){local_30=large;}else{local_30=false;}bool
+_e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_31,_e166);}}uint _e171=box.x;uint _e173=box.y;
+if(((_e171|_e173)==0u)){uvec2 _e177=box;return _e177;}uint _e179=box.x;uint _e181=box.y;return uvec2(_e179,
+(_e181|(first_tile<<10u)));}void put_splat(uint slot_2,inout Splat s_10,ivec3 colour_q13_1){uint _e8=s_10.u0_q24_;uint
+_e10=s_10.v0_q24_;int _e12=s_10.ux_q24_;int _e15=s_10.uy_q24_;_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,
+uint(_e12),uint(_e15));int _e25=s_10.vy_q24_;int _e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;
+_group_1_binding_3_cs[((2u*slot_2)+ 1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),
+(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint
+chunk_1,uint slot_3){Projected centre_8=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,
+0u,0,0,0,0,ivec2(0)),Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,
+ivec2(0));uint g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;
+uint _e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 -
+_e9)- _e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return
+uvec2(0u,0u);}bool _e32=project_centre(centre_8,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];
+int _e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_8,_e20.scale,
 _e20.rotation);if(!(_e45)){return uvec2(0u,0u);}uint _e52=_group_0_binding_1_cs.crop_count;if((_e52!=0u)){bool
 _e58=is_kept(_e20.position);local_31=!(_e58);}else{local_31=false;}bool _e61=local_31;if(_e61){return uvec2(0u,0u);}int
 _e67=centre_8.camera.z;uint _e68=depth_key(_e67);key_1=_e68;int _e72=_group_0_binding_1_cs.plain;if((_e72==0)){uint

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -17,47 +17,47 @@ ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_R
 PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint
 NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;
 const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const
-uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const int
+uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int
 EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;const uint SAMPLES=16u;const uint RANGE=16u;const uint BINS=256u;const
 uint DONE=1048576u;shared uint sums[128];shared uint group_sums[8];layout(std430,binding=0)buffer
 type_14_block_0Compute{uint _group_1_binding_0_cs[];};layout(std140,binding=0)uniform Frame_block_1Compute{Frame
 _group_0_binding_0_cs;};layout(std430,binding=1)buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};
 layout(std430,binding=2)buffer type_14_block_3Compute{uint _group_1_binding_2_cs[];};shared uvec2 keys[512];shared uint
-bins[257];shared uint samples[16];shared uint ranks[16];shared uvec2 bounds[16];shared Block own_block;uint plus(uint a,
-uint b,bool cut){bool local=false;if(cut){local=((a + b)<a);}else{local=false;}bool _e10=local;
-return(_e10?4294967295u:(a + b));}uint sum_before(uint thread_2,uint own_1,bool cut_1){uint sum=0u;uint i_5=0u;uint
-sum_1=0u;uint i_6=0u;uint i_7=0u;sums[thread_2]=own_1;memoryBarrierShared();barrier();if((thread_2<8u)){for(;
-(i_5<GROUP);i_5=(i_5 + 1u)){{uint _e14=sum;uint _e18=i_5;uint _e21=sums[((GROUP*thread_2)+ _e18)];uint _e22=plus(_e14,
-_e21,cut_1);sum=_e22;}}uint _e28=sum;group_sums[thread_2]=_e28;}memoryBarrierShared();barrier();for(;
-(i_6<(thread_2/GROUP));i_6=(i_6 + 1u)){{uint _e37=sum_1;uint _e39=i_6;uint _e41=group_sums[_e39];uint _e42=plus(_e37,
-_e41,cut_1);sum_1=_e42;}}i_7=((thread_2/GROUP)*GROUP);for(;(i_7<thread_2);i_7=(i_7 + 1u)){{uint _e53=sum_1;uint
-_e55=i_7;uint _e57=sums[_e55];uint _e58=plus(_e53,_e57,cut_1);sum_1=_e58;}}uint _e62=sum_1;return _e62;}bool fits(){
-bool local_1=false;bool local_2=false;uint _e2=_group_1_binding_0_cs[2];uint _e5=_group_0_binding_0_cs.page_room;
-if((_e2<=_e5)){uint _e11=_group_1_binding_0_cs[1];uint _e14=_group_0_binding_0_cs.large_room;local_1=(_e11<=_e14);}else{
-local_1=false;}bool _e17=local_1;if(_e17){uint _e22=_group_1_binding_0_cs[0];uint _e25=_group_0_binding_0_cs.chunk_room;
-local_2=(_e22<=_e25);}else{local_2=false;}bool _e28=local_2;return _e28;}uvec2 key_of(uint entry){uint
-_e4=_group_0_binding_0_cs.depths;uint _e9=_group_1_binding_2_cs[(_e4 +(entry&2147483647u))];return uvec2(entry,_e9);}
-uvec2 key_at(bool in_spare,uint at){if(in_spare){uint _e5=_group_0_binding_0_cs.spare;uint
-_e8=_group_1_binding_2_cs[(_e5 + at)];uvec2 _e9=key_of(_e8);return _e9;}uint _e12=_group_1_binding_1_cs[at];uvec2
-_e13=key_of(_e12);return _e13;}void put_entry(bool in_spare_1,uint at_1,uint entry_1){if(in_spare_1){uint
-_e6=_group_0_binding_0_cs.spare;_group_1_binding_2_cs[(_e6 + at_1)]=entry_1;return;}else{
-_group_1_binding_1_cs[at_1]=entry_1;return;}}bool is_below(uvec2 a_1,uvec2 b_1){
+bins[257];shared uint samples[16];shared uint ranks[16];shared uvec2 bounds[16];shared Block own_block;uint
+list_of(uint tile){return(TILES +(LIST*tile));}uint plus(uint a,uint b,bool cut){bool local=false;if(cut){local=((a +
+b)<a);}else{local=false;}bool _e10=local;return(_e10?4294967295u:(a + b));}uint sum_before(uint thread_2,uint own_1,
+bool cut_1){uint sum=0u;uint i_5=0u;uint sum_1=0u;uint i_6=0u;uint i_7=0u;sums[thread_2]=own_1;memoryBarrierShared();
+barrier();if((thread_2<8u)){for(;(i_5<GROUP);i_5=(i_5 + 1u)){{uint _e14=sum;uint _e18=i_5;uint
+_e21=sums[((GROUP*thread_2)+ _e18)];uint _e22=plus(_e14,_e21,cut_1);sum=_e22;}}uint _e28=sum;group_sums[thread_2]=_e28;}
+memoryBarrierShared();barrier();for(;(i_6<(thread_2/GROUP));i_6=(i_6 + 1u)){{uint _e37=sum_1;uint _e39=i_6;uint
+_e41=group_sums[_e39];uint _e42=plus(_e37,_e41,cut_1);sum_1=_e42;}}i_7=((thread_2/GROUP)*GROUP);for(;(i_7<thread_2);
+i_7=(i_7 + 1u)){{uint _e53=sum_1;uint _e55=i_7;uint _e57=sums[_e55];uint _e58=plus(_e53,_e57,cut_1);sum_1=_e58;}}uint
+_e62=sum_1;return _e62;}bool fits(){bool local_1=false;bool local_2=false;uint _e2=_group_1_binding_0_cs[2];uint
+_e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint _e11=_group_1_binding_0_cs[1];uint
+_e14=_group_0_binding_0_cs.large_room;local_1=(_e11<=_e14);}else{local_1=false;}bool _e17=local_1;if(_e17){uint
+_e22=_group_1_binding_0_cs[0];uint _e25=_group_0_binding_0_cs.chunk_room;local_2=(_e22<=_e25);}else{local_2=false;}bool
+_e28=local_2;return _e28;}uvec2 key_of(uint entry){uint _e4=_group_0_binding_0_cs.depths;uint
+_e9=_group_1_binding_2_cs[(_e4 +(entry&2147483647u))];return uvec2(entry,_e9);}uvec2 key_at(bool in_spare,uint at){
+if(in_spare){uint _e5=_group_0_binding_0_cs.spare;uint _e8=_group_1_binding_2_cs[(_e5 + at)];uvec2 _e9=key_of(_e8);
+return _e9;}uint _e12=_group_1_binding_1_cs[at];uvec2 _e13=key_of(_e12);return _e13;}void put_entry(bool in_spare_1,
+uint at_1,uint entry_1){if(in_spare_1){uint _e6=_group_0_binding_0_cs.spare;_group_1_binding_2_cs[(_e6 + at_1)]=entry_1;
+return;}else{_group_1_binding_1_cs[at_1]=entry_1;return;}}bool is_below(uvec2 a_1,uvec2 b_1){
 return((a_1.y==b_1.y)?(a_1.x<b_1.x):(a_1.y<b_1.y));}uint merges_of(uint count){return(max((32u - uint(31 -
 findMSB((count - 1u)))),9u)- 9u);}Block take_block(uvec3 group_2,uint thread_3){bool local_3=false;uint
 number_2=((group_2.y*ROW_OF_GROUPS)+ group_2.x);if((thread_3==0u)){uint long_=_group_1_binding_0_cs[8];uint
 _e14=_group_0_binding_0_cs.blocks;uint _e19=_group_0_binding_0_cs.block_room;uint at_4=(_e14
 +(2u*((number_2<long_)?((_e19 - 1u)- number_2):(number_2 - long_))));own_block.count=0u;uint
 _e32=_group_1_binding_0_cs[7];if((number_2<(long_ + _e32))){bool _e37=fits();local_3=_e37;}else{local_3=false;}bool
-_e39=local_3;if(_e39){uint tile=_group_1_binding_0_cs[at_4];uint count_2=_group_1_binding_0_cs[(TILES + tile)];uint
-_e52=_group_0_binding_0_cs.next;uint _e55=_group_1_binding_0_cs[(_e52 + tile)];uint _e62=_group_1_binding_0_cs[(at_4 +
-1u)];uint _e70=_group_1_binding_0_cs[(at_4 + 1u)];own_block=Block((_e55 - count_2),count_2,(BLOCK*(_e62%DONE)),
-(_e70/DONE));uint _e78=_group_1_binding_0_cs[(at_4 + 1u)];_group_1_binding_0_cs[(at_4 + 1u)]=(_e78 + DONE);}}
-memoryBarrierShared();barrier();Block _e82=own_block;memoryBarrierShared();barrier();return _e82;}void place_bins(uint
-thread_4,uint some){uint bin=(2u*thread_4);uint size=bins[bin];uint _e11=bins[(bin + 1u)];uint _e14=sum_before(thread_4,
-(size + _e11),false);bins[bin]=_e14;bins[(bin + 1u)]=(_e14 + size);if((thread_4==0u)){bins[256]=some;}
-memoryBarrierShared();barrier();return;}void bound_ranges(uint thread_5,uint at_2,uint some_1){uint below_1=0u;uint
-i_9=0u;bool local_4=false;bool local_5=false;uint sample_=(thread_5%SAMPLES);if((thread_5<SAMPLES)){uvec2
-_e17=key_at(false,(at_2 +(((thread_5*max(some_1,SAMPLES))/SAMPLES)%some_1)));samples[thread_5]=_e17.y;
+_e39=local_3;if(_e39){uint tile_1=_group_1_binding_0_cs[at_4];uint _e44=list_of(tile_1);uint
+count_2=_group_1_binding_0_cs[_e44];uint _e49=list_of(tile_1);uint _e53=_group_1_binding_0_cs[(_e49 + 1u)];uint
+_e60=_group_1_binding_0_cs[(at_4 + 1u)];uint _e68=_group_1_binding_0_cs[(at_4 + 1u)];own_block=Block((_e53 - count_2),
+count_2,(BLOCK*(_e60%DONE)),(_e68/DONE));uint _e76=_group_1_binding_0_cs[(at_4 + 1u)];_group_1_binding_0_cs[(at_4 +
+1u)]=(_e76 + DONE);}}memoryBarrierShared();barrier();Block _e80=own_block;memoryBarrierShared();barrier();return _e80;}
+void place_bins(uint thread_4,uint some){uint bin=(2u*thread_4);uint size=bins[bin];uint _e11=bins[(bin + 1u)];uint
+_e14=sum_before(thread_4,(size + _e11),false);bins[bin]=_e14;bins[(bin + 1u)]=(_e14 + size);if((thread_4==0u)){
+bins[256]=some;}memoryBarrierShared();barrier();return;}void bound_ranges(uint thread_5,uint at_2,uint some_1){uint
+below_1=0u;uint i_9=0u;bool local_4=false;bool local_5=false;uint sample_=(thread_5%SAMPLES);if((thread_5<SAMPLES)){
+uvec2 _e17=key_at(false,(at_2 +(((thread_5*max(some_1,SAMPLES))/SAMPLES)%some_1)));samples[thread_5]=_e17.y;
 ranks[thread_5]=0u;}memoryBarrierShared();barrier();uint own_2=samples[sample_];for(;(i_9<2u);i_9=(i_9 + 1u)){{uint
 _e36=i_9;uint other=(((thread_5/SAMPLES)*2u)+ _e36);uint _e38=below_1;uint _e43=samples[other];if(!((_e43<own_2))){uint
 _e50=samples[other];if((_e50==own_2)){local_5=(other<sample_);}else{local_5=false;}bool _e56=local_5;local_4=_e56;}else{

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint next;uint classes;uint blocks;uint
+uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
 Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
@@ -17,49 +17,48 @@ const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGE
 CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;
 const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const
 uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;
-const uint TILES=64u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;shared uint sums[128];shared uint
-group_sums[8];layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,
-binding=0)buffer type_13_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=2)buffer
-type_15_block_2Compute{uint _group_1_binding_2_cs[];};shared uint first_page;uint plus(uint a_16,uint b_8,bool cut){
-bool local=false;if(cut){local=((a_16 + b_8)<a_16);}else{local=false;}bool _e10=local;return(_e10?4294967295u:(a_16 +
-b_8));}uint sum_before(uint thread_1,uint own_1,bool cut_1){uint sum=0u;uint i_1=0u;uint sum_1=0u;uint i_2=0u;uint
-i_3=0u;sums[thread_1]=own_1;memoryBarrierShared();barrier();if((thread_1<8u)){for(;(i_1<GROUP);i_1=(i_1 + 1u)){{uint
-_e14=sum;uint _e18=i_1;uint _e21=sums[((GROUP*thread_1)+ _e18)];uint _e22=plus(_e14,_e21,cut_1);sum=_e22;}}uint
-_e28=sum;group_sums[thread_1]=_e28;}memoryBarrierShared();barrier();for(;(i_2<(thread_1/GROUP));i_2=(i_2 + 1u)){{uint
-_e37=sum_1;uint _e39=i_2;uint _e41=group_sums[_e39];uint _e42=plus(_e37,_e41,cut_1);sum_1=_e42;}}
-i_3=((thread_1/GROUP)*GROUP);for(;(i_3<thread_1);i_3=(i_3 + 1u)){{uint _e53=sum_1;uint _e55=i_3;uint _e57=sums[_e55];
-uint _e58=plus(_e53,_e57,cut_1);sum_1=_e58;}}uint _e62=sum_1;return _e62;}uint sum_of_all(bool cut_2){uint sum_2=0u;
-uint i_4=0u;for(;(i_4<8u);i_4=(i_4 + 1u)){{uint _e8=sum_2;uint _e10=i_4;uint _e12=group_sums[_e10];uint _e13=plus(_e8,
-_e12,cut_2);sum_2=_e13;}}uint _e17=sum_2;return _e17;}uint class_of(uint length_1){return((length_1==0u)?0u:min((34u -
-uint(31 - findMSB(length_1))),15u));}void put_blocks(uint tile,uint length_2){uint at=0u;uint i_5=0u;bool local_1=false;
-uint blocks=((length_2>1u)?(((length_2 - 1u)/BLOCK)+ 1u):0u);if((blocks==0u)){return;}if((blocks>1u)){uint
-_e20=atomicMax(_group_1_binding_2_cs[9],length_2);uint _e23=_group_0_binding_0_cs.block_room;uint
-_e26=atomicAdd(_group_1_binding_2_cs[8],blocks);at=((_e23 - _e26)- blocks);}else{uint
-_e32=atomicAdd(_group_1_binding_2_cs[7],1u);at=_e32;}for(;;i_5=(i_5 + 1u)){uint _e35=i_5;if((_e35<blocks)){uint _e39=at;
-uint _e40=i_5;uint _e44=_group_0_binding_0_cs.block_room;local_1=((_e39 + _e40)<_e44);}else{local_1=false;}bool
-_e47=local_1;if(_e47){}else{break;}{uint _e51=_group_0_binding_0_cs.blocks;uint _e53=at;uint _e54=i_5;
-_group_1_binding_2_cs[(_e51 +(2u*(_e53 + _e54)))]=tile;uint _e62=_group_0_binding_0_cs.blocks;uint _e64=at;uint
-_e65=i_5;uint _e72=i_5;_group_1_binding_2_cs[((_e62 +(2u*(_e64 + _e65)))+ 1u)]=_e72;}}return;}void main(){uvec3
+const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;shared uint sums[128];
+shared uint group_sums[8];layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};
+layout(std430,binding=0)buffer type_13_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=2)buffer
+type_15_block_2Compute{uint _group_1_binding_2_cs[];};shared uint first_page;uint list_of(uint tile){return(TILES
++(LIST*tile));}uint plus(uint a_16,uint b_8,bool cut){bool local=false;if(cut){local=((a_16 + b_8)<a_16);}else{
+local=false;}bool _e10=local;return(_e10?4294967295u:(a_16 + b_8));}uint sum_before(uint thread_1,uint own_1,bool
+cut_1){uint sum=0u;uint i_1=0u;uint sum_1=0u;uint i_2=0u;uint i_3=0u;sums[thread_1]=own_1;memoryBarrierShared();
+barrier();if((thread_1<8u)){for(;(i_1<GROUP);i_1=(i_1 + 1u)){{uint _e14=sum;uint _e18=i_1;uint
+_e21=sums[((GROUP*thread_1)+ _e18)];uint _e22=plus(_e14,_e21,cut_1);sum=_e22;}}uint _e28=sum;group_sums[thread_1]=_e28;}
+memoryBarrierShared();barrier();for(;(i_2<(thread_1/GROUP));i_2=(i_2 + 1u)){{uint _e37=sum_1;uint _e39=i_2;uint
+_e41=group_sums[_e39];uint _e42=plus(_e37,_e41,cut_1);sum_1=_e42;}}i_3=((thread_1/GROUP)*GROUP);for(;(i_3<thread_1);
+i_3=(i_3 + 1u)){{uint _e53=sum_1;uint _e55=i_3;uint _e57=sums[_e55];uint _e58=plus(_e53,_e57,cut_1);sum_1=_e58;}}uint
+_e62=sum_1;return _e62;}uint sum_of_all(bool cut_2){uint sum_2=0u;uint i_4=0u;for(;(i_4<8u);i_4=(i_4 + 1u)){{uint
+_e8=sum_2;uint _e10=i_4;uint _e12=group_sums[_e10];uint _e13=plus(_e8,_e12,cut_2);sum_2=_e13;}}uint _e17=sum_2;return
+_e17;}uint class_of(uint length_1){return((length_1==0u)?0u:min((34u - uint(31 - findMSB(length_1))),15u));}void
+put_blocks(uint tile_1,uint length_2){uint at=0u;uint i_5=0u;bool local_1=false;uint blocks=((length_2>1u)?(((length_2
+- 1u)/BLOCK)+ 1u):0u);if((blocks==0u)){return;}if((blocks>1u)){uint _e20=atomicMax(_group_1_binding_2_cs[9],length_2);
+uint _e23=_group_0_binding_0_cs.block_room;uint _e26=atomicAdd(_group_1_binding_2_cs[8],blocks);at=((_e23 - _e26)-
+blocks);}else{uint _e32=atomicAdd(_group_1_binding_2_cs[7],1u);at=_e32;}for(;;i_5=(i_5 + 1u)){uint _e35=i_5;
+if((_e35<blocks)){uint _e39=at;uint _e40=i_5;uint _e44=_group_0_binding_0_cs.block_room;local_1=((_e39 + _e40)<_e44);}
+else{local_1=false;}bool _e47=local_1;if(_e47){}else{break;}{uint _e51=_group_0_binding_0_cs.blocks;uint _e53=at;uint
+_e54=i_5;_group_1_binding_2_cs[(_e51 +(2u*(_e53 + _e54)))]=tile_1;uint _e62=_group_0_binding_0_cs.blocks;uint _e64=at;
+uint _e65=i_5;uint _e72=i_5;_group_1_binding_2_cs[((_e62 +(2u*(_e64 + _e65)))+ 1u)]=_e72;}}return;}void main(){uvec3
 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;uint tiles_before=0u;uint entries_before=0u;uint first=0u;uint
 own=0u;uint length_=0u;uint column=0u;int _e5=_group_0_binding_0_cs.tiles.x;uint across=uint(_e5);uint
 row=(group.x*across);for(;(first<across);first=(first + THREADS)){{uint _e17=first;uint column_1=(_e17 + thread);uint
-at_1=((TILES + row)+ column_1);own=0u;if((column_1<across)){uint _e27=_group_1_binding_2_cs[at_1];own=_e27;}
-memoryBarrierShared();barrier();uint _e28=tiles_before;uint _e29=own;uint _e31=sum_before(thread,_e29,false);uint
-_e33=own;length_=((_e28 + _e31)+ _e33);uint _e36=tiles_before;uint _e38=sum_of_all(false);tiles_before=(_e36 + _e38);
-if((column_1>=across)){length_=0u;}memoryBarrierShared();barrier();uint _e42=entries_before;uint _e43=length_;uint
-_e45=sum_before(thread,_e43,true);uint _e47=plus(_e42,_e45,true);uint _e48=length_;uint _e50=plus(_e47,_e48,true);uint
-_e51=entries_before;uint _e53=sum_of_all(true);uint _e55=plus(_e51,_e53,true);entries_before=_e55;if((column_1<across)){
-uint _e59=length_;_group_1_binding_2_cs[at_1]=_e59;uint _e63=_group_0_binding_0_cs.next;uint _e67=length_;
-_group_1_binding_2_cs[((_e63 + row)+ column_1)]=(_e50 - _e67);}}}if((thread==0u)){uint _e76=entries_before;uint
-_e77=atomicAdd(_group_1_binding_2_cs[5],_e76);uint _e78=entries_before;uint _e80=entries_before;if(((_e77 +
-_e78)<_e80)){uint _e85=atomicAdd(_group_1_binding_2_cs[6],1u);}uint _e89=entries_before;uint
-_e94=atomicAdd(_group_1_binding_2_cs[2],((_e89/PAGE)+ 1u));first_page=_e94;if((group.x==0u)){uint
-_e100=_group_1_binding_2_cs[1];uint _e103=_group_0_binding_0_cs.large_room;uint larges=min(_e100,_e103);uint
-_e108=_group_0_binding_0_cs.spans;uint at_2=(4u*(_e108 + 1u));_group_1_binding_0_cs[at_2]=min(larges,ROW_OF_GROUPS);
-_group_1_binding_0_cs[(at_2 + 1u)]=(((larges + ROW_OF_GROUPS)- 1u)/ROW_OF_GROUPS);_group_1_binding_0_cs[(at_2 + 2u)]=1u;
-}}memoryBarrierShared();barrier();column=thread;for(;(column<across);column=(column + THREADS)){{uint _e134=column;uint
-tile_1=(row + _e134);uint length_3=_group_1_binding_2_cs[(TILES + tile_1)];uint _e141=class_of(length_3);
-put_blocks(tile_1,length_3);uint _e147=atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e141)],1u);uint
-_e151=_group_0_binding_0_cs.classes;int _e156=_group_0_binding_0_cs.tiles.y;_group_1_binding_2_cs[((_e151
-+((_e141*across)*uint(_e156)))+ _e147)]=tile_1;uint _e165=_group_0_binding_0_cs.next;uint _e169=first_page;uint
-_e172=atomicAdd(_group_1_binding_2_cs[(_e165 + tile_1)],(_e169*PAGE));}}return;}
+_e20=list_of((row + column_1));own=0u;if((column_1<across)){uint _e26=_group_1_binding_2_cs[_e20];own=_e26;}
+memoryBarrierShared();barrier();uint _e27=tiles_before;uint _e28=own;uint _e30=sum_before(thread,_e28,false);uint
+_e32=own;length_=((_e27 + _e30)+ _e32);uint _e35=tiles_before;uint _e37=sum_of_all(false);tiles_before=(_e35 + _e37);
+if((column_1>=across)){length_=0u;}memoryBarrierShared();barrier();uint _e41=entries_before;uint _e42=length_;uint
+_e44=sum_before(thread,_e42,true);uint _e46=plus(_e41,_e44,true);uint _e47=length_;uint _e49=plus(_e46,_e47,true);uint
+_e50=entries_before;uint _e52=sum_of_all(true);uint _e54=plus(_e50,_e52,true);entries_before=_e54;if((column_1<across)){
+uint _e58=length_;_group_1_binding_2_cs[_e20]=_e58;uint _e63=length_;_group_1_binding_2_cs[(_e20 + 1u)]=(_e49 - _e63);}}
+}if((thread==0u)){uint _e72=entries_before;uint _e73=atomicAdd(_group_1_binding_2_cs[5],_e72);uint _e74=entries_before;
+uint _e76=entries_before;if(((_e73 + _e74)<_e76)){uint _e81=atomicAdd(_group_1_binding_2_cs[6],1u);}uint
+_e85=entries_before;uint _e90=atomicAdd(_group_1_binding_2_cs[2],((_e85/PAGE)+ 1u));first_page=_e90;if((group.x==0u)){
+uint _e96=_group_1_binding_2_cs[1];uint _e99=_group_0_binding_0_cs.large_room;uint larges=min(_e96,_e99);uint
+_e104=_group_0_binding_0_cs.spans;uint at_1=(4u*(_e104 + 1u));_group_1_binding_0_cs[at_1]=min(larges,ROW_OF_GROUPS);
+_group_1_binding_0_cs[(at_1 + 1u)]=(((larges + ROW_OF_GROUPS)- 1u)/ROW_OF_GROUPS);_group_1_binding_0_cs[(at_1 + 2u)]=1u;
+}}memoryBarrierShared();barrier();column=thread;for(;(column<across);column=(column + THREADS)){{uint _e130=column;uint
+tile_2=(row + _e130);uint _e133=list_of(tile_2);uint length_3=_group_1_binding_2_cs[_e133];uint
+_e136=class_of(length_3);put_blocks(tile_2,length_3);uint _e142=atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e136)],
+1u);uint _e146=_group_0_binding_0_cs.classes;int _e151=_group_0_binding_0_cs.tiles.y;_group_1_binding_2_cs[((_e146
++((_e136*across)*uint(_e151)))+ _e142)]=tile_2;uint _e158=list_of(tile_2);uint _e163=first_page;uint
+_e166=atomicAdd(_group_1_binding_2_cs[(_e158 + 1u)],(_e163*PAGE));}}return;}
