@@ -1338,6 +1338,69 @@ static void compute_draws_lose(void)
     }
 }
 
+static int waits;                          /* number of calls that wait for the device */
+static fxs_gl waiting_gl;
+static fxs_compute_gl waiting_more;
+
+static void *GL_APIENTRY counted_MapBufferRange(GLenum target, GLintptr at, GLsizeiptr bytes, GLbitfield access)
+{
+    waits += (access & GL_MAP_READ_BIT) != 0;
+    return waiting_gl.MapBufferRange(target, at, bytes, access);
+}
+
+static void GL_APIENTRY counted_GetQueryObjectuiv(GLuint query, GLenum name, GLuint *value)
+{
+    waits++;
+    waiting_gl.GetQueryObjectuiv(query, name, value);
+}
+
+static void GL_APIENTRY counted_Finish(void)
+{
+    waits++;
+    waiting_more.Finish();
+}
+
+static void GL_APIENTRY unsignaled_GetSynciv(GLsync sync, GLenum name, GLsizei size, GLsizei *length, GLint *value)
+{
+    (void)sync, (void)name, (void)size, (void)length;
+    *value = GL_UNSIGNALED;
+}
+
+/* Draws more frames than statuses are kept, on a device that finishes none of them. */
+static void compute_draws_without_waiting(void)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    subject s;
+    fxs_stats stats, expected_stats;
+    caller c = make_caller();
+    const fxs_gl_target t = {.framebuffer = c.framebuffers[0]};
+    if (open_compute(0))
+        SKIP(why_not.text);
+    if (!make_subject(&s, "knot", 500, 111, 83))
+        return;
+    uint8_t *expected = new_picture(&s);
+    CHECK(!render(&s, 0, 0, 0, expected, 4 * 111, &expected_stats));
+    waiting_gl = compute->gl;
+    waiting_more = compute->more;
+    compute->gl.MapBufferRange = counted_MapBufferRange;
+    compute->gl.GetQueryObjectuiv = counted_GetQueryObjectuiv;
+    compute->more.Finish = counted_Finish;
+    compute->more.GetSynciv = unsignaled_GetSynciv;
+    waits = 0;
+    settle();
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+    GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+    for (int i = 0; i < FXS_COMPUTE_FLIGHTS + 2; i++)
+        CHECK(!render(&s, 0, 0, &t, 0, 0, &stats) && !stats.visible);
+    CHECK(!waits && in_target(&s, &t, expected));
+    compute->more.GetSynciv = waiting_more.GetSynciv;
+    CHECK(!fxs_compute_wait(compute, &stats, &why_not) && waits == 1 + FXS_COMPUTE_FLIGHTS);
+    CHECK(stats.visible == expected_stats.visible && stats.drawn == expected_stats.drawn);
+    close_compute();
+    free(expected);
+    fxs_packed_scene_free(&s.packed);
+}
+
 static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 310 es\nvoid main() {\n    that;\n}\n";
@@ -1706,6 +1769,7 @@ int main(void)
             RUN(compute_depths_and_ids);
             RUN(compute_refuses);
             RUN(compute_draws_lose);
+            RUN(compute_draws_without_waiting);
             RUN(compute_without_shader);
         }
         RUN(init_keeps_state);

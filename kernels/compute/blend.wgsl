@@ -1,6 +1,12 @@
 // Blends the splats of each tile from front to back, and writes the pixels.
 // Needs pixel records order pixels
 
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<storage, read> counts: array<u32>;
+@group(1) @binding(1) var<storage, read> entries: array<u32>;
+@group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
+@group(1) @binding(3) var<storage, read_write> memory: array<u32>;
+
 // Blends a round of up to 32 splats into the thread's two pixels, two splats per step to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)
 {
@@ -18,20 +24,16 @@ fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, r
     }
 }
 
-@compute @workgroup_size(32)
-fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+fn blend_patch(here: Patch, thread: u32)
 {
-    let here = patch_of(group);
-    if (here.tile == NOTHING) {
-        return;
-    }
+    let lane = lane_of(thread);
     let place = place_of(here, thread);
     var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside.x), vec3<i32>(0));
     var q = Pixel(select(0, FXS_CLEAR_Q15, place.inside.y), vec3<i32>(0));
     var open = place.inside;
-    var fetched = fetch_splat(fetch_entry(here, thread));
-    var next = fetch_splat(fetch_entry(here, SOME + thread));
-    var entry = fetch_entry(here, 2u * SOME + thread);
+    var fetched = fetch_splat(fetch_entry(here, lane));
+    var next = fetch_splat(fetch_entry(here, SOME + lane));
+    var entry = fetch_entry(here, 2u * SOME + lane);
     clear_rounds(thread, place);
     for (var first = 0u; first < here.count; first += SOME) {
         let round = first / SOME + 1u;
@@ -41,14 +43,16 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         place_splat(here, thread, fetched, round);
         fetched = next;
         next = fetch_splat(entry);
-        entry = fetch_entry(here, first + 3u * SOME + thread);
+        entry = fetch_entry(here, first + 3u * SOME + lane);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
         if (thread == 0u) {
             atomicStore(&touching[(round + 1u) % 2u], 0u);
         }
-        blend_round(&p, &q, place, round);
+        if (place.row < SIDE) {
+            blend_round(&p, &q, place, round);
+        }
         if (open.x && p.transmittance < FXS_CLOSED_Q15) {
             open.x = false;
             close_pixel(place, false);
@@ -67,13 +71,23 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
+@compute @workgroup_size(32)
+fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let here = patch_of(group);
+    if (here.tile == NOTHING) {
+        return;
+    }
+    blend_patch(here, thread);
+}
+
 // Writes the background to tiles with empty lists, 8x8 pixels per workgroup.
 @compute @workgroup_size(64)
 fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
     let of_class = number >> (2u * (frame.tile_bits - 3u));
-    if (of_class >= counts[CLASS_COUNTS] || !fits()) {
+    if (of_class >= counts[CLASS_COUNTS]) {
         return;
     }
     let pixel = corner_of(counts[frame.classes + of_class], number) + vec2<u32>(thread % SIDE, thread / SIDE);

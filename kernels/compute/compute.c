@@ -139,9 +139,17 @@ static int make_objects(fxs_compute *c, fxs_message *why)
 #define MAKE(entry) error = error ? error : make_program(c, FXS_COMPUTE_##entry, #entry, entry##_comp, why);
     FXS_COMPUTE_PROGRAMS_OF(MAKE)
     c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
+    c->gl.GenBuffers(FXS_COMPUTE_FLIGHTS, c->statuses);
     if (c->timer)
         c->gl.GenQueries(1, &c->query);
     return error ? error : fxs_compute_check(c, why);
+}
+
+static void drop_flights(fxs_compute *c)
+{
+    for (int i = 0; i < FXS_COMPUTE_FLIGHTS; i++)
+        c->more.DeleteSync(c->flights[i].done);
+    memset(c->flights, 0, sizeof c->flights);
 }
 
 /* Deletes the GL objects of the back end. A lost context has already freed its objects. */
@@ -151,6 +159,8 @@ static void end(fxs_compute *c)
     if (use(c, &why))
         return;
     fxs_compute_end_drawing(c);
+    drop_flights(c);
+    c->gl.DeleteBuffers(FXS_COMPUTE_FLIGHTS, c->statuses);
     fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
     c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     if (c->timer)
@@ -223,6 +233,7 @@ static void give_back(fxs_compute *c)
     c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     memset(c->bytes, 0, sizeof c->bytes);
+    drop_flights(c);
     c->rooms = (fxs_plan_rooms){.most = c->rooms.most};
     fxs_compute_check(c, &why);
 }
@@ -313,8 +324,9 @@ static int reserve_frame(fxs_compute *c, fxs_message *why)
     const uint64_t had = c->bytes[FXS_COMPUTE_MEMORY];
     int error = 0;
     for (int i = 0; i < FXS_COMPUTE_BUFFERS && !error; i++)
-        error = reserve(c, i, c->plan.bytes[i], i == FXS_COMPUTE_DOWNLOAD   ? GL_STREAM_READ
-                                                : i == FXS_COMPUTE_UNIFORMS ? GL_STREAM_DRAW : GL_DYNAMIC_COPY, why);
+        error = reserve(c, i, c->plan.bytes[i] + (i == FXS_COMPUTE_UNIFORMS ? fxs_plan_places_bytes(&c->plan) : 0),
+                        i == FXS_COMPUTE_DOWNLOAD   ? GL_STREAM_READ
+                        : i == FXS_COMPUTE_UNIFORMS ? GL_STREAM_DRAW : GL_DYNAMIC_COPY, why);
     if (!error && c->bytes[FXS_COMPUTE_MEMORY] != had) {
         c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
         put(c, 0, fxs_offset_of_code_q11, sizeof fxs_offset_of_code_q11);
@@ -334,22 +346,25 @@ static int unmap(const fxs_compute *c, fxs_message *why)
     return c->gl.UnmapBuffer(GL_COPY_WRITE_BUFFER) ? 0 : failure(c, why);
 }
 
-static int put_uniforms(const fxs_compute *c, fxs_message *why)
+/* Writes the uniforms, and behind them the table of drawn chunks, which the device copies to its place. glBufferData
+   gives the buffer new memory, because earlier frames may still read the old one. */
+static int put_tables(const fxs_compute *c, fxs_message *why)
 {
-    void *to = map(c, FXS_COMPUTE_UNIFORMS, 0, c->plan.bytes[FXS_COMPUTE_UNIFORMS]);
+    const size_t uniforms = (size_t)c->plan.bytes[FXS_COMPUTE_UNIFORMS], places = fxs_plan_places_bytes(&c->plan);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_UNIFORMS]);
+    c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)c->bytes[FXS_COMPUTE_UNIFORMS], 0, GL_STREAM_DRAW);
+    unsigned char *to = map(c, FXS_COMPUTE_UNIFORMS, 0, uniforms + places);
     if (!to)
         return failure(c, why);
     fxs_plan_uniforms(&c->plan, to);
-    return unmap(c, why);
-}
-
-static int put_places(const fxs_compute *c, fxs_message *why)
-{
-    void *to = map(c, FXS_COMPUTE_MEMORY, 4 * (uint64_t)c->plan.frame.spans_at, fxs_plan_places_bytes(&c->plan));
-    if (!to)
-        return failure(c, why);
-    fxs_plan_places(&c->plan, to);
-    return unmap(c, why);
+    fxs_plan_places(&c->plan, (uint32_t *)(void *)(to + uniforms));
+    const int error = unmap(c, why);
+    c->more.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_UNIFORMS]);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)uniforms,
+                              (GLintptr)(4 * (uint64_t)c->plan.frame.spans_at), (GLsizeiptr)places);
+    return error;
 }
 
 static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, fxs_message *why)
@@ -422,14 +437,14 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
     if (timed)
         gl->EndQuery(TIME_ELAPSED);
     c->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    gl->BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
-    gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_COUNTS]);
-    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
-    gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
-    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)(4 * c->plan.read_at),
-                              4 * FXS_COMPUTE_STATUS,
-                              (GLsizeiptr)(c->plan.bytes[FXS_COMPUTE_DOWNLOAD] - 4 * FXS_COMPUTE_STATUS));
     return fxs_compute_check(c, why);
+}
+
+static void copy_status(const fxs_compute *c, GLuint to)
+{
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, to);
+    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_COUNTS]);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
 }
 
 /* Copies one plane of a finished picture, such as colours or depths, to an image with `bytes` bytes per pixel. The
@@ -450,19 +465,30 @@ static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int byte
     }
 }
 
-static int read_back(fxs_compute *c, int pixels, fxs_message *why)
+static void count(fxs_stats *stats, const uint32_t *status)
+{
+    stats->visible = status[FXS_COMPUTE_VISIBLE];
+    stats->entries = (uint64_t)status[FXS_COMPUTE_ENTRY_COUNT + 1] << 32 | status[FXS_COMPUTE_ENTRY_COUNT];
+}
+
+/* Waits for the frame, and copies its pixels to the request's targets. */
+static int read_back(fxs_compute *c, fxs_stats *stats, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
     const fxs_stage_view *view = &c->plan.view;
     const fxs_compute_frame *f = &c->plan.frame;
-    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
+    copy_status(c, c->buffers[FXS_COMPUTE_DOWNLOAD]);
+    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)(4 * c->plan.read_at),
+                              4 * FXS_COMPUTE_STATUS, (GLsizeiptr)(4 * c->plan.read_words));
     const uint32_t *from = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0,
                                                 (GLsizeiptr)c->plan.bytes[FXS_COMPUTE_DOWNLOAD], GL_MAP_READ_BIT);
     int error = from ? fxs_compute_check(c, why) : failure(c, why);
     if (error)
         return error;
-    const int result = fxs_plan_look(&c->plan, &c->rooms, from, why);
-    if (!result && pixels) {
+    const int result = fxs_plan_look(&c->rooms, from, why);
+    count(stats, from);
+    if (!result) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
         const uint64_t first = c->plan.read_at;
         copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
@@ -474,52 +500,87 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     const fxs_message first = *why;
     error = unmap(c, why);
     error = error ? error : fxs_compute_check(c, why);
-    if (!error && result < 0)
+    if (!error && result)
         *why = first;
     return error ? error : result;
 }
 
-static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
-                  fxs_message *why)
+static int look_at_flight(fxs_compute *c, uint32_t i, fxs_message *why)
 {
-    const fxs_targets *t = c->plan.request->targets;
-    const int timed = c->timer && !target;
-    int result;
-    c->nanoseconds = 0;
-    do {
-        result = fxs_plan_lay_out(&c->plan, &c->rooms, why);
-        if (target)
-            c->plan.bytes[FXS_COMPUTE_DOWNLOAD] = 4 * FXS_COMPUTE_STATUS;
-        result = result ? result : reserve_frame(c, why);
-        result = result ? result : put_uniforms(c, why);
-        result = result ? result : put_places(c, why);
-        result = result ? result : target ? fxs_compute_take_mesh(c, target, why)
-                                          : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
-        result = result || target ? result : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
-        result = result ? result : run_stages(c, copies, timed, why);
-        result = result ? result : read_back(c, !target, why);
-        if (result >= 0 && timed)
-            read_time(c);
-    } while (result > 0);
-    result = result || !target ? result : fxs_compute_show(c, target, why);
-    if (result == FXS_ERR_MEMORY || result == FXS_ERR_DEVICE)
-        give_back(c);
-    return result;
+    fxs_compute_flight *flight = &c->flights[i];
+    c->more.DeleteSync(flight->done);
+    flight->done = 0;
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->statuses[i]);
+    const uint32_t *status = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS, GL_MAP_READ_BIT);
+    if (!status)
+        return failure(c, why);
+    const int error = fxs_plan_look(&c->rooms, status, why);
+    count(&flight->stats, status);
+    c->stats = flight->stats;
+    return c->gl.UnmapBuffer(GL_COPY_WRITE_BUFFER) ? error : failure(c, why);
+}
+
+int fxs_compute_look_back(fxs_compute *c, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < FXS_COMPUTE_FLIGHTS && !error; i++) {
+        const uint32_t next = (c->frames + i) % FXS_COMPUTE_FLIGHTS;
+        GLint state = GL_UNSIGNALED;
+        if (c->flights[next].done)
+            c->more.GetSynciv(c->flights[next].done, GL_SYNC_STATUS, 1, 0, &state);
+        if (state == GL_SIGNALED)
+            error = look_at_flight(c, next, why);
+    }
+    return error;
+}
+
+/* Notes a drawn frame, to read its status later. Drops the status of an old frame if too many are unfinished. */
+static int take_off(fxs_compute *c, const fxs_stats *stats, fxs_message *why)
+{
+    const uint32_t i = c->frames++ % FXS_COMPUTE_FLIGHTS;
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->statuses[i]);
+    c->gl.BufferData(GL_COPY_WRITE_BUFFER, 4 * FXS_COMPUTE_STATUS, 0, GL_STREAM_READ);
+    copy_status(c, c->statuses[i]);
+    c->more.DeleteSync(c->flights[i].done);
+    c->flights[i] = (fxs_compute_flight){c->more.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), *stats};
+    return fxs_compute_check(c, why);
 }
 
 static void fill_stats(const fxs_compute *c, fxs_stats *stats)
 {
-    const uint32_t *status = c->plan.status;
     memset(stats, 0, sizeof *stats);
     stats->gaussians = (uint32_t)c->plan.gaussians;
     stats->drawn = c->plan.places * FXS_CHUNK;
-    stats->visible = status[FXS_COMPUTE_VISIBLE];
-    stats->entries = (uint64_t)status[FXS_COMPUTE_ENTRY_COUNT + 1] << 32 | status[FXS_COMPUTE_ENTRY_COUNT];
     stats->bands = stats->runs = 1;
     stats->memory.splats = (size_t)(c->bytes[FXS_COMPUTE_MEMORY] + c->bytes[FXS_COMPUTE_SPLATS]);
     stats->memory.tiles = (size_t)c->bytes[FXS_COMPUTE_COUNTS];
     stats->memory.entries = (size_t)c->bytes[FXS_COMPUTE_ENTRIES];
     stats->memory.total = (size_t)fxs_compute_taken(c);
+}
+
+static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
+                  fxs_stats *stats, fxs_message *why)
+{
+    const fxs_targets *t = c->plan.request->targets;
+    const int timed = c->timer && !target;
+    c->nanoseconds = 0;
+    int error = fxs_plan_lay_out(&c->plan, &c->rooms, why);
+    if (target)
+        c->plan.bytes[FXS_COMPUTE_DOWNLOAD] = 0;
+    error = error ? error : reserve_frame(c, why);
+    error = error ? error : put_tables(c, why);
+    error = error ? error : target ? fxs_compute_take_mesh(c, target, why)
+                                   : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
+    error = error || target ? error : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
+    error = error ? error : run_stages(c, copies, timed, why);
+    fill_stats(c, stats);
+    error = error ? error : target ? fxs_compute_show(c, target, why) : read_back(c, stats, why);
+    error = error || !target ? error : take_off(c, stats, why);
+    if (!error && timed)
+        read_time(c);
+    if (error == FXS_ERR_MEMORY || error == FXS_ERR_DEVICE)
+        give_back(c);
+    return error;
 }
 
 int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
@@ -540,9 +601,10 @@ int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_comp
 int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
                        fxs_stats *stats, fxs_message *why)
 {
-    const int error = render(c, copies, target, why);
+    fxs_stats of_frame;
+    const int error = render(c, copies, target, &of_frame, why);
     if (!error && stats)
-        fill_stats(c, stats);
+        *stats = target ? c->stats : of_frame;
     return error;
 }
 
@@ -551,4 +613,20 @@ int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_com
 {
     const int error = fxs_compute_begin(c, request, copies, memory, why);
     return error ? error : fxs_compute_finish(c, copies, 0, stats, why);
+}
+
+int fxs_compute_wait(fxs_compute *c, fxs_stats *stats, fxs_message *why)
+{
+    GLint bound = 0;
+    int error = use(c, why);
+    if (error)
+        return error;
+    fxs_compute_check(c, why);     /* clears errors of earlier GL calls */
+    c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
+    c->more.Finish();
+    error = fxs_compute_look_back(c, why);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)bound);
+    if (!error && stats)
+        *stats = c->stats;
+    return error;
 }

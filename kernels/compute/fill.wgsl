@@ -13,7 +13,7 @@ var<workgroup> spans: array<vec4<i32>, 8>;
 fn fits() -> bool
 {
     return atomicLoad(&counts[PAGES]) <= frame.page_room && atomicLoad(&counts[LARGES]) <= frame.large_room &&
-           atomicLoad(&counts[VISIBLE_CHUNKS]) <= frame.chunk_room;
+           atomicLoad(&counts[LONGEST]) <= BLOCK << frame.merges;
 }
 
 fn put_entry(tile: u32, entry: u32)
@@ -27,6 +27,9 @@ fn fill_box(slot: u32)
     let first_tile = bits.y >> 10u;
     let across = u32(frame.tiles.x);
     bits.y &= 1023u;
+    if (first_tile == LARGE_BOX) {
+        return;
+    }
     while ((bits.x | bits.y) != 0u) {
         var bit = 0u;
         if (bits.x != 0u) {
@@ -47,18 +50,26 @@ fn put_arguments(at: u32, groups: u32)
     later[4u * at + 2u] = 1u;
 }
 
+// Writes the numbers of workgroups of the later shaders. If the frame does not fit, the shaders bound_slots and finish
+// replace all others.
 fn put_later()
 {
     let patches = 2u * (frame.tile_bits - 3u);
+    let tiles = u32(frame.tiles.x * frame.tiles.y);
     let empty = atomicLoad(&counts[CLASS_COUNTS]);
     let longest = atomicLoad(&counts[CLASS_COUNTS + CLASSES - 1u]);
-    put_arguments(0u, (u32(frame.tiles.x * frame.tiles.y) - empty + 7u * longest) << patches);
-    put_arguments(2u + MERGES, empty << patches);
     let long = min(atomicLoad(&counts[LONG_BLOCKS]), frame.block_room);
-    put_arguments(1u, min(atomicLoad(&counts[SHORT_BLOCKS]) + long, frame.block_room));
-    for (var i = 0u; i < MERGES; i += 1u) {
-        put_arguments(2u + i, select(0u, long, atomicLoad(&counts[LONGEST]) > BLOCK << i));
+    let fit = fits();
+    put_arguments(0u, select(0u, (tiles - empty + 7u * longest) << patches, fit));
+    put_arguments(2u + MERGES, select(0u, empty << patches, fit));
+    put_arguments(1u, select(0u, min(atomicLoad(&counts[SHORT_BLOCKS]) + long, frame.block_room), fit));
+    for (var i = 0u; i < frame.merges; i += 1u) {
+        put_arguments(2u + i, select(0u, long, fit && atomicLoad(&counts[LONGEST]) > BLOCK << i));
     }
+    let stride = list_room(atomicLoad(&counts[LONGEST]), atomicLoad(&counts[LARGES]), atomicLoad(&counts[VISIBLE]));
+    let at_once = min((frame.scratch - bound_words()) / (2u * stride), tiles);
+    put_arguments(3u + MERGES, select(2u * atomicLoad(&counts[VISIBLE_CHUNKS]), 0u, fit));
+    put_arguments(4u + MERGES, select(min(at_once, ROW_OF_GROUPS), 0u, fit));
 }
 
 @compute @workgroup_size(128)
@@ -68,7 +79,7 @@ fn fill_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     if (half == 0u && thread == 0u) {
         put_later();
     }
-    if (half / 2u < min(atomicLoad(&counts[VISIBLE_CHUNKS]), frame.chunk_room) && fits()) {
+    if (half / 2u < atomicLoad(&counts[VISIBLE_CHUNKS]) && fits()) {
         fill_box(half * THREADS + thread);
     }
 }

@@ -213,7 +213,8 @@ int fxs_compute_draw(fxs_compute *c, const fxs_request *request, const fxs_compu
         return error;
     ask_planes(own.targets, target);
     save(c, &k);
-    error = begin_drawing(c, why);
+    error = fxs_compute_look_back(c, why);
+    error = error ? error : begin_drawing(c, why);
     error = error ? error : fxs_compute_finish(c, copies, target, stats, why);
     restore(c, &k);
     return error;

@@ -44,10 +44,10 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     for (var i = thread; i <= frame.spans; i += THREADS) {
         let span = frame.spans_at + SPAN * i;
         let low = rank_of(memory[span]);
-        let high = min(rank_of(memory[span + 1u]), frame.chunk_room);
+        let high = rank_of(memory[span + 1u]);
         memory[span + 2u] = low;
         memory[span + 3u] = high;
-        put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));
+        put_arguments(i, max(2u * (high - low), select(0u, 1u, i == frame.spans)));
     }
     if (thread == THREADS - 1u) {
         atomicStore(&counts[VISIBLE_CHUNKS], at);

@@ -12,14 +12,21 @@
    name). */
 #define FXS_COMPUTE_FUNCTIONS(F) \
     F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERSUBDATA, BufferSubData) \
-    F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DISPATCHCOMPUTE, DispatchCompute) \
-    F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect) F(GETINTEGER64I_V, GetInteger64i_v) \
-    F(GETINTEGERI_V, GetIntegeri_v) F(MEMORYBARRIER, MemoryBarrier)
+    F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DELETESYNC, DeleteSync) F(DISPATCHCOMPUTE, DispatchCompute) \
+    F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect) F(FENCESYNC, FenceSync) F(FINISH, Finish) \
+    F(GETINTEGER64I_V, GetInteger64i_v) F(GETINTEGERI_V, GetIntegeri_v) F(GETSYNCIV, GetSynciv) \
+    F(MEMORYBARRIER, MemoryBarrier)
 typedef struct fxs_compute_gl {
     FXS_COMPUTE_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_compute_gl;
 
-enum { FXS_COMPUTE_DRAWING = 3 };
+enum { FXS_COMPUTE_DRAWING = 3, FXS_COMPUTE_FLIGHTS = 4 };
+
+/* A drawn frame whose status was not read yet. */
+typedef struct fxs_compute_flight {
+    GLsync done;                   /* null: no frame */
+    fxs_stats stats;
+} fxs_compute_flight;
 
 struct fxs_compute {
     fxs_gl gl;
@@ -34,6 +41,10 @@ struct fxs_compute {
     fxs_plan_rooms rooms;
     fxs_plan plan;
     uint64_t nanoseconds;
+    fxs_compute_flight flights[FXS_COMPUTE_FLIGHTS];
+    GLuint statuses[FXS_COMPUTE_FLIGHTS];          /* buffers that the statuses are copied to */
+    uint32_t frames;               /* number of drawn frames; frame i uses flights[i % FXS_COMPUTE_FLIGHTS] */
+    fxs_stats stats;               /* of the newest frame whose status was read */
     GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* GL objects made on first use by framebuffer.c */
     int32_t word_rows, most_rows;
     int shift;              /* log2 of the width of texture `words`; 0: the texture is not needed */
@@ -53,6 +64,9 @@ int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fx
                       void *memory, fxs_message *why);
 int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
                        fxs_stats *stats, fxs_message *why);
+
+/* Reads the statuses of drawn frames that the device has finished. Does not wait. */
+int fxs_compute_look_back(fxs_compute *compute, fxs_message *why);
 
 int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gl_target *target, fxs_message *why);
 

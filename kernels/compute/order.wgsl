@@ -37,9 +37,3 @@ fn tile_at(number: u32) -> u32
     }
     return counts[frame.classes + (CLASSES - 1u - before) * u32(frame.tiles.x * frame.tiles.y) + number - start];
 }
-
-fn fits() -> bool
-{
-    return counts[PAGES] <= frame.page_room && counts[LARGES] <= frame.large_room &&
-           counts[VISIBLE_CHUNKS] <= frame.chunk_room;
-}

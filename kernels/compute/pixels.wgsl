@@ -1,12 +1,6 @@
-// Pixel functions of the shaders blend and trace. A workgroup of 32 threads draws 8x8 pixels, two per thread. Each
-// round takes 32 splats: each thread tests one splat, then all threads blend the splats that touch a pixel. For the
-// longest lists a workgroup draws only 8 pixels, for load balance.
-
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read> counts: array<u32>;
-@group(1) @binding(1) var<storage, read> entries: array<u32>;
-@group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
-@group(1) @binding(3) var<storage, read_write> memory: array<u32>;
+// Pixel functions of the shaders blend, trace and finish. 32 threads draw 8x8 pixels, two per thread; further threads
+// only wait. Each round takes 32 splats: each thread tests one splat, then all threads blend the splats that touch a
+// pixel. For the longest lists a workgroup draws only 8 pixels, for load balance.
 
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
@@ -24,6 +18,12 @@ var<workgroup> open_pixels: array<atomic<u32>, 2>; // bits of the pixels that ar
 struct Pixel {
     transmittance: i32,
     sum: vec3<i32>,
+}
+
+// Returns the thread's place in a round of splats, or a place beyond all lists.
+fn lane_of(thread: u32) -> u32
+{
+    return select(0x40000000u, thread, thread < SOME);
 }
 
 struct Fetched {
@@ -177,7 +177,7 @@ fn patch_of(group: vec3<u32>) -> Patch
     let patch_number = select(number / SIDE, whole + by_rows / SIDE, number >= by_rows);
     let rows = select(vec2<u32>(number % SIDE), vec2<u32>(0u, SIDE - 1u), number >= by_rows);
     let tile = tile_at(patch_number >> (2u * halves));
-    if (tile == NOTHING || !fits()) {
+    if (tile == NOTHING) {
         return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
     }
     let corner = corner_of(tile, patch_number);
@@ -219,8 +219,10 @@ fn clear_rounds(thread: u32, place: Place)
         open_round = 0u;
     }
     workgroupBarrier();
-    atomicOr(&open_pixels[place.row / 4u], select(0u, bit_of(place, false), place.inside.x) |
-                                           select(0u, bit_of(place, true), place.inside.y));
+    if (any(place.inside)) {
+        atomicOr(&open_pixels[place.row / 4u], select(0u, bit_of(place, false), place.inside.x) |
+                                               select(0u, bit_of(place, true), place.inside.y));
+    }
     workgroupBarrier();
 }
 

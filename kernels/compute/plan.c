@@ -1,11 +1,11 @@
-/* Plans a frame of the compute back ends: memory layout, dispatches, and growth of lists that were too short. */
+/* Plans a frame of the compute back ends: memory layout, dispatches, and growth of the lists. */
 #include "plan.h"
 #include "src/core/sized.h"
 #include "src/core/memory.h"
 #include "src/core/targets.h"
 
-enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
-       MERGES = 19 };
+enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4,
+       FIRST_MERGES = 8 };
 
 /* A range of one object's drawn chunks, with all their Gaussians in one GPU buffer. */
 typedef struct span {
@@ -286,15 +286,25 @@ static uint32_t larger(uint64_t a, uint64_t b)
     return x < UINT32_MAX ? (uint32_t)x : UINT32_MAX;
 }
 
+static uint64_t slots_of(const fxs_plan *p)
+{
+    return p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
+}
+
+/* Returns the least number of entries for a frame whose lists do not fit: twice the longest possible list of a tile, and
+   the bounds of each half of a chunk. */
+static uint64_t least_entries(const fxs_plan *p)
+{
+    return 2 * slots_of(p) + 4 * (uint64_t)p->places + FXS_COMPUTE_PAGE;
+}
+
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
-    const uint64_t slots = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians, all = r->most / (2 * ENTRY_BYTES);
-    const uint64_t entries = 2 * slots + 65536 < all ? 2 * slots + 65536 : all;
-    const uint64_t chunks = r->most / (FXS_CHUNK * SPLAT_BYTES);
-    r->chunks = larger(r->chunks, p->places < chunks ? p->places + 1 : chunks);
-    r->larges = larger(r->larges, slots / 16 + 4096);
-    r->pages = larger(r->pages, entries / FXS_COMPUTE_PAGE);
-    r->merges = larger(r->merges, 1);
+    const uint64_t slots = slots_of(p), of_squares = p->view.cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
+    r->chunks = larger(r->chunks, (uint64_t)p->places + 1);
+    r->larges = larger(r->larges, of_squares + slots / 16 + 4096);
+    r->pages = larger(r->pages, (least_entries(p) + 65536) / FXS_COMPUTE_PAGE);
+    r->merges = r->merges ? r->merges : FIRST_MERGES;
 }
 
 static uint32_t words_at(uint64_t *used, uint64_t words)
@@ -313,8 +323,8 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
    16x16. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
-    const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
-    return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
+    const int boxes_have_room = pixels < (uint64_t)FXS_MAX_SIZE * FXS_MAX_SIZE;  /* see LARGE_BOX */
+    return boxes_have_room && slots_of(p) > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
 static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels, uint64_t *words)
@@ -323,19 +333,25 @@ static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels
     fxs_compute_frame *f = &p->frame;
     f->occluder = plane_at(words, &t->occluder, pixels);
     f->backdrop = plane_at(words, &t->backdrop, pixels);
-    uint64_t bin = *words, sort = *words, picture = *words;
-    p->read_at = *words;
+    uint64_t bin = *words, sort = *words;
     f->boxes = words_at(&bin, 2 * (uint64_t)FXS_CHUNK * r->chunks);
+    f->squares = words_at(&bin, p->view.cutoff == FXS_CUTOFF_SQUARE ? 2 * (uint64_t)FXS_CHUNK * r->chunks : 0);
     f->larges = words_at(&bin, (uint64_t)FXS_COMPUTE_LARGE * r->larges);
     f->spare = words_at(&sort, (uint64_t)FXS_COMPUTE_PAGE * r->pages);
+    uint64_t picture = bin > sort ? bin : sort;
+    p->read_at = picture;
     f->colour = plane_at(&picture, &t->colour, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1));
     f->coverage = plane_at(&picture, &t->coverage, pixels);
     f->mean_depth = plane_at(&picture, &t->mean_depth, pixels);
     f->median_depth = plane_at(&picture, &t->median_depth, pixels);
     f->id = plane_at(&picture, &t->id, 2 * pixels);
     p->read_words = picture - p->read_at;
-    *words = bin > sort ? bin : sort;
-    *words = picture > *words ? picture : *words;
+    *words = picture;
+}
+
+static uint32_t at_most(uint32_t room, uint32_t most)
+{
+    return most && most < room ? most : room;
 }
 
 static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
@@ -350,14 +366,14 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     f->size[0] = p->view.width;
     f->size[1] = p->view.height;
     f->tile_bits = tile_bits(p, r, pixels);
-    p->merges = r->merges;
     for (int k = 0; k < 2; k++)
         f->tiles[k] = (f->size[k] + (1 << f->tile_bits) - 1) >> f->tile_bits;
     const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
     f->places = p->places;
-    f->chunk_room = r->chunks;
-    f->large_room = r->larges;
-    f->page_room = r->pages;
+    f->merges = at_most(r->merges, r->most_merges);
+    f->large_room = at_most(r->larges, r->most_larges);
+    f->page_room = at_most(r->pages, r->most_pages);
+    f->scratch = r->pages * FXS_COMPUTE_PAGE;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
     f->drawn = p->drawn ? words_at(&words, 2 * (uint64_t)p->places) : 0;
     f->ranks = words_at(&words, p->places / 32 + 1);
@@ -379,10 +395,10 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     p->bytes[FXS_COMPUTE_UNIFORMS] = FXS_COMPUTE_STRIDE * ((uint64_t)f->spans + 1);
     p->bytes[FXS_COMPUTE_MEMORY] = 4 * words;
     p->bytes[FXS_COMPUTE_COUNTS] = 4 * (f->blocks + 2 * (uint64_t)f->block_room);
-    p->bytes[FXS_COMPUTE_SPLATS] = (uint64_t)FXS_CHUNK * SPLAT_BYTES * f->chunk_room;
-    p->bytes[FXS_COMPUTE_ENTRIES] = (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room;
+    p->bytes[FXS_COMPUTE_SPLATS] = (uint64_t)FXS_CHUNK * SPLAT_BYTES * r->chunks;
+    p->bytes[FXS_COMPUTE_ENTRIES] = (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * r->pages;
     p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
-    p->bytes[FXS_COMPUTE_LATER] = 16 * (3 + MERGES);
+    p->bytes[FXS_COMPUTE_LATER] = 16 * (5 + FXS_PLAN_MERGES);
     p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
 }
 
@@ -403,6 +419,13 @@ int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
         rooms->pages = 0;
         guess_rooms(p, rooms);
         lay_out(p, rooms);
+    }
+    if (largest_buffer(p) > rooms->most) {
+        fxs_plan_rooms least = *rooms;
+        least.chunks = p->places + 1;
+        least.larges = 1;
+        least.pages = (uint32_t)(least_entries(p) / FXS_COMPUTE_PAGE);
+        lay_out(p, &least);
     }
     return largest_buffer(p) > rooms->most ? too_large(why, largest_buffer(p)) : 0;
 }
@@ -459,6 +482,9 @@ static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
     OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
     OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
     OF(clear_pixels, FXS_COMPUTE_COUNTS, NONE, NONE, FXS_COMPUTE_MEMORY)
+    OF(bound_slots, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
+    OF(finish_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
+    OF(finish_traced, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
     OF(name_pixels, NONE, FXS_COMPUTE_MEMORY, NONE, NONE)
 };
 
@@ -518,6 +544,7 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     } while (0)
     const fxs_compute_frame *f = &p->frame;
     const uint64_t pixels = (uint64_t)f->size[0] * (uint64_t)f->size[1];
+    const int traced = fxs_targets_traced(p->request->targets);
     DO(direct(FXS_COMPUTE_clear_counts, groups_of(f->cleared)));
     of_spans(p, FXS_COMPUTE_locate_chunks, step, argument);
     DO(direct(FXS_COMPUTE_gather_chunks, 1));
@@ -528,13 +555,16 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     large.waits = 0;
     step(argument, &large);
     DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 1));
-    for (uint32_t i = 0; i < p->merges; i++)
+    for (uint32_t i = 0; i < f->merges; i++)
         DO(indirect(FXS_COMPUTE_merge_runs, FXS_COMPUTE_LATER, 2 + i));
-    DO(indirect(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles,
-                FXS_COMPUTE_LATER, 0));
-    fxs_step clear = indirect(FXS_COMPUTE_clear_pixels, FXS_COMPUTE_LATER, 2 + MERGES);
+    DO(indirect(traced ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles, FXS_COMPUTE_LATER, 0));
+    fxs_step clear = indirect(FXS_COMPUTE_clear_pixels, FXS_COMPUTE_LATER, 2 + FXS_PLAN_MERGES);
     clear.waits = 0;
     step(argument, &clear);
+    fxs_step bound = indirect(FXS_COMPUTE_bound_slots, FXS_COMPUTE_LATER, 3 + FXS_PLAN_MERGES);
+    bound.waits = 0;
+    step(argument, &bound);
+    DO(indirect(traced ? FXS_COMPUTE_finish_traced : FXS_COMPUTE_finish_tiles, FXS_COMPUTE_LATER, 4 + FXS_PLAN_MERGES));
     if (f->id != FXS_NOTHING)
         DO(direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));
 }
@@ -547,36 +577,18 @@ static uint32_t merges_of(uint32_t longest)
     return merges;
 }
 
-static int needs_more(const fxs_plan *p)
+/* Returns the capacity of later frames. A capacity grows when more than 7/8 of it are used. */
+static uint32_t room_ahead(uint32_t room, uint32_t used, uint64_t most)
 {
-    const fxs_compute_frame *f = &p->frame;
-    return p->status[FXS_COMPUTE_PAGES] > f->page_room || p->status[FXS_COMPUTE_LARGES] > f->large_room ||
-           p->status[FXS_COMPUTE_VISIBLE_CHUNKS] > f->chunk_room ||
-           merges_of(p->status[FXS_COMPUTE_LONGEST]) > p->merges;
+    const uint64_t wanted = (uint64_t)used + used / 4;
+    return used <= room - room / 8 ? room : larger(room, wanted < most ? wanted : most);
 }
 
-static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
+int fxs_plan_look(fxs_plan_rooms *r, const uint32_t *status, fxs_message *why)
 {
-    const uint64_t larges = p->status[FXS_COMPUTE_LARGES], pages = p->status[FXS_COMPUTE_PAGES];
-    const uint64_t most_pages = r->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES);
-    const uint64_t spare = pages + pages / 8 <= most_pages ? pages / 8 : 0;
-    r->chunks = larger(r->chunks, p->status[FXS_COMPUTE_VISIBLE_CHUNKS]);
-    r->merges = larger(r->merges, merges_of(p->status[FXS_COMPUTE_LONGEST]));
-    if (larges > r->larges)
-        r->larges = larger(larges + larges / 8, 0);
-    if (pages > r->pages)
-        r->pages = larger(pages + spare, 0);
-}
-
-int fxs_plan_look(fxs_plan *p, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why)
-{
-    memcpy(p->status, status, sizeof p->status);
-    if (p->status[FXS_COMPUTE_DAMAGED])
-        return said(why, FXS_ERR_SCENE);
-    if (!needs_more(p))
-        return 0;
-    if (++p->tries == TRIES)
-        return fxs_plan_say(why, FXS_ERR_DEVICE, "the device counts a frame differently each time", "");
-    make_more(p, rooms);
-    return 1;
+    const uint32_t merges = merges_of(status[FXS_COMPUTE_LONGEST]) + 1;
+    r->larges = room_ahead(r->larges, status[FXS_COMPUTE_LARGES], r->most / (4 * 4 * FXS_COMPUTE_LARGE));
+    r->pages = room_ahead(r->pages, status[FXS_COMPUTE_PAGES], r->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES));
+    r->merges = merges < r->merges ? r->merges - 1 : merges < FXS_PLAN_MERGES ? merges : FXS_PLAN_MERGES;
+    return status[FXS_COMPUTE_DAMAGED] ? said(why, FXS_ERR_SCENE) : 0;
 }

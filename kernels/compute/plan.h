@@ -1,11 +1,12 @@
-/* Plan of a frame of the compute back ends: buffers, dispatches, and the retry if a list exceeded its capacity. The
- * plan calls no graphics API.
+/* Plan of a frame of the compute back ends: buffers and dispatches. The plan calls no graphics API.
  *
  *     fxs_plan_begin(&plan, request, memory, why)         then fill in plan.part_chunks
- *     do {
- *         fxs_plan_lay_out(&plan, &rooms, why)            allocate plan.bytes[]; write uniforms and places
- *         fxs_plan_steps(&plan, step, argument)           execute each step
- *     } while ((result = fxs_plan_look(&plan, &rooms, status, why)) > 0)
+ *     fxs_plan_lay_out(&plan, &rooms, why)                allocate plan.bytes[]; write uniforms and places
+ *     fxs_plan_steps(&plan, step, argument)               execute each step
+ *     fxs_plan_look(&rooms, status, why)                  when the device has finished the frame, even frames later
+ *
+ * The device completes every frame itself. If the frame's lists exceed their capacities, the last step draws the frame
+ * without the lists, which takes longer. fxs_plan_look enlarges the capacities for later frames before they are full.
  *
  * Functions return 0 or an FXS_ERR_* with a message, unless stated otherwise. */
 #ifndef FXS_PLAN_H
@@ -18,6 +19,7 @@ typedef struct fxs_plan_rooms {
     uint64_t most;                 /* size of the largest storage buffer in bytes */
     uint32_t chunks, larges, pages, merges;
     uint32_t whole_tiles;
+    uint32_t most_larges, most_pages, most_merges;     /* test hook: artificial capacities; 0: none */
 } fxs_plan_rooms;
 
 typedef struct fxs_plan {
@@ -27,14 +29,14 @@ typedef struct fxs_plan {
     uint32_t *part_chunks;         /* number of chunks that fit in one buffer, per object; set by the back end */
     const fxs_drawn *drawn;        /* chunks to draw; null: every chunk of all objects */
     uint64_t gaussians;
-    uint32_t places, cut_room, merges, tries;
+    uint32_t places, cut_room;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];
     uint64_t read_at, read_words;  /* range of words to read back: the finished picture */
     fxs_compute_frame frame;
-    uint32_t status[FXS_COMPUTE_STATUS];
 } fxs_plan;
 
 enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
+enum { FXS_PLAN_MERGES = 19, FXS_PLAN_STEPS = 11 + FXS_PLAN_MERGES };  /* most steps of a frame besides 2 a span */
 
 typedef struct fxs_step {
     uint32_t program;
@@ -67,9 +69,9 @@ void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
 void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
 
-/* Checks the status of a frame: the first FXS_COMPUTE_STATUS words of buffer FXS_COMPUTE_COUNTS. Returns 0 if the frame
-   is complete, 1 to lay out and run the frame again with longer lists, or an error. */
-int fxs_plan_look(fxs_plan *plan, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
+/* Takes the status of a finished frame: the first FXS_COMPUTE_STATUS words of buffer FXS_COMPUTE_COUNTS. Enlarges the
+   capacities for later frames. */
+int fxs_plan_look(fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
 
 typedef struct fxs_piece {
     const void *from;

@@ -75,8 +75,21 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
+// Returns the box of a large splat: its centre, Q3, or FAR_Q3 if the splat touches all tiles of its rows.
+fn large_box(b: ptr<function, Bounds>) -> wide
+{
+    var centre = max((*b).c_q14 >> vec2<u32>(11u), vec2<i32>(FAR_Q3 + 1));
+    if ((*b).half_width_q8 == EVERYWHERE_Q8) {
+        centre = vec2<i32>(FAR_Q3);
+    }
+    let x = u32(centre.x) & 0x1fffffu;
+    let y = u32(centre.y) & 0x1fffffu;
+    return wide(x | (y << 21u), (y >> 11u) | (LARGE_BOX << 10u));
+}
+
 // Counts a splat in the lengths of its tiles' lists. Returns a mask of the tiles: bit 6 r + c for row r and column c.
-// Bits from 42 on are the first tile's number. Returns 0 if the splat is large or touches no tile.
+// Bits from 42 on are the first tile's number. Returns 0 if the splat touches no tile. Large splats have LARGE_BOX and,
+// instead of a mask, their centre.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;
@@ -106,6 +119,14 @@ fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
     }
     for (var row = rows.first; row <= rows.last && large; row += LARGE_ROWS) {
         put_large(slot, &b, row);
+    }
+    if (is_square) {
+        let across = span_of(&s, &b, r_q12, 0);
+        memory[frame.squares + 2u * slot] = u32(across.first) | (u32(across.last + 1) << 16u);
+        memory[frame.squares + 2u * slot + 1u] = u32(rows.first) | (u32(rows.last + 1) << 16u);
+    }
+    if (large) {
+        return large_box(&b);
     }
     if ((box.x | box.y) == 0u) {
         return box;

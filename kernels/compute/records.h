@@ -9,7 +9,7 @@
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
     F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
-    F(clear_pixels) F(name_pixels)
+    F(clear_pixels) F(bound_slots) F(finish_tiles) F(finish_traced) F(name_pixels)
 #define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 
@@ -34,14 +34,14 @@ enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_CO
 
 typedef struct fxs_compute_frame {
     int32_t size[2], tiles[2];
-    uint32_t places, spans, chunk_room, large_room, page_room;
+    uint32_t places, spans, merges, large_room, page_room;
     uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, unused, classes;
     uint32_t blocks, block_room, spare, tile_bits, cleared;
     int32_t cutoff, cut_q11;
     uint32_t format;
     int32_t background_q13[4];
     int32_t depth_bits;
-    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop;
+    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop, scratch, squares;
 } fxs_compute_frame;
 
 typedef struct fxs_compute_object {

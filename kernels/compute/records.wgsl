@@ -14,6 +14,8 @@ const BLOCK: u32 = 512u;           // list entries that one workgroup sorts
 const CLASSES: u32 = 16u;          // number of classes of tiles by list length
 const CUT_OFF: u32 = 0x80000000u;
 const NOTHING: u32 = 0xffffffffu;
+const LARGE_BOX: u32 = 0x3fffffu;  // first tile in the box of a large splat
+const FAR_Q3: i32 = -0x100000;
 
 const BOX_COLUMNS: i32 = 6;
 const BOX_ROWS: i32 = 7;
@@ -37,7 +39,7 @@ struct Frame {
     tiles: vec2<i32>,
     places: u32,                   // number of drawn chunks
     spans: u32,
-    chunk_room: u32,               // number of chunks with memory for their splats
+    merges: u32,                   // number of merge passes; a frame fits if no list needs more
     large_room: u32,
     page_room: u32,
     drawn: u32,          // offset of the table of drawn chunks: number and drawn share of each; 0: every chunk is drawn
@@ -70,6 +72,8 @@ struct Frame {
     id: u32,                       // offset of the ids, two words per pixel
     occluder: u32,
     backdrop: u32,
+    scratch: u32,                  // length of `entries`, for the tiles of a frame that does not fit
+    squares: u32,                  // of square splats: offset of the range of tiles of each slot
 }
 
 struct Object {
@@ -151,4 +155,17 @@ fn half_of(word: u32, i: u32) -> u32
 struct Span {
     first: i32,
     last: i32,
+}
+
+// Returns the number of words at the start of `entries` that bound each half of a chunk, if the frame does not fit.
+fn bound_words() -> u32
+{
+    return 4u * frame.places;
+}
+
+// Returns a bound of the length of a tile's list, if the frame does not fit. `longest` ignores lists up to BLOCK. Large
+// splats may be listed in tiles that they do not touch.
+fn list_room(longest: u32, larges: u32, visible: u32) -> u32
+{
+    return max(min(max(longest, BLOCK) + larges, visible), 1u);
 }

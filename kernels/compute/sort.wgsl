@@ -19,23 +19,25 @@ var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
 var<workgroup> bounds: array<vec2<u32>, 16>;     // per range of depth bins: smallest depth, log2 of the width of a bin
 
-fn key_of(entry: u32) -> vec2<u32>
+fn keyed(entry: u32) -> vec2<u32>
 {
     return vec2<u32>(entry, memory[frame.depths + (entry & ~CUT_OFF)]);
 }
 
-fn key_at(in_spare: bool, at: u32) -> vec2<u32>
+const SPARE: u32 = 0x80000000u;    // flag of a position in the scratch space, instead of in `entries`
+
+fn key_at(at: u32) -> vec2<u32>
 {
-    if (in_spare) {
-        return key_of(memory[frame.spare + at]);
+    if ((at & SPARE) != 0u) {
+        return keyed(memory[frame.spare + (at & ~SPARE)]);
     }
-    return key_of(entries[at]);
+    return keyed(entries[at]);
 }
 
-fn put_entry(in_spare: bool, at: u32, entry: u32)
+fn put_entry(at: u32, entry: u32)
 {
-    if (in_spare) {
-        memory[frame.spare + at] = entry;
+    if ((at & SPARE) != 0u) {
+        memory[frame.spare + (at & ~SPARE)] = entry;
     } else {
         entries[at] = entry;
     }
@@ -71,7 +73,7 @@ fn take_block(group: vec3<u32>, thread: u32) -> Block
         let long = counts[LONG_BLOCKS];
         let at = frame.blocks + 2u * select(number - long, frame.block_room - 1u - number, number < long);
         own_block.count = 0u;
-        if (number < long + counts[SHORT_BLOCKS] && fits()) {
+        if (number < long + counts[SHORT_BLOCKS]) {
             let tile = counts[at];
             let count = counts[list_of(tile)];
             own_block = Block(counts[list_of(tile) + 1u] - count, count, BLOCK * (counts[at + 1u] % DONE),
@@ -99,7 +101,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     let sample = thread % SAMPLES;
     if (thread < SAMPLES) {
-        samples[thread] = key_at(false, at + thread * max(some, SAMPLES) / SAMPLES % some).y;
+        samples[thread] = key_at(at + thread * max(some, SAMPLES) / SAMPLES % some).y;
         atomicStore(&ranks[thread], 0u);
     }
     workgroupBarrier();
@@ -133,16 +135,9 @@ fn bin_of(depth: u32) -> u32
     return RANGE * range + min((max(depth, bound.x) - bound.x) >> bound.y, RANGE - 1u);
 }
 
-@compute @workgroup_size(128)
-fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+// Sorts up to BLOCK entries, from position `at` on, and writes them from position `to` on.
+fn sort_block(thread: u32, at: u32, some: u32, to: u32)
 {
-    let block = take_block(group, thread);
-    if (block.count == 0u) {
-        return;
-    }
-    let some = min(block.count - block.first, BLOCK);
-    let at = block.list + block.first;
-    let to_spare = merges_of(block.count) % 2u == 1u;
     var own: array<vec2<u32>, 4>;
     var bin_of_own: array<u32, 4>;
     var place: array<u32, 4>;
@@ -151,7 +146,7 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
     for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
         if (thread + k * THREADS < some) {
-            own[k] = key_at(false, at + thread + k * THREADS);
+            own[k] = key_at(at + thread + k * THREADS);
         }
     }
     bound_ranges(thread, at, some);
@@ -177,9 +172,21 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             for (var i = first; i < end; i += 1u) {
                 below += select(0u, 1u, is_below(keys[i], own[k]));
             }
-            put_entry(to_spare, at + below, own[k].x);
+            put_entry(to + below, own[k].x);
         }
     }
+}
+
+@compute @workgroup_size(128)
+fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let block = take_block(group, thread);
+    if (block.count == 0u) {
+        return;
+    }
+    let at = block.list + block.first;
+    let to = at | select(0u, SPARE, merges_of(block.count) % 2u == 1u);
+    sort_block(thread, at, min(block.count - block.first, BLOCK), to);
 }
 
 var<workgroup> below_split: array<atomic<u32>, 2>;
@@ -187,7 +194,7 @@ var<workgroup> splits: array<u32, 2>;
 
 // Splits the result of merging two sorted runs: returns how many of the d smallest keys come from the first run. The
 // runs have a keys at `first` and b keys at `second`. Each half of the workgroup has its own d.
-fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
+fn split(thread: u32, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
     var low = d - min(d, b);
@@ -197,7 +204,7 @@ fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d
         let place = low + thread % 64u * step;
         atomicStore(&below_split[side], 0u);
         workgroupBarrier();
-        if (place < high && is_below(key_at(in_spare, first + place), key_at(in_spare, second + d - 1u - place))) {
+        if (place < high && is_below(key_at(first + place), key_at(second + d - 1u - place))) {
             atomicAdd(&below_split[side], 1u);
         }
         workgroupBarrier();
@@ -222,6 +229,33 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
     return below;
 }
 
+// Merges two sorted runs of 2^run entries of the list at position `source`. Writes one block of the results, the entries
+// from `block` on of the list at position `to`.
+fn merge_block(thread: u32, source: u32, to: u32, count: u32, block: u32, run: u32)
+{
+    let start = (block >> (run + 1u)) << (run + 1u);
+    let both = min(count - start, 2u << run);
+    let a = min(both, 1u << run);
+    let d = block - start;
+    let some = min(both - d, BLOCK);
+    let first = source + start;
+    let second = first + a;
+    splits[thread / 64u] = split(thread, first, a, second, both - a, d + thread / 64u * some, run);
+    workgroupBarrier();
+    let of_first = splits[1] - splits[0];
+    for (var i = thread; i < some; i += THREADS) {
+        let at = select(second + d - splits[0] + i - of_first, first + splits[0] + i, i < of_first);
+        keys[i] = key_at(at);
+    }
+    workgroupBarrier();
+    for (var i = thread; i < some; i += THREADS) {
+        let key = keys[i];
+        let is_first = i < of_first;
+        let below = count_below(select(0u, of_first, is_first), select(of_first, some - of_first, is_first), key);
+        put_entry(to + block + select(i - of_first, i, is_first) + below, key.x);
+    }
+}
+
 @compute @workgroup_size(128)
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
@@ -231,25 +265,6 @@ fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
         return;
     }
     let from_spare = (merges_of(block.count) + 1u - block.done) % 2u == 1u;
-    let start = (block.first >> (run + 1u)) << (run + 1u);
-    let both = min(block.count - start, 2u << run);
-    let a = min(both, 1u << run);
-    let d = block.first - start;
-    let some = min(both - d, BLOCK);
-    let first = block.list + start;
-    let second = first + a;
-    splits[thread / 64u] = split(thread, from_spare, first, a, second, both - a, d + thread / 64u * some, run);
-    workgroupBarrier();
-    let of_first = splits[1] - splits[0];
-    for (var i = thread; i < some; i += THREADS) {
-        let at = select(second + d - splits[0] + i - of_first, first + splits[0] + i, i < of_first);
-        keys[i] = key_at(from_spare, at);
-    }
-    workgroupBarrier();
-    for (var i = thread; i < some; i += THREADS) {
-        let key = keys[i];
-        let is_first = i < of_first;
-        let below = count_below(select(0u, of_first, is_first), select(of_first, some - of_first, is_first), key);
-        put_entry(!from_spare, block.list + block.first + select(i - of_first, i, is_first) + below, key.x);
-    }
+    merge_block(thread, block.list | select(0u, SPARE, from_spare), block.list | select(SPARE, 0u, from_spare),
+                block.count, block.first, run);
 }

@@ -1,6 +1,12 @@
 // Blends splats and also writes depths and ids. An occluder hides the splats behind it.
 // Needs pixel numbers records order pixels
 
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<storage, read> counts: array<u32>;
+@group(1) @binding(1) var<storage, read> entries: array<u32>;
+@group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
+@group(1) @binding(3) var<storage, read_write> memory: array<u32>;
+
 var<workgroup> own: array<vec2<u32>, 32>;
 
 const HALF_Q15: i32 = 16384;
@@ -126,22 +132,18 @@ fn put_traced(p: ptr<function, Pixel>, t: ptr<function, Traced>, at: u32)
     put_traces(t, (*p).transmittance, at);
 }
 
-@compute @workgroup_size(32)
-fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+fn trace_patch(here: Patch, thread: u32)
 {
-    let here = patch_of(group);
-    if (here.tile == NOTHING) {
-        return;
-    }
+    let lane = lane_of(thread);
     let place = place_of(here, thread);
     var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside.x), vec3<i32>(0));
     var q = Pixel(select(0, FXS_CLEAR_Q15, place.inside.y), vec3<i32>(0));
     var s = traced_at(place.inside.x, place.at);
     var t = traced_at(place.inside.y, place.at + APART);
     var open = place.inside;
-    var fetched = fetch_splat(fetch_entry(here, thread));
+    var fetched = fetch_splat(fetch_entry(here, lane));
     var depth = depth_of(fetched.entry);
-    var entry = fetch_entry(here, SOME + thread);
+    var entry = fetch_entry(here, SOME + lane);
     clear_rounds(thread, place);
     for (var first = 0u; first < here.count; first += SOME) {
         let round = first / SOME + 1u;
@@ -149,10 +151,12 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             open_round = round;
         }
         place_splat(here, thread, fetched, round);
-        own[thread] = vec2<u32>(fetched.entry, depth);
+        if (thread < SOME) {
+            own[thread] = vec2<u32>(fetched.entry, depth);
+        }
         fetched = fetch_splat(entry);
         depth = depth_of(entry);
-        entry = fetch_entry(here, first + 2u * SOME + thread);
+        entry = fetch_entry(here, first + 2u * SOME + lane);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
@@ -180,4 +184,14 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     if (place.inside.y) {
         put_traced(&q, &t, place.at + APART);
     }
+}
+
+@compute @workgroup_size(32)
+fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let here = patch_of(group);
+    if (here.tile == NOTHING) {
+        return;
+    }
+    trace_patch(here, thread);
 }

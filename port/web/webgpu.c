@@ -150,7 +150,7 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
         return error;
     const size_t uniforms = (size_t)p->bytes[FXS_COMPUTE_UNIFORMS], places = fxs_plan_places_bytes(p);
     free(w->words);
-    w->words = fxs_web_allocate(uniforms + places + (FXS_COMPUTE_PROGRAMS + 2 * p->frame.spans) * sizeof *w->steps);
+    w->words = fxs_web_allocate(uniforms + places + (FXS_PLAN_STEPS + 2 * p->frame.spans) * sizeof *w->steps);
     if (!w->words)
         return FXS_ERR_MEMORY;
     memset(w->words, 0, uniforms + places);
@@ -174,7 +174,7 @@ EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
     uint32_t status[FXS_COMPUTE_STATUS];
     for (int i = 0; i < FXS_COMPUTE_STATUS; i++)
         status[i] = (uint32_t)fxs_web_numbers()[i];
-    return fxs_plan_look(&w->plan, w->rooms, status, fxs_web_message());
+    return fxs_plan_look(w->rooms, status, fxs_web_message());
 }
 
 /* Returns the table that lies at the start of the device memory: -2 ln(opacity) of each opacity code, Q11. Out: size of

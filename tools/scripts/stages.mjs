@@ -5,7 +5,8 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 export const room = "kernels/compute/";
-export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
+export const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "finish",
+                       "ids"];
 
 // Converts pixel.h from C to WGSL. These replacements suffice for its small subset of C.
 function pixelHeader()
@@ -21,7 +22,13 @@ function pixelHeader()
         .replace(/\bint (\w+) = /g, "var $1 = ");
 }
 
-const textOf = (part) => part === "pixel" ? pixelHeader() : readFileSync(`${room}${part}.wgsl`, "utf8");
+const fileOf = (part) => readFileSync(`${room}${part}.wgsl`, "utf8");
+
+// Part "x_functions": the functions of stage x, without its buffers and entry points.
+const functionsOf = (part) => fileOf(part).replace(/^@group.*\n|^@compute[^]*?\n\}\n/gm, "");
+
+const textOf = (part) => part === "pixel" ? pixelHeader()
+                       : part.endsWith("_functions") ? functionsOf(part.slice(0, -"_functions".length)) : fileOf(part);
 const partsOf = (stage) => [...textOf(stage).match(/^\/\/ Needs (.*)$/m)[1].split(" "), stage];
 
 export const stageText = (stage) => partsOf(stage).map(textOf).join("\n");

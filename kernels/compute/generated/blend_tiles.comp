@@ -1,92 +1,89 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=32,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
-size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
+size;ivec2 tiles;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;uint
+visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
-depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
-Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
-tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;
-ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int
-offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int scene_degree;uint
-chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;
-uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];
-};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{
-ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};
-struct Pixel{int transmittance;ivec3 sum;};struct Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint tile;uint x;
-uint y;uvec2 rows;uint list;uint count;};struct Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};
-struct Place{uint column;uint row;uint at;bvec2 inside;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;
-const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int
-FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;
-const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint
-BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;
-const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const
-uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const
-uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;
-const uint SOME=32u;const uint APART=4u;layout(std430,binding=0)readonly buffer type_11_block_0Compute{uint
-_group_1_binding_0_cs[];};layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};
-layout(std430,binding=1)readonly buffer type_11_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
-binding=2)readonly buffer type_13_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
-type_11_block_4Compute{uint _group_1_binding_3_cs[];};shared uvec4 shapes[32];shared uvec4 shades[32];shared uint
-touching[2];shared uint open_round;shared uint open_pixels[2];int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);
-}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;
-c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int
-fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int
-fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int
-level_q11_){int p_2=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p_2=_e3;int _e5=p_2;int _e7=fxs_mul_add_q15_(_e5,
-level_q11_,-32730);p_2=_e7;int _e8=p_2;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p_2=_e10;int _e11=p_2;int
-_e12=p_2;int _e13=fxs_mul_q15_(_e11,_e12);p_2=_e13;int _e14=p_2;int _e15=p_2;int _e16=fxs_mul_q15_(_e14,_e15);p_2=_e16;
-int _e17=p_2;int _e18=p_2;int _e19=fxs_mul_q15_(_e17,_e18);p_2=_e19;int _e20=p_2;int _e22=fxs_min(_e20,
-FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int
-_e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int
-colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int
-fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,
-transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int
-fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uint
-list_of(uint tile){return(TILES +(LIST*tile));}uint classes_before(uint number,uvec4 sizes,inout uint start,inout uint
-all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint z=(w + sizes.z);uint y=(z + sizes.y);uint x=(y + sizes.x);uvec4
-ends=uvec4(x,y,z,w);uvec4 before=mix(uvec4(0u),uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4 last=(before*ends);
-all_=x;uint _e22=start;start=max(_e22,max(max(last.x,last.y),max(last.z,last.w)));return(((before.x + before.y)+
-before.z)+ before.w);}uvec4 class_sizes(uint first_1){uint at_2=(CLASS_COUNTS + first_1);uint
-_e5=_group_1_binding_0_cs[at_2];uint _e10=_group_1_binding_0_cs[(at_2 + 1u)];uint _e15=_group_1_binding_0_cs[(at_2 +
-2u)];uint _e20=_group_1_binding_0_cs[(at_2 + 3u)];return uvec4(_e5,_e10,_e15,_e20);}uint tile_at(uint number_1){uint
-start_1=0u;uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4 _e4=class_sizes(8u);uvec4 _e6=class_sizes(4u);uvec4
-_e8=class_sizes(0u);uint _e13=classes_before(number_1,_e2,start_1,all_1);uint _e14=classes_before(number_1,_e4,start_1,
-all_1);uint _e16=classes_before(number_1,_e6,start_1,all_1);uint _e18=classes_before(number_1,_e8,start_1,all_1);uint
-before_1=(((_e13 + _e14)+ _e16)+ _e18);if((before_1==CLASSES)){return NOTHING;}uint _e26=_group_0_binding_0_cs.classes;
-int _e32=_group_0_binding_0_cs.tiles.x;int _e36=_group_0_binding_0_cs.tiles.y;uint _e42=start_1;uint
-_e45=_group_1_binding_0_cs[(((_e26 +((15u - before_1)*uint((_e32*_e36))))+ number_1)- _e42)];return _e45;}bool fits(){
-bool local_3=false;bool local_4=false;uint _e2=_group_1_binding_0_cs[2];uint _e5=_group_0_binding_0_cs.page_room;
-if((_e2<=_e5)){uint _e11=_group_1_binding_0_cs[1];uint _e14=_group_0_binding_0_cs.large_room;local_3=(_e11<=_e14);}else{
-local_3=false;}bool _e17=local_3;if(_e17){uint _e22=_group_1_binding_0_cs[0];uint _e25=_group_0_binding_0_cs.chunk_room;
-local_4=(_e22<=_e25);}else{local_4=false;}bool _e28=local_4;return _e28;}uint fetch_entry(Patch here,uint i_1){
-if((i_1<here.count)){uint _e8=_group_1_binding_1_cs[(here.list + i_1)];return _e8;}return NOTHING;}Fetched
-fetch_splat(uint entry_1){Fetched f=Fetched(0u,uvec4(0u),uvec4(0u));f.entry=entry_1;if(((entry_1&CUT_OFF)==0u)){uvec4
-_e12=_group_1_binding_2_cs[(2u*entry_1)];f.a=_e12;uvec4 _e20=_group_1_binding_2_cs[((2u*entry_1)+ 1u)];f.b=_e20;}
-Fetched _e21=f;return _e21;}uint open_of(uint row){uint _e5=open_pixels[(row/4u)];return((_e5>>(8u*(row%4u)))&255u);}
-bool touch(Fetched f_1,Patch here_1){uint u=0u;uint v=0u;bool touches=false;uint row_1=0u;bool local_5=false;int
-offset_q11_2=int((f_1.b.y&65535u));int _e9=_group_0_binding_0_cs.cut_q11_;int _e10=fxs_limit_q11_(offset_q11_2,_e9);
-uint ux=f_1.a.z;uint first_2=max((max((f_1.b.w&65535u),here_1.y)- here_1.y),here_1.rows.x);uint
-last_1=min((max((f_1.b.w>>16u),here_1.y)- here_1.y),here_1.rows.y);u=((f_1.a.x +(here_1.x*ux))+((here_1.y +
-first_2)*f_1.a.w));v=(f_1.a.y +((here_1.y + first_2)*f_1.b.x));row_1=first_2;for(;(row_1<=last_1);row_1=(row_1 + 1u)){{
-uint _e61=row_1;uint _e62=open_of(_e61);uint _e63=u;int left=int((_e63 +(uint(findLSB(_e62))*ux)));uint _e68=u;int
-right=int((_e68 +(uint(findMSB(_e62))*ux)));int u_q13_1=min((max(max(left,-(right)),0)>>11u),32767);uint _e81=v;int
-_e83=fxs_coordinate_q13_(int(_e81));int _e84=fxs_mul_q15_(_e83,_e83);int most_q26_=(((((_e10 - _e84)- offset_q11_2)+
-1)*32768)- 16384);bool _e93=touches;if((_e62!=0u)){local_5=((u_q13_1*u_q13_1)<most_q26_);}else{local_5=false;}bool
-_e101=local_5;touches=(_e93||_e101);uint _e103=u;u=(_e103 + f_1.a.w);uint _e107=v;v=(_e107 + f_1.b.x);}}bool
-_e114=touches;return _e114;}Taken take(uint i_2,uint row_2){uvec4 shape=shapes[i_2];uvec4 shade=shades[i_2];int
-v_1=int((shape.y +(row_2*shade.x)));int _e13=fxs_coordinate_q13_(v_1);int _e14=fxs_mul_q15_(_e13,_e13);int
-level_q11_1=(_e14 + int((shade.y&65535u)));return Taken((shape.x +(row_2*shape.w)),shape.z,((uint(level_q11_1)<<15u)+
-16384u),int(shade.w),ivec3(uvec3((shade.y>>16u),(shade.z&65535u),(shade.z>>16u))));}int blend_splat(inout Pixel p_3,
-Taken t,uint column){bool local_6=false;int _e8=fxs_coordinate_q13_(int((t.u +(column*t.ux))));int
-level=int(((uint((_e8*_e8))+ t.level_q26_)>>15u));if((level<=t.limit_q11_)){int _e21=p_3.transmittance;
-local_6=(_e21>=FXS_CLOSED_Q15_);}else{local_6=false;}bool counts_1=local_6;int _e26=fxs_alpha_q15_(level);int
-_e28=p_3.transmittance;int _e29=fxs_weight_q15_(_e26,_e28);int weight=(counts_1?_e29:0);int _e33=p_3.transmittance;
-p_3.transmittance=(_e33 - weight);ivec3 _e36=p_3.sum;int _e39=fxs_mul_q15_(weight,t.colour.x);int
-_e42=fxs_mul_q15_(weight,t.colour.y);int _e45=fxs_mul_q15_(weight,t.colour.z);p_3.sum=(_e36 + ivec3(_e39,_e42,_e45));
-return weight;}ivec3 background_of(uint word_1){uvec3 rgb=uvec3((word_1&255u),((word_1>>8u)&255u),((word_1>>16u)&255u));
-return ivec3((((rgb*8192u)+ uvec3(127u))/uvec3(255u)));}void put_colour(inout Pixel p_4,uint at){ivec3
-background_q13_1=ivec3(0);uint word_2=0u;ivec3 _e3=p_4.sum;ivec3 sum=min(_e3,ivec3(32767));int
-transmittance=p_4.transmittance;uint _e11=_group_0_binding_0_cs.format;if((_e11==3u)){uvec3
+depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;uint scratch;
+uint squares;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4
+forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;
+ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int
+jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int
+scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int
+plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint
+rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;
+ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct
+Span{int first;int last;};struct Pixel{int transmittance;ivec3 sum;};struct Fetched{uint entry;uvec4 a;uvec4 b;};struct
+Patch{uint tile;uint x;uint y;uvec2 rows;uint list;uint count;};struct Taken{uint u;uint ux;uint level_q26_;int
+limit_q11_;ivec3 colour;};struct Place{uint column;uint row;uint at;bvec2 inside;};const int FXS_CUT_Q11_=18432;const
+int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
+FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
+ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
+PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint
+NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int
+BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint
+VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint
+CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;const
+uint SOME=32u;const uint APART=4u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};
+layout(std430,binding=0)readonly buffer type_11_block_1Compute{uint _group_1_binding_0_cs[];};shared uvec4 shapes[32];
+shared uvec4 shades[32];shared uint touching[2];shared uint open_round;shared uint open_pixels[2];layout(std430,
+binding=1)readonly buffer type_11_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer
+type_15_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_11_block_4Compute{uint
+_group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
+return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int _e4=c;int
+_e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
+_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,int c_1){
+return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p_1=0;int
+_e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p_1=_e3;int _e5=p_1;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);
+p_1=_e7;int _e8=p_1;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p_1=_e10;int _e11=p_1;int _e12=p_1;int
+_e13=fxs_mul_q15_(_e11,_e12);p_1=_e13;int _e14=p_1;int _e15=p_1;int _e16=fxs_mul_q15_(_e14,_e15);p_1=_e16;int _e17=p_1;
+int _e18=p_1;int _e19=fxs_mul_q15_(_e17,_e18);p_1=_e19;int _e20=p_1;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return
+_e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);
+return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,
+colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int
+transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int
+_e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){
+return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uint list_of(uint tile){return(TILES +(LIST*tile));}
+uint classes_before(uint number,uvec4 sizes,inout uint start,inout uint all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint
+z=(w + sizes.z);uint y=(z + sizes.y);uint x=(y + sizes.x);uvec4 ends=uvec4(x,y,z,w);uvec4 before=mix(uvec4(0u),
+uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4 last=(before*ends);all_=x;uint _e22=start;start=max(_e22,
+max(max(last.x,last.y),max(last.z,last.w)));return(((before.x + before.y)+ before.z)+ before.w);}uvec4 class_sizes(uint
+first){uint at_2=(CLASS_COUNTS + first);uint _e5=_group_1_binding_0_cs[at_2];uint _e10=_group_1_binding_0_cs[(at_2 +
+1u)];uint _e15=_group_1_binding_0_cs[(at_2 + 2u)];uint _e20=_group_1_binding_0_cs[(at_2 + 3u)];return uvec4(_e5,_e10,
+_e15,_e20);}uint tile_at(uint number_1){uint start_1=0u;uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4
+_e4=class_sizes(8u);uvec4 _e6=class_sizes(4u);uvec4 _e8=class_sizes(0u);uint _e13=classes_before(number_1,_e2,start_1,
+all_1);uint _e14=classes_before(number_1,_e4,start_1,all_1);uint _e16=classes_before(number_1,_e6,start_1,all_1);uint
+_e18=classes_before(number_1,_e8,start_1,all_1);uint before_1=(((_e13 + _e14)+ _e16)+ _e18);if((before_1==CLASSES)){
+return NOTHING;}uint _e26=_group_0_binding_0_cs.classes;int _e32=_group_0_binding_0_cs.tiles.x;int
+_e36=_group_0_binding_0_cs.tiles.y;uint _e42=start_1;uint _e45=_group_1_binding_0_cs[(((_e26 +((15u -
+before_1)*uint((_e32*_e36))))+ number_1)- _e42)];return _e45;}uint lane_of(uint thread_2){
+return((thread_2<SOME)?thread_2:1073741824u);}uint fetch_entry(Patch here,uint i_1){if((i_1<here.count)){uint
+_e8=_group_1_binding_1_cs[(here.list + i_1)];return _e8;}return NOTHING;}Fetched fetch_splat(uint entry){Fetched
+f=Fetched(0u,uvec4(0u),uvec4(0u));f.entry=entry;if(((entry&CUT_OFF)==0u)){uvec4 _e12=_group_1_binding_2_cs[(2u*entry)];
+f.a=_e12;uvec4 _e20=_group_1_binding_2_cs[((2u*entry)+ 1u)];f.b=_e20;}Fetched _e21=f;return _e21;}uint open_of(uint
+row){uint _e5=open_pixels[(row/4u)];return((_e5>>(8u*(row%4u)))&255u);}bool touch(Fetched f_1,Patch here_1){uint u=0u;
+uint v=0u;bool touches=false;uint row_1=0u;bool local=false;int offset_q11_2=int((f_1.b.y&65535u));int
+_e9=_group_0_binding_0_cs.cut_q11_;int _e10=fxs_limit_q11_(offset_q11_2,_e9);uint ux=f_1.a.z;uint
+first_2=max((max((f_1.b.w&65535u),here_1.y)- here_1.y),here_1.rows.x);uint last_1=min((max((f_1.b.w>>16u),here_1.y)-
+here_1.y),here_1.rows.y);u=((f_1.a.x +(here_1.x*ux))+((here_1.y + first_2)*f_1.a.w));v=(f_1.a.y +((here_1.y +
+first_2)*f_1.b.x));row_1=first_2;for(;(row_1<=last_1);row_1=(row_1 + 1u)){{uint _e61=row_1;uint _e62=open_of(_e61);uint
+_e63=u;int left=int((_e63 +(uint(findLSB(_e62))*ux)));uint _e68=u;int right=int((_e68 +(uint(findMSB(_e62))*ux)));int
+u_q13_1=min((max(max(left,-(right)),0)>>11u),32767);uint _e81=v;int _e83=fxs_coordinate_q13_(int(_e81));int
+_e84=fxs_mul_q15_(_e83,_e83);int most_q26_=(((((_e10 - _e84)- offset_q11_2)+ 1)*32768)- 16384);bool _e93=touches;
+if((_e62!=0u)){local=((u_q13_1*u_q13_1)<most_q26_);}else{local=false;}bool _e101=local;touches=(_e93||_e101);uint
+_e103=u;u=(_e103 + f_1.a.w);uint _e107=v;v=(_e107 + f_1.b.x);}}bool _e114=touches;return _e114;}Taken take(uint i_2,
+uint row_2){uvec4 shape=shapes[i_2];uvec4 shade=shades[i_2];int v_1=int((shape.y +(row_2*shade.x)));int
+_e13=fxs_coordinate_q13_(v_1);int _e14=fxs_mul_q15_(_e13,_e13);int level_q11_1=(_e14 + int((shade.y&65535u)));return
+Taken((shape.x +(row_2*shape.w)),shape.z,((uint(level_q11_1)<<15u)+ 16384u),int(shade.w),ivec3(uvec3((shade.y>>16u),
+(shade.z&65535u),(shade.z>>16u))));}int blend_splat(inout Pixel p_2,Taken t,uint column){bool local_1=false;int
+_e8=fxs_coordinate_q13_(int((t.u +(column*t.ux))));int level=int(((uint((_e8*_e8))+ t.level_q26_)>>15u));
+if((level<=t.limit_q11_)){int _e21=p_2.transmittance;local_1=(_e21>=FXS_CLOSED_Q15_);}else{local_1=false;}bool
+counts_1=local_1;int _e26=fxs_alpha_q15_(level);int _e28=p_2.transmittance;int _e29=fxs_weight_q15_(_e26,_e28);int
+weight=(counts_1?_e29:0);int _e33=p_2.transmittance;p_2.transmittance=(_e33 - weight);ivec3 _e36=p_2.sum;int
+_e39=fxs_mul_q15_(weight,t.colour.x);int _e42=fxs_mul_q15_(weight,t.colour.y);int _e45=fxs_mul_q15_(weight,t.colour.z);
+p_2.sum=(_e36 + ivec3(_e39,_e42,_e45));return weight;}ivec3 background_of(uint word_1){uvec3 rgb=uvec3((word_1&255u),
+((word_1>>8u)&255u),((word_1>>16u)&255u));return ivec3((((rgb*8192u)+ uvec3(127u))/uvec3(255u)));}void put_colour(inout
+Pixel p_3,uint at){ivec3 background_q13_1=ivec3(0);uint word_2=0u;ivec3 _e3=p_3.sum;ivec3 sum=min(_e3,ivec3(32767));int
+transmittance=p_3.transmittance;uint _e11=_group_0_binding_0_cs.format;if((_e11==3u)){uvec3
 rgb_1=uvec3(min((((sum*65535)+ ivec3(4096))>>uvec3(13u)),ivec3(65535)));uint alpha=uint(((((FXS_CLEAR_Q15_ -
 transmittance)*65535)+ 16384)>>15u));uint _e38=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[(_e38
 +(2u*at))]=(rgb_1.x|(rgb_1.y<<16u));uint _e51=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[((_e51 +(2u*at))+
@@ -104,53 +101,54 @@ _group_1_binding_3_cs[(_e149 + at)]=_e152;return;}uvec2 corner_of(uint tile_1,ui
 _e4=_group_0_binding_0_cs.tile_bits;uint halves=(_e4 - 3u);int _e10=_group_0_binding_0_cs.tiles.x;uint
 across=uint(_e10);uint _e17=_group_0_binding_0_cs.tile_bits;return((uvec2((tile_1%across),
 (tile_1/across))<<uvec2(_e17))+(uvec2((number_2&halves),((number_2>>1u)&halves))*SIDE));}Patch patch_of(uvec3 group_2){
-bool local_7=false;uint number_3=((group_2.y*ROW_OF_GROUPS)+ group_2.x);uint _e8=_group_0_binding_0_cs.tile_bits;uint
-halves_1=(_e8 - 3u);uint longest=_group_1_binding_0_cs[31];uint by_rows=((SIDE*longest)<<(2u*halves_1));uint
-whole=(number_3 - min(number_3,by_rows));uint patch_number=((number_3>=by_rows)?(whole
-+(by_rows/SIDE)):(number_3/SIDE));uvec2 rows=((number_3>=by_rows)?uvec2(0u,7u):uvec2((number_3%SIDE)));uint
-_e39=tile_at((patch_number>>(2u*halves_1)));if(!((_e39==NOTHING))){bool _e45=fits();local_7=!(_e45);}else{local_7=true;}
-bool _e48=local_7;if(_e48){return Patch(NOTHING,0u,0u,rows,0u,0u);}uvec2 _e55=corner_of(_e39,patch_number);uint
-_e57=list_of(_e39);uint count=_group_1_binding_0_cs[_e57];uint _e63=list_of(_e39);uint _e67=_group_1_binding_0_cs[(_e63
-+ 1u)];return Patch(_e39,_e55.x,_e55.y,rows,(_e67 - count),count);}Place place_of(Patch here_2,uint thread_2){bool
-local_8=false;bool local_9=false;uint column_1=(thread_2%APART);uint row_3=(thread_2/APART);uvec2 x_1=(uvec2(here_2.x)+
+uint number_3=((group_2.y*ROW_OF_GROUPS)+ group_2.x);uint _e8=_group_0_binding_0_cs.tile_bits;uint halves_1=(_e8 - 3u);
+uint longest_1=_group_1_binding_0_cs[31];uint by_rows=((SIDE*longest_1)<<(2u*halves_1));uint whole=(number_3 -
+min(number_3,by_rows));uint patch_number=((number_3>=by_rows)?(whole +(by_rows/SIDE)):(number_3/SIDE));uvec2
+rows=((number_3>=by_rows)?uvec2(0u,7u):uvec2((number_3%SIDE)));uint _e39=tile_at((patch_number>>(2u*halves_1)));
+if((_e39==NOTHING)){return Patch(NOTHING,0u,0u,rows,0u,0u);}uvec2 _e48=corner_of(_e39,patch_number);uint
+_e50=list_of(_e39);uint count=_group_1_binding_0_cs[_e50];uint _e56=list_of(_e39);uint _e60=_group_1_binding_0_cs[(_e56
++ 1u)];return Patch(_e39,_e48.x,_e48.y,rows,(_e60 - count),count);}Place place_of(Patch here_2,uint thread_3){bool
+local_2=false;bool local_3=false;uint column_1=(thread_3%APART);uint row_3=(thread_3/APART);uvec2 x_1=(uvec2(here_2.x)+
 uvec2(column_1,(column_1 + APART)));int _e17=_group_0_binding_0_cs.size.x;int _e26=_group_0_binding_0_cs.size.x;int
-_e35=_group_0_binding_0_cs.size.y;if(((here_2.y + row_3)<uint(_e35))){local_8=(row_3>=here_2.rows.x);}else{
-local_8=false;}bool _e44=local_8;if(_e44){local_9=(row_3<=here_2.rows.y);}else{local_9=false;}bool _e51=local_9;return
+_e35=_group_0_binding_0_cs.size.y;if(((here_2.y + row_3)<uint(_e35))){local_2=(row_3>=here_2.rows.x);}else{
+local_2=false;}bool _e44=local_2;if(_e44){local_3=(row_3<=here_2.rows.y);}else{local_3=false;}bool _e51=local_3;return
 Place(column_1,row_3,((((here_2.y + row_3)*uint(_e17))+ here_2.x)+ column_1),bvec2(lessThan(x_1,
 uvec2(uint(_e26))).x&&bvec2(_e51).x,lessThan(x_1,uvec2(uint(_e26))).y&&bvec2(_e51).y));}uint bit_of(Place place,bool
-second){return(1u<<((((place.row%4u)*8u)+ place.column)+(second?APART:0u)));}void clear_rounds(uint thread_3,Place
-place_1){if((thread_3<2u)){open_pixels[thread_3]=0u;touching[thread_3]=0u;}if((thread_3==0u)){open_round=0u;}
-memoryBarrierShared();barrier();uint _e21=bit_of(place_1,false);uint _e27=bit_of(place_1,true);uint
-_e32=atomicOr(open_pixels[(place_1.row/4u)],((place_1.inside.x?_e21:0u)|(place_1.inside.y?_e27:0u)));
+second){return(1u<<((((place.row%4u)*8u)+ place.column)+(second?APART:0u)));}void clear_rounds(uint thread_4,Place
+place_1){if((thread_4<2u)){open_pixels[thread_4]=0u;touching[thread_4]=0u;}if((thread_4==0u)){open_round=0u;}
+memoryBarrierShared();barrier();if(any(place_1.inside)){uint _e23=bit_of(place_1,false);uint _e29=bit_of(place_1,true);
+uint _e34=atomicOr(open_pixels[(place_1.row/4u)],((place_1.inside.x?_e23:0u)|(place_1.inside.y?_e29:0u)));}
 memoryBarrierShared();barrier();return;}void close_pixel(Place place_2,bool second_1){uint _e7=bit_of(place_2,second_1);
-uint _e9=atomicAnd(open_pixels[(place_2.row/4u)],~(_e7));return;}void put_splat(Patch here_3,uint thread_4,Fetched f_2){
+uint _e9=atomicAnd(open_pixels[(place_2.row/4u)],~(_e7));return;}void put_splat(Patch here_3,uint thread_5,Fetched f_2){
 int _e10=_group_0_binding_0_cs.cut_q11_;int _e11=fxs_limit_q11_(int((f_2.b.y&65535u)),_e10);
-shapes[thread_4]=uvec4(((f_2.a.x +(here_3.x*f_2.a.z))+(here_3.y*f_2.a.w)),(f_2.a.y +(here_3.y*f_2.b.x)),f_2.a.zw);
-shades[thread_4]=uvec4(f_2.b.xyz,uint(_e11));return;}void place_splat(Patch here_4,uint thread_5,Fetched f_3,uint
-round_){if(((f_3.entry&CUT_OFF)!=0u)){return;}put_splat(here_4,thread_5,f_3);bool _e9=touch(f_3,here_4);if(_e9){uint
-_e16=atomicOr(touching[(round_%2u)],(1u<<thread_5));return;}else{return;}}void put_pixel(inout Pixel p_5,uint at_1){
-uint _e4=_group_0_binding_0_cs.colour;if((_e4!=NOTHING)){put_colour(p_5,at_1);}uint _e9=_group_0_binding_0_cs.coverage;
-if((_e9!=NOTHING)){uint _e15=_group_0_binding_0_cs.coverage;int _e19=p_5.transmittance;int _e20=fxs_coverage_8bit(_e19);
-_group_1_binding_3_cs[(_e15 + at_1)]=uint(_e20);return;}else{return;}}void blend_round(inout Pixel p_6,inout Pixel q_1,
+shapes[thread_5]=uvec4(((f_2.a.x +(here_3.x*f_2.a.z))+(here_3.y*f_2.a.w)),(f_2.a.y +(here_3.y*f_2.b.x)),f_2.a.zw);
+shades[thread_5]=uvec4(f_2.b.xyz,uint(_e11));return;}void place_splat(Patch here_4,uint thread_6,Fetched f_3,uint
+round_){if(((f_3.entry&CUT_OFF)!=0u)){return;}put_splat(here_4,thread_6,f_3);bool _e9=touch(f_3,here_4);if(_e9){uint
+_e16=atomicOr(touching[(round_%2u)],(1u<<thread_6));return;}else{return;}}void put_pixel(inout Pixel p_4,uint at_1){
+uint _e4=_group_0_binding_0_cs.colour;if((_e4!=NOTHING)){put_colour(p_4,at_1);}uint _e9=_group_0_binding_0_cs.coverage;
+if((_e9!=NOTHING)){uint _e15=_group_0_binding_0_cs.coverage;int _e19=p_4.transmittance;int _e20=fxs_coverage_8bit(_e19);
+_group_1_binding_3_cs[(_e15 + at_1)]=uint(_e20);return;}else{return;}}void blend_round(inout Pixel p_5,inout Pixel q,
 Place place_3,uint round_1){uint bits=0u;Taken other=Taken(0u,0u,0u,0,ivec3(0));uint _e8=touching[(round_1%2u)];
 bits=_e8;while(true){uint _e10=bits;if((_e10!=0u)){}else{break;}{uint _e13=bits;uint _e14=bits;uint rest=(_e13&(_e14 -
 1u));uint _e18=bits;Taken _e21=take(uint(findLSB(_e18)),place_3.row);Taken _e26=take((uint(findLSB(rest))%SOME),
-place_3.row);other=_e26;int _e30=other.limit_q11_;other.limit_q11_=((rest==0u)?-1:_e30);int _e36=blend_splat(p_6,_e21,
-place_3.column);int _e40=blend_splat(q_1,_e21,(place_3.column + APART));Taken _e41=other;int _e43=blend_splat(p_6,_e41,
-place_3.column);Taken _e44=other;int _e48=blend_splat(q_1,_e44,(place_3.column + APART));bits=(rest&(rest - 1u));}}
-return;}void main(){uvec3 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;Pixel p=Pixel(0,ivec3(0));Pixel
-q=Pixel(0,ivec3(0));bvec2 open=bvec2(false);Fetched fetched=Fetched(0u,uvec4(0u),uvec4(0u));Fetched next=Fetched(0u,
-uvec4(0u),uvec4(0u));uint entry=0u;uint first=0u;bool local=false;bool local_1=false;Patch _e2=patch_of(group);
-if((_e2.tile==NOTHING)){return;}Place _e6=place_of(_e2,thread);p=Pixel((_e6.inside.x?FXS_CLEAR_Q15_:0),ivec3(0));
-q=Pixel((_e6.inside.y?FXS_CLEAR_Q15_:0),ivec3(0));open=_e6.inside;uint _e27=fetch_entry(_e2,thread);Fetched
-_e28=fetch_splat(_e27);fetched=_e28;uint _e32=fetch_entry(_e2,(SOME + thread));Fetched _e33=fetch_splat(_e32);next=_e33;
-uint _e37=fetch_entry(_e2,(64u + thread));entry=_e37;clear_rounds(thread,_e6);for(;(first<_e2.count);first=(first +
-SOME)){{uint _e44=first;uint round_2=((_e44/SOME)+ 1u);bvec2 _e49=open;if(any(_e49)){open_round=round_2;}Fetched
-_e52=fetched;place_splat(_e2,thread,_e52,round_2);Fetched _e53=next;fetched=_e53;uint _e54=entry;Fetched
-_e55=fetch_splat(_e54);next=_e55;uint _e56=first;uint _e60=fetch_entry(_e2,((_e56 + 96u)+ thread));entry=_e60;
-memoryBarrierShared();barrier();uint _e62=open_round;memoryBarrierShared();barrier();if((_e62!=round_2)){break;}
-if((thread==0u)){touching[((round_2 + 1u)%2u)]=0u;}blend_round(p,q,_e6,round_2);bool _e74=open.x;if(_e74){int
-_e78=p.transmittance;local=(_e78<FXS_CLOSED_Q15_);}else{local=false;}bool _e82=local;if(_e82){open.x=false;
-close_pixel(_e6,false);}bool _e87=open.y;if(_e87){int _e91=q.transmittance;local_1=(_e91<FXS_CLOSED_Q15_);}else{
-local_1=false;}bool _e95=local_1;if(_e95){open.y=false;close_pixel(_e6,true);}memoryBarrierShared();barrier();}}
-if(_e6.inside.x){put_pixel(p,_e6.at);}if(_e6.inside.y){put_pixel(q,(_e6.at + APART));return;}else{return;}}
+place_3.row);other=_e26;int _e30=other.limit_q11_;other.limit_q11_=((rest==0u)?-1:_e30);int _e36=blend_splat(p_5,_e21,
+place_3.column);int _e40=blend_splat(q,_e21,(place_3.column + APART));Taken _e41=other;int _e43=blend_splat(p_5,_e41,
+place_3.column);Taken _e44=other;int _e48=blend_splat(q,_e44,(place_3.column + APART));bits=(rest&(rest - 1u));}}return;
+}void blend_patch(Patch here_5,uint thread_7){Pixel p_6=Pixel(0,ivec3(0));Pixel q_1=Pixel(0,ivec3(0));bvec2
+open=bvec2(false);Fetched fetched=Fetched(0u,uvec4(0u),uvec4(0u));Fetched next=Fetched(0u,uvec4(0u),uvec4(0u));uint
+entry_1=0u;uint first_1=0u;bool local_4=false;bool local_5=false;uint _e2=lane_of(thread_7);Place _e3=place_of(here_5,
+thread_7);p_6=Pixel((_e3.inside.x?FXS_CLEAR_Q15_:0),ivec3(0));q_1=Pixel((_e3.inside.y?FXS_CLEAR_Q15_:0),ivec3(0));
+open=_e3.inside;uint _e24=fetch_entry(here_5,_e2);Fetched _e25=fetch_splat(_e24);fetched=_e25;uint
+_e29=fetch_entry(here_5,(SOME + _e2));Fetched _e30=fetch_splat(_e29);next=_e30;uint _e34=fetch_entry(here_5,(64u +
+_e2));entry_1=_e34;clear_rounds(thread_7,_e3);for(;(first_1<here_5.count);first_1=(first_1 + SOME)){{uint _e41=first_1;
+uint round_2=((_e41/SOME)+ 1u);bvec2 _e46=open;if(any(_e46)){open_round=round_2;}Fetched _e49=fetched;
+place_splat(here_5,thread_7,_e49,round_2);Fetched _e50=next;fetched=_e50;uint _e51=entry_1;Fetched
+_e52=fetch_splat(_e51);next=_e52;uint _e53=first_1;uint _e57=fetch_entry(here_5,((_e53 + 96u)+ _e2));entry_1=_e57;
+memoryBarrierShared();barrier();uint _e59=open_round;memoryBarrierShared();barrier();if((_e59!=round_2)){break;}
+if((thread_7==0u)){touching[((round_2 + 1u)%2u)]=0u;}if((_e3.row<SIDE)){blend_round(p_6,q_1,_e3,round_2);}bool
+_e74=open.x;if(_e74){int _e78=p_6.transmittance;local_4=(_e78<FXS_CLOSED_Q15_);}else{local_4=false;}bool _e82=local_4;
+if(_e82){open.x=false;close_pixel(_e3,false);}bool _e87=open.y;if(_e87){int _e91=q_1.transmittance;
+local_5=(_e91<FXS_CLOSED_Q15_);}else{local_5=false;}bool _e95=local_5;if(_e95){open.y=false;close_pixel(_e3,true);}
+memoryBarrierShared();barrier();}}if(_e3.inside.x){put_pixel(p_6,_e3.at);}if(_e3.inside.y){put_pixel(q_1,(_e3.at +
+APART));return;}else{return;}}void main(){uvec3 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;Patch
+_e2=patch_of(group);if((_e2.tile==NOTHING)){return;}blend_patch(_e2,thread);return;}

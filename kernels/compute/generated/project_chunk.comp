@@ -1,43 +1,43 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
-size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
+size;ivec2 tiles;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;uint
+visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
-depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
-Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
-tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;
-ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int
-offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int scene_degree;uint
-chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;
-uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];
-};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{
-ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};
-struct Projected{ivec3 camera;int zeros;uint inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};
-struct Covariance{uint a_q30_;uint c_q30_;int b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{
-uint m;uint inverse_q30_;int half_;};struct Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int
-position_q14_;bool out_of_range;};struct Axes{ivec3 axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int
-sin_q15_;};struct Codes{uvec3 position;uint rotation;uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;
-ivec4 d;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int
-FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint
-THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const
-uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
-VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
-ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int
-SIDE_Q23_=536870912;const uint SMALL=2u;const uint COMPACT=1u;layout(std140,binding=1)uniform Object_block_0Compute{
-Object _group_0_binding_1_cs;};layout(std140,binding=0)uniform Frame_block_1Compute{Frame _group_0_binding_0_cs;};
-shared uint record[64];layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};
-layout(std430,binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
-type_25_block_4Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4
-_group_1_binding_3_cs[];};shared uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int
-fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
-_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),
-uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y +
-b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y -
-b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2
-_e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool _e1=is_negative(a_7);if(_e1){uvec2
-_e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
+depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;uint scratch;
+uint squares;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4
+forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;
+ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int
+jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int
+scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int
+plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint
+rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;
+ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct
+Span{int first;int last;};struct Projected{ivec3 camera;int zeros;uint inverse_q30_;ivec2 slope_q23_;ivec2
+position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint c_q30_;int b_q30_;uvec2 det_q60_;uvec2
+det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;};struct Placed{Splat splat;Bounds
+bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct Axes{ivec3 axis_q15_;ivec3 side_x_q15_;
+ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;uint scale;uint colour;};struct
+Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int
+FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;
+const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;
+const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint
+CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int
+FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const
+uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint
+LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int
+EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;const uint SMALL=2u;
+const uint COMPACT=1u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,
+binding=1)uniform Object_block_1Compute{Object _group_0_binding_1_cs;};shared uint record[64];layout(std430,
+binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer
+type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_25_block_4Compute{uint
+_group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4 _group_1_binding_3_cs[];};shared
+uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
+return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),
+FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2
+b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y + b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,
+uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y - b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){
+return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2
+a_7){bool _e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
 return((a_8.y==b_5.y)?(a_8.x<b_5.x):(int(a_8.y)<int(b_5.y)));}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;
 umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uint mul_high(uint a_10,uint b_7){uvec2 _e2=mul_wide(a_10,b_7);
 return _e2.y;}uvec2 mul_mixed(int a_11,uint b_8){uvec2 _e3=mul_wide(uint(a_11),b_8);return uvec2(_e3.x,(_e3.y
@@ -275,12 +275,12 @@ uvec2 _e34=add_wide(_e30,uvec2(1048576u,0u));uvec2 _e36=shift_right(_e34,21u);ui
 (22697u + 1u));}uint byte_at(uint byte){uint _e5=_group_1_binding_0_cs[(byte/4u)];return((_e5>>(8u*(byte%4u)))&255u);}
 uint spread_11_(uint code_2){return((code_2<<5u)|(code_2>>6u));}uint spread_scale(uint x_14,uint y,uint z_1){
 return((((x_14<<3u)|(x_14>>4u))|(((y<<3u)|(y>>4u))<<10u))|(((z_1<<3u)|(z_1>>3u))<<20u));}Codes small_codes(uint rows,
-uint g){uint a_24=_group_1_binding_0_cs[(rows + g)];uint b_32=_group_1_binding_0_cs[((rows + CHUNK)+ g)];uint
-c_5=_group_1_binding_0_cs[((rows + 512u)+ g)];uint _e23=byte_at((((4u*rows)+ 3072u)+ g));uint red=((b_32>>11u)&127u);
-uint green=((b_32>>18u)&127u);uint blue=((b_32>>25u)&63u);uint _e38=spread_11_((a_24&2047u));uint
-_e43=spread_11_(((a_24>>11u)&2047u));uint _e46=spread_11_((b_32&2047u));uint _e75=spread_scale((c_5&127u),
+uint g){uint a_24=_group_1_binding_0_cs[(rows + g)];uint b_33=_group_1_binding_0_cs[((rows + CHUNK)+ g)];uint
+c_5=_group_1_binding_0_cs[((rows + 512u)+ g)];uint _e23=byte_at((((4u*rows)+ 3072u)+ g));uint red=((b_33>>11u)&127u);
+uint green=((b_33>>18u)&127u);uint blue=((b_33>>25u)&63u);uint _e38=spread_11_((a_24&2047u));uint
+_e43=spread_11_(((a_24>>11u)&2047u));uint _e46=spread_11_((b_33&2047u));uint _e75=spread_scale((c_5&127u),
 ((c_5>>7u)&127u),((c_5>>14u)&63u));return Codes(uvec3(_e38,_e43,_e46),
-((((c_5&4293918720u)|(_e23<<12u))|(((a_24>>22u)&3u)<<10u))|((b_32>>31u)<<9u)),
+((((c_5&4293918720u)|(_e23<<12u))|(((a_24>>22u)&3u)<<10u))|((b_33>>31u)<<9u)),
 (((_e75|(((red>>5u)&1u)<<29u))|(((green>>5u)&1u)<<30u))|(((blue>>3u)&1u)<<31u)),
 (((((red<<1u)|(red>>6u))|(((green<<1u)|(green>>6u))<<8u))|(((blue<<2u)|(blue>>4u))<<16u))|(a_24&4278190080u)));}Codes
 codes_of(uint rows_1,uint g_1){uint _e4=_group_0_binding_1_cs.profile;if((_e4==SMALL)){Codes _e7=small_codes(rows_1,
@@ -435,42 +435,49 @@ _e25=b_30.c_q14_.x;_group_1_binding_1_cs[(at_9 + 1u)]=uint(_e25);int _e33=b_30.c
 2u)]=uint(_e33);uint _e40=b_30.breadth_q8_;_group_1_binding_1_cs[(at_9 + 3u)]=_e40;int _e46=b_30.shear_q8_;
 _group_1_binding_1_cs[(at_9 + 4u)]=uint(_e46);int _e53=b_30.half_width_q8_;_group_1_binding_1_cs[(at_9 +
 5u)]=uint(_e53);uint _e60=b_30.square_radius;_group_1_binding_1_cs[(at_9 + 6u)]=_e60;_group_1_binding_1_cs[(at_9 +
-7u)]=uint(first_row);return;}else{return;}}uvec2 list_splat(uint slot_1,inout Placed out_7){Splat s_9=Splat(0u,0u,0,0,0,
-0,ivec2(0));Bounds b_31=Bounds(ivec2(0),0u,0,0,0u);bool local_22=false;bool local_23=false;bool local_24=false;bool
-local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;uvec2 box=uvec2(0u,0u);int row_5=0;bool
-local_29=false;int row_6=0;bool local_30=false;Splat _e3=out_7.splat;s_9=_e3;Bounds _e6=out_7.bounds;b_31=_e6;Span
-_e8=rows_of(s_9,b_31);Span _e9=columns_of(b_31);int _e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);
-if(!(is_square)){local_22=(_e9.first>_e9.last);}else{local_22=false;}bool _e22=local_22;if(_e22){return uvec2(0u,0u);}
-int _e30=_group_0_binding_0_cs.tiles.x;uint first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){
-local_23=(_e8.first==_e8.last);}else{local_23=false;}bool _e42=local_23;if(_e42){int _e47=s_9.rows.x;local_24=(_e47>0);}
-else{local_24=false;}bool _e51=local_24;if(_e51){int _e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;
-local_25=(_e56<(_e60 - 1));}else{local_25=false;}bool _e65=local_25;if(_e65){local_26=((_e9.last - _e9.first)<4);}else{
-local_26=false;}bool _e74=local_26;if(_e74){count_tiles(_e8.first,_e9);return uvec2(((2u<<uint((_e9.last -
-_e9.first)))- 1u),(first_tile<<10u));}if(!(is_square)){local_27=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{
-local_27=true;}bool _e96=local_27;if(!(_e96)){local_28=((_e8.last - _e8.first)>=BOX_ROWS);}else{local_28=true;}bool
-large=local_28;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);row_5=_e8.first;for(;(row_5<=_e8.last);
-row_5=(row_5 + 1)){{int _e119=row_5;Span _e120=span_of(s_9,b_31,_e109,_e119);int _e121=row_5;count_tiles(_e121,_e120);
-if(!(large)){local_29=(_e120.first<=_e120.last);}else{local_29=false;}bool _e129=local_29;if(_e129){uint
-bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2 _e143=box;int _e147=row_5;
-uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));box=(_e143|_e152);}}}row_6=_e8.first;
-for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){local_30=large;}else{local_30=false;}bool
-_e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_31,_e166);}}uint _e171=box.x;uint _e173=box.y;
-if(((_e171|_e173)==0u)){uvec2 _e177=box;return _e177;}uint _e179=box.x;uint _e181=box.y;return uvec2(_e179,
-(_e181|(first_tile<<10u)));}void put_splat(uint slot_2,inout Splat s_10,ivec3 colour_q13_1){uint _e8=s_10.u0_q24_;uint
+7u)]=uint(first_row);return;}else{return;}}uvec2 large_box(inout Bounds b_31){ivec2 centre_8=ivec2(0);ivec2
+_e2=b_31.c_q14_;centre_8=max((_e2>>uvec2(11u)),ivec2(-1048575));int _e11=b_31.half_width_q8_;if((_e11==EVERYWHERE_Q8_)){
+centre_8=ivec2(-1048576);}int _e17=centre_8.x;uint x_18=(uint(_e17)&2097151u);int _e22=centre_8.y;uint
+y_3=(uint(_e22)&2097151u);return uvec2((x_18|(y_3<<21u)),((y_3>>11u)|4294966272u));}uvec2 list_splat(uint slot_1,inout
+Placed out_7){Splat s_9=Splat(0u,0u,0,0,0,0,ivec2(0));Bounds b_32=Bounds(ivec2(0),0u,0,0,0u);bool local_22=false;bool
+local_23=false;bool local_24=false;bool local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;
+uvec2 box=uvec2(0u,0u);int row_5=0;bool local_29=false;int row_6=0;bool local_30=false;Splat _e3=out_7.splat;s_9=_e3;
+Bounds _e6=out_7.bounds;b_32=_e6;Span _e8=rows_of(s_9,b_32);Span _e9=columns_of(b_32);int
+_e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);if(!(is_square)){local_22=(_e9.first>_e9.last);}else{
+local_22=false;}bool _e22=local_22;if(_e22){return uvec2(0u,0u);}int _e30=_group_0_binding_0_cs.tiles.x;uint
+first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){local_23=(_e8.first==_e8.last);}else{local_23=false;}
+bool _e42=local_23;if(_e42){int _e47=s_9.rows.x;local_24=(_e47>0);}else{local_24=false;}bool _e51=local_24;if(_e51){int
+_e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;local_25=(_e56<(_e60 - 1));}else{local_25=false;}bool
+_e65=local_25;if(_e65){local_26=((_e9.last - _e9.first)<4);}else{local_26=false;}bool _e74=local_26;if(_e74){
+count_tiles(_e8.first,_e9);return uvec2(((2u<<uint((_e9.last - _e9.first)))- 1u),(first_tile<<10u));}if(!(is_square)){
+local_27=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{local_27=true;}bool _e96=local_27;if(!(_e96)){local_28=((_e8.last
+- _e8.first)>=BOX_ROWS);}else{local_28=true;}bool large=local_28;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);
+row_5=_e8.first;for(;(row_5<=_e8.last);row_5=(row_5 + 1)){{int _e119=row_5;Span _e120=span_of(s_9,b_32,_e109,_e119);int
+_e121=row_5;count_tiles(_e121,_e120);if(!(large)){local_29=(_e120.first<=_e120.last);}else{local_29=false;}bool
+_e129=local_29;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2
+_e143=box;int _e147=row_5;uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));
+box=(_e143|_e152);}}}row_6=_e8.first;for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){
+local_30=large;}else{local_30=false;}bool _e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_32,
+_e166);}}if(is_square){Span _e171=span_of(s_9,b_32,_e109,0);uint _e175=_group_0_binding_0_cs.squares;
+_group_1_binding_1_cs[(_e175 +(2u*slot_1))]=(uint(_e171.first)|(uint((_e171.last + 1))<<16u));uint
+_e192=_group_0_binding_0_cs.squares;_group_1_binding_1_cs[((_e192 +(2u*slot_1))+ 1u)]=(uint(_e8.first)|(uint((_e8.last
++ 1))<<16u));}if(large){uvec2 _e208=large_box(b_32);return _e208;}uint _e210=box.x;uint _e212=box.y;
+if(((_e210|_e212)==0u)){uvec2 _e216=box;return _e216;}uint _e218=box.x;uint _e220=box.y;return uvec2(_e218,
+(_e220|(first_tile<<10u)));}void put_splat(uint slot_2,inout Splat s_10,ivec3 colour_q13_1){uint _e8=s_10.u0_q24_;uint
 _e10=s_10.v0_q24_;int _e12=s_10.ux_q24_;int _e15=s_10.uy_q24_;_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,
 uint(_e12),uint(_e15));int _e25=s_10.vy_q24_;int _e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;
 _group_1_binding_3_cs[((2u*slot_2)+ 1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),
 (uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint
-chunk_1,uint slot_3){Projected centre_8=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,
+chunk_1,uint slot_3){Projected centre_9=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,
 0u,0,0,0,0,ivec2(0)),Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,
 ivec2(0));uint g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;
 uint _e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 -
 _e9)- _e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return
-uvec2(0u,0u);}bool _e32=project_centre(centre_8,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];
-int _e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_8,_e20.scale,
+uvec2(0u,0u);}bool _e32=project_centre(centre_9,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];
+int _e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_9,_e20.scale,
 _e20.rotation);if(!(_e45)){return uvec2(0u,0u);}uint _e52=_group_0_binding_1_cs.crop_count;if((_e52!=0u)){bool
 _e58=is_kept(_e20.position);local_31=!(_e58);}else{local_31=false;}bool _e61=local_31;if(_e61){return uvec2(0u,0u);}int
-_e67=centre_8.camera.z;uint _e68=depth_key(_e67);key_1=_e68;int _e72=_group_0_binding_1_cs.plain;if((_e72==0)){uint
+_e67=centre_9.camera.z;uint _e68=depth_key(_e67);key_1=_e68;int _e72=_group_0_binding_1_cs.plain;if((_e72==0)){uint
 _e75=key_1;uint _e76=scale_depth(_e75);key_1=_e76;}ivec3 _e77=shade(rows_5,g_5,_e20);ivec4
 _e80=_group_0_binding_1_cs.tint_q13_;ivec3 colour=min((((_e77*_e80.xyz)+ ivec3(4096))>>uvec3(13u)),ivec3(32767));Splat
 _e93=out_8.splat;splat=_e93;put_splat(slot_3,splat,colour);uint _e98=_group_0_binding_0_cs.depths;uint _e101=key_1;

@@ -1,25 +1,26 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
-size;ivec2 tiles;uint places;uint spans;uint chunk_room;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;
-uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
+size;ivec2 tiles;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;uint
+visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
-depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;};struct
-Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4
-tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;
-ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int
-offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int scene_degree;uint
-chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;
-uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uvec4 crops[32];
-};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{
-ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};
-const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;
-const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint
-CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;
-const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const
-uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;
-const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;shared uint sums[128];
-shared uint group_sums[8];layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};
-layout(std430,binding=0)buffer type_13_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=2)buffer
+depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;uint scratch;
+uint squares;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4
+forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;
+ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int veil_exponent;int
+jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int
+scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int
+plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint
+rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;
+ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct
+Span{int first;int last;};const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint
+RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;
+const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint
+LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
+const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
+SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
+uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;layout(std140,binding=0)uniform
+Frame_block_0Compute{Frame _group_0_binding_0_cs;};shared uint sums[128];shared uint group_sums[8];layout(std430,
+binding=0)buffer type_13_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=2)buffer
 type_15_block_2Compute{uint _group_1_binding_2_cs[];};shared uint first_page;uint list_of(uint tile){return(TILES
 +(LIST*tile));}uint plus(uint a_16,uint b_8,bool cut){bool local=false;if(cut){local=((a_16 + b_8)<a_16);}else{
 local=false;}bool _e10=local;return(_e10?4294967295u:(a_16 + b_8));}uint sum_before(uint thread_1,uint own_1,bool
@@ -53,11 +54,11 @@ uint _e58=length_;_group_1_binding_2_cs[_e20]=_e58;uint _e63=length_;_group_1_bi
 }if((thread==0u)){uint _e72=entries_before;uint _e73=atomicAdd(_group_1_binding_2_cs[5],_e72);uint _e74=entries_before;
 uint _e76=entries_before;if(((_e73 + _e74)<_e76)){uint _e81=atomicAdd(_group_1_binding_2_cs[6],1u);}uint
 _e85=entries_before;uint _e90=atomicAdd(_group_1_binding_2_cs[2],((_e85/PAGE)+ 1u));first_page=_e90;if((group.x==0u)){
-uint _e96=_group_1_binding_2_cs[1];uint _e99=_group_0_binding_0_cs.large_room;uint larges=min(_e96,_e99);uint
-_e104=_group_0_binding_0_cs.spans;uint at_1=(4u*(_e104 + 1u));_group_1_binding_0_cs[at_1]=min(larges,ROW_OF_GROUPS);
-_group_1_binding_0_cs[(at_1 + 1u)]=(((larges + ROW_OF_GROUPS)- 1u)/ROW_OF_GROUPS);_group_1_binding_0_cs[(at_1 + 2u)]=1u;
-}}memoryBarrierShared();barrier();column=thread;for(;(column<across);column=(column + THREADS)){{uint _e130=column;uint
-tile_2=(row + _e130);uint _e133=list_of(tile_2);uint length_3=_group_1_binding_2_cs[_e133];uint
+uint _e96=_group_1_binding_2_cs[1];uint _e99=_group_0_binding_0_cs.large_room;uint larges_1=min(_e96,_e99);uint
+_e104=_group_0_binding_0_cs.spans;uint at_1=(4u*(_e104 + 1u));_group_1_binding_0_cs[at_1]=min(larges_1,ROW_OF_GROUPS);
+_group_1_binding_0_cs[(at_1 + 1u)]=(((larges_1 + ROW_OF_GROUPS)- 1u)/ROW_OF_GROUPS);_group_1_binding_0_cs[(at_1 +
+2u)]=1u;}}memoryBarrierShared();barrier();column=thread;for(;(column<across);column=(column + THREADS)){{uint
+_e130=column;uint tile_2=(row + _e130);uint _e133=list_of(tile_2);uint length_3=_group_1_binding_2_cs[_e133];uint
 _e136=class_of(length_3);put_blocks(tile_2,length_3);uint _e142=atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e136)],
 1u);uint _e146=_group_0_binding_0_cs.classes;int _e151=_group_0_binding_0_cs.tiles.y;_group_1_binding_2_cs[((_e146
 +((_e136*across)*uint(_e151)))+ _e142)]=tile_2;uint _e158=list_of(tile_2);uint _e163=first_page;uint

@@ -192,15 +192,21 @@ FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request 
                                fxs_message *why);
 
 /* Renders the first eye of a request into a target in the caller's GL context, like fxs_gles_render: the request's own
-   targets are ignored, the bytes are the same, and the GL state is preserved, with the same exceptions. No pixels are
-   read back, only 64 bytes that tell whether the frame fitted into the device's buffers; the call waits for these bytes
-   before it draws. (fxs_compute_render does not preserve the GL state.)
+   targets are ignored, the bytes are the same, and the GL state is preserved, with the same exceptions. The call does
+   not wait for the device. *stats describes the newest frame that the device has finished; all 0 before the first. A
+   frame whose lists exceed the device's buffers takes longer; later frames get larger buffers. (fxs_compute_render does
+   not preserve the GL state.)
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
-   for `fetch`. After an error nothing was drawn, unless the device failed while drawing. The first call takes longer,
-   as shaders are compiled. */
+   for `fetch`. After an error nothing was drawn, unless the device failed while drawing. An error that the device finds
+   in a frame (FXS_ERR_SCENE, a lost context) is returned by a later call. The first call takes longer, as shaders are
+   compiled. */
 FXS_EXPERIMENTAL int fxs_compute_draw(fxs_compute *compute, const fxs_request *request,
                                       const fxs_compute_scene *const *copies,
                              const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why);
+
+/* Waits for all frames of fxs_compute_draw. Returns their error, and the stats of the newest frame; stats may be null.
+   Preserves the GL state. */
+FXS_EXPERIMENTAL int fxs_compute_wait(fxs_compute *compute, fxs_stats *stats, fxs_message *why);
 
 #ifdef __cplusplus
 }
