@@ -291,8 +291,8 @@ static uint64_t slots_of(const fxs_plan *p)
     return p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
 }
 
-/* Returns the least number of entries for a frame whose lists do not fit: twice the longest possible list of a tile, and
-   the bounds of each half of a chunk. */
+/* Returns the least number of entries for a frame whose lists do not fit: twice the longest possible list of a tile,
+   and the bounds of each half of a chunk. */
 static uint64_t least_entries(const fxs_plan *p)
 {
     return 2 * slots_of(p) + 4 * (uint64_t)p->places + FXS_COMPUTE_PAGE;

@@ -229,8 +229,8 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
     return below;
 }
 
-// Merges two sorted runs of 2^run entries of the list at position `source`. Writes one block of the results, the entries
-// from `block` on of the list at position `to`.
+// Merges two sorted runs of 2^run entries of the list at position `source`. Writes one block of the results, the
+// entries from `block` on of the list at position `to`.
 fn merge_block(thread: u32, source: u32, to: u32, count: u32, block: u32, run: u32)
 {
     let start = (block >> (run + 1u)) << (run + 1u);
