@@ -121,7 +121,7 @@ fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
         put_large(slot, &b, row);
     }
     if (is_square) {
-        let across = span_of(&s, &b, r_q12, 0);
+        let across = square_span(b.c_q14.x, b.square_radius, frame.tiles.x);
         memory[frame.squares + 2u * slot] = u32(across.first) | (u32(across.last + 1) << 16u);
         memory[frame.squares + 2u * slot + 1u] = u32(rows.first) | (u32(rows.last + 1) << 16u);
     }

@@ -458,23 +458,24 @@ _e129=local_29;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<
 _e143=box;int _e147=row_5;uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));
 box=(_e143|_e152);}}}row_6=_e8.first;for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){
 local_30=large;}else{local_30=false;}bool _e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_32,
-_e166);}}if(is_square){Span _e171=span_of(s_9,b_32,_e109,0);uint _e175=_group_0_binding_0_cs.squares;
-_group_1_binding_1_cs[(_e175 +(2u*slot_1))]=(uint(_e171.first)|(uint((_e171.last + 1))<<16u));uint
-_e192=_group_0_binding_0_cs.squares;_group_1_binding_1_cs[((_e192 +(2u*slot_1))+ 1u)]=(uint(_e8.first)|(uint((_e8.last
-+ 1))<<16u));}if(large){uvec2 _e208=large_box(b_32);return _e208;}uint _e210=box.x;uint _e212=box.y;
-if(((_e210|_e212)==0u)){uvec2 _e216=box;return _e216;}uint _e218=box.x;uint _e220=box.y;return uvec2(_e218,
-(_e220|(first_tile<<10u)));}void put_splat(uint slot_2,inout Splat s_10,ivec3 colour_q13_1){uint _e8=s_10.u0_q24_;uint
-_e10=s_10.v0_q24_;int _e12=s_10.ux_q24_;int _e15=s_10.uy_q24_;_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,
-uint(_e12),uint(_e15));int _e25=s_10.vy_q24_;int _e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;
-_group_1_binding_3_cs[((2u*slot_2)+ 1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),
-(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint
-chunk_1,uint slot_3){Projected centre_9=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,
-0u,0,0,0,0,ivec2(0)),Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,
-ivec2(0));uint g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;
-uint _e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 -
-_e9)- _e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return
-uvec2(0u,0u);}bool _e32=project_centre(centre_9,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];
-int _e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_9,_e20.scale,
+_e166);}}if(is_square){int _e172=b_32.c_q14_.x;uint _e174=b_32.square_radius;int _e178=_group_0_binding_0_cs.tiles.x;
+Span _e179=square_span(_e172,_e174,_e178);uint _e183=_group_0_binding_0_cs.squares;_group_1_binding_1_cs[(_e183
++(2u*slot_1))]=(uint(_e179.first)|(uint((_e179.last + 1))<<16u));uint _e200=_group_0_binding_0_cs.squares;
+_group_1_binding_1_cs[((_e200 +(2u*slot_1))+ 1u)]=(uint(_e8.first)|(uint((_e8.last + 1))<<16u));}if(large){uvec2
+_e216=large_box(b_32);return _e216;}uint _e218=box.x;uint _e220=box.y;if(((_e218|_e220)==0u)){uvec2 _e224=box;return
+_e224;}uint _e226=box.x;uint _e228=box.y;return uvec2(_e226,(_e228|(first_tile<<10u)));}void put_splat(uint slot_2,
+inout Splat s_10,ivec3 colour_q13_1){uint _e8=s_10.u0_q24_;uint _e10=s_10.v0_q24_;int _e12=s_10.ux_q24_;int
+_e15=s_10.uy_q24_;_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,uint(_e12),uint(_e15));int _e25=s_10.vy_q24_;int
+_e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;_group_1_binding_3_cs[((2u*slot_2)+
+1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),
+(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint chunk_1,uint slot_3){Projected
+centre_9=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,0u,0,0,0,0,ivec2(0)),
+Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,ivec2(0));uint
+g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;uint
+_e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 - _e9)-
+_e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return uvec2(0u,0u);}
+bool _e32=project_centre(centre_9,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];int
+_e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_9,_e20.scale,
 _e20.rotation);if(!(_e45)){return uvec2(0u,0u);}uint _e52=_group_0_binding_1_cs.crop_count;if((_e52!=0u)){bool
 _e58=is_kept(_e20.position);local_31=!(_e58);}else{local_31=false;}bool _e61=local_31;if(_e61){return uvec2(0u,0u);}int
 _e67=centre_9.camera.z;uint _e68=depth_key(_e67);key_1=_e68;int _e72=_group_0_binding_1_cs.plain;if((_e72==0)){uint
