@@ -54,7 +54,7 @@ static void fill_chunk(const packed_scene *s, uint32_t c)
 }
 
 /* Makes a random packed scene of 1 to `most` Gaussians. The caller releases its data with free. */
-static packed_scene random_scene(enum fxs_profile profile, int32_t most)
+static inline packed_scene random_scene(enum fxs_profile profile, int32_t most)
 {
     int degree = between(0, 3);
     uint32_t count = (uint32_t)between(1, most);
@@ -95,6 +95,18 @@ static void random_camera(fxs_camera *camera)
 static inline void random_near(fxs_camera *camera)
 {
     camera->near_q32 = (int64_t)between(4096, 8191) << between(0, 22);
+}
+
+/* Places the second eye beside the first, with a field of view of its own. */
+static inline void random_other_eye(fxs_camera cameras[2])
+{
+    const int32_t wider_q12 = between(0, 8 << 12);
+    cameras[1] = cameras[0];
+    cameras[1].position_q32[between(0, 2)] += (int64_t)between(-65536, 65536) * (1 << between(4, 16));
+    cameras[1].fx_q12 += wider_q12;
+    cameras[1].fy_q12 += wider_q12;
+    cameras[1].cx_q12 += between(-200000, 200000);
+    cameras[1].cy_q12 += between(-200000, 200000);
 }
 
 static inline void random_view(fxs_camera *camera, fxs_options *options)

@@ -91,24 +91,25 @@ static inline void random_cut(fxs_camera *camera, fxs_options *options, uint32_t
 
 /* Computes the cut of a frame (the nodes of the level-of-detail trees that are drawn) on the CPU. Returns the list of
    drawn chunks (256 Gaussians each), released with free. Null: no object needs a cut. */
-static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
-                                  const fxs_options *options, uint32_t *drawn)
+static inline fxs_drawn *find_cut(const fxs_object *objects, uint32_t count, const fxs_camera *cameras,
+                                  uint32_t eyes, const fxs_options *options, uint32_t *drawn)
 {
     fxs_object_view *views = (fxs_object_view *)calloc(count + 1, sizeof *views);
     fxs_stage_view world;
-    fxs_cut cut = {objects, count, options, camera, views, fxs_cut_room(objects, count, options), 0, 0, 0, 0};
+    fxs_cut cut = {objects, count, options, cameras, eyes, views, fxs_cut_room(objects, count, options), 0, 0, 0,
+                   0};
     uint32_t chunks = 0;
     fxs_drawn *list = 0;
     *drawn = 0;
-    if (!views || fxs_view_init(&world, camera, options))
+    if (!views || fxs_view_init(&world, cameras, options))
         abort();
     for (uint32_t i = 0; i < count; i++) {
-        if (fxs_object_view_init(&views[i], &world, camera, &objects[i]))
+        if (fxs_object_view_init(&views[i], &world, cameras, &objects[i]))
             abort();
         views[i].first_chunk = chunks;
         chunks += fxs_cut_chunks(objects[i].scene, cut.room != 0);
     }
-    cut.memory = check_aligned(fxs_cut_bytes(cut.room));
+    cut.memory = check_aligned(fxs_cut_bytes(cut.room, count, eyes));
     if (cut.room) {
         if (!cut.memory || fxs_cut_find(&cut))
             abort();

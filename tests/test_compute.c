@@ -5,7 +5,7 @@
 #include <fixsplat/camera.h>
 #include "check.h"
 #include "one_scene.h"
-#include "random_scene.h"
+#include "random_tree.h"
 #include "random_world.h"
 #include "tree_scene.h"
 
@@ -108,19 +108,22 @@ static int is_equal(const picture *a, const picture *b)
     return !differing;
 }
 
+/* Compares the pictures of each eye; a and b have as many elements as the request has eyes. */
 static int is_same(fxs_request *request, picture *a, picture *b)
 {
     fxs_stats of_a, of_b;
-    request->targets[0] = a->targets;
+    for (uint32_t eye = 0; eye < request->eyes; eye++)
+        request->targets[eye] = a[eye].targets;
     const int error_a = render_there(request, &of_a);
-    request->targets[0] = b->targets;
+    for (uint32_t eye = 0; eye < request->eyes; eye++)
+        request->targets[eye] = b[eye].targets;
     const int error_b = render_by(device, request, &of_b);
     if (error_a || error_b) {
         printf("  %d, %d: %s\n", error_a, error_b, error_b ? why.text : "");
         return error_a == error_b;
     }
     return CHECK(of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
-           CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b);
+           CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b) && (request->eyes == 1 || is_equal(&a[1], &b[1]));
 }
 
 static void fill_wild(const packed_scene *s)
@@ -207,7 +210,7 @@ static void random_targets(picture *a, picture *b, uint32_t *read)
     }
 }
 
-static int random_frame(int wild)
+static int random_frame(int wild, uint32_t eyes)
 {
     packed_scene packed[SCENES];
     fxs_scene scenes[SCENES];
@@ -216,7 +219,8 @@ static int random_frame(int wild)
     fxs_request request;
     const uint32_t count = (uint32_t)between(1, OBJECTS);
     for (int i = 0; i < SCENES; i++) {
-        packed[i] = random_scene((enum fxs_profile)between(0, 2), 1500);
+        packed[i] = i || eyes == 1 ? random_scene((enum fxs_profile)between(0, 2), 1500)
+                                   : random_tree((enum fxs_profile)between(0, 2), (uint32_t)between(2, 12), 0, 0);
         if (wild)
             fill_wild(&packed[i]);
         if (!CHECK(!fxs_scene_open(&scenes[i], packed[i].data, packed[i].bytes)))
@@ -230,14 +234,25 @@ static int random_frame(int wild)
     random_window(request.cameras);
     if (wild)
         request.cameras->fx_q12 = between(1, INT32_MAX) >> between(0, 20), request.cameras->fx_q12 |= 1;
-    picture a = picture_new(request.cameras->width, request.cameras->height, (enum fxs_format)between(0, 3));
-    picture b = picture_new(request.cameras->width, request.cameras->height, a.targets.format);
-    uint32_t *read = malloc(4 * (size_t)a.width * (size_t)a.height);
-    random_targets(&a, &b, read);
-    const int same = is_same(&request, &a, &b);
-    free(read);
-    picture_free(&a);
-    picture_free(&b);
+    if (eyes == 2) {
+        request.eyes = 2;
+        request.options.budget = between(0, 2) ? (uint32_t)between(1, 12 * FXS_CHUNK) : 0;
+        random_other_eye(request.cameras);
+    }
+    picture a[2], b[2];
+    uint32_t *read[2] = {0, 0};
+    for (uint32_t eye = 0; eye < eyes; eye++) {
+        a[eye] = picture_new(request.cameras->width, request.cameras->height, (enum fxs_format)between(0, 3));
+        b[eye] = picture_new(request.cameras->width, request.cameras->height, a[eye].targets.format);
+        read[eye] = malloc(4 * (size_t)a[eye].width * (size_t)a[eye].height);
+        random_targets(&a[eye], &b[eye], read[eye]);
+    }
+    const int same = is_same(&request, a, b);
+    for (uint32_t eye = 0; eye < eyes; eye++) {
+        free(read[eye]);
+        picture_free(&a[eye]);
+        picture_free(&b[eye]);
+    }
     for (int i = 0; i < SCENES; i++)
         free(packed[i].data);
     return same;
@@ -247,7 +262,17 @@ static void random_frames(void)
 {
     state = 20261;
     for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(0))) {
+        if (!CHECK(random_frame(0, 1))) {
+            printf("  frame %d\n", i);
+            return;
+        }
+}
+
+static void random_eyes(void)
+{
+    state = 20265;
+    for (int i = 0; i < 200; i++)
+        if (!CHECK(random_frame(0, 2))) {
             printf("  frame %d\n", i);
             return;
         }
@@ -257,7 +282,7 @@ static void wild_frames(void)
 {
     state = 20262;
     for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(1))) {
+        if (!CHECK(random_frame(1, 1))) {
             printf("  frame %d\n", i);
             return;
         }
@@ -267,7 +292,7 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
 {
     uint32_t *words = malloc(4 * count);
     device->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    device->gl.BindBuffer(GL_COPY_READ_BUFFER, device->buffers[buffer]);
+    device->gl.BindBuffer(GL_COPY_READ_BUFFER, device->buffers[0][buffer]);
     const void *from = device->gl.MapBufferRange(GL_COPY_READ_BUFFER, (GLintptr)(4 * first), (GLsizeiptr)(4 * count),
                                                  GL_MAP_READ_BIT);
     if (CHECK(from))
@@ -301,7 +326,7 @@ static uint32_t compare_chunk(const fxs_stage_view *view, const fxs_scene *scene
 
 static int check_lists(const uint32_t *depths)
 {
-    const fxs_compute_frame *f = &device->plan.frame;
+    const fxs_compute_frame *f = device->plan.frames;
     const uint32_t tiles = (uint32_t)(f->tiles[0] * f->tiles[1]);
     uint32_t *counts = read_words(FXS_COMPUTE_COUNTS, 0, f->classes);
     int good = 1;
@@ -338,7 +363,7 @@ static int compare_stages(const fxs_scene *scene)
     if (!CHECK(!render_by(device, &request, &stats)) || !CHECK(!render_by(device, &request, &stats)) ||
         !CHECK(!one_view_init(&view, scene, request.cameras, &request.options)))
         return 0;
-    const fxs_compute_frame *f = &device->plan.frame;
+    const fxs_compute_frame *f = device->plan.frames;
     uint32_t *status = read_words(FXS_COMPUTE_COUNTS, 0, FXS_COMPUTE_STATUS), visible = 0;
     const uint32_t chunks = status[FXS_COMPUTE_VISIBLE_CHUNKS];
     uint32_t *places = read_words(FXS_COMPUTE_MEMORY, f->visible, chunks + 1);
@@ -452,7 +477,7 @@ static void frames_that_do_not_fit(void)
     for (int kind = 0; kind < 2; kind++) {
         *(kind ? &device->rooms.most_pages : &device->rooms.most_larges) = 1;
         for (int i = 0; i < 40 && !check_faults; i++) {
-            if (!CHECK(random_frame(i % 4 == 3)))
+            if (!CHECK(random_frame(i % 4 == 3, 1 + (i % 4 == 1))))
                 printf("  kind %d, frame %d\n", kind, i);
             late += is_finished_late();
         }
@@ -795,6 +820,7 @@ int main(void)
     }
     RUN(stages);
     RUN(random_frames);
+    RUN(random_eyes);
     RUN(wild_frames);
     RUN(sizes);
     RUN(veils);

@@ -12,6 +12,7 @@
 #include "check.h"
 #include "one_scene.h"
 #include "src/core/frame.h"
+#include "random_tree.h"
 #include "tree_scene.h"
 #include "fastest.h"
 
@@ -310,23 +311,83 @@ static void test_objects(void)
     CHECK(draw(&context, &request, 0).drawn <= (plain.chunk_count + 1) * FXS_CHUNK);
 }
 
+/* Returns a camera that shows a part of a picture that is 64 pixels wider, from column x on. As a window, it draws the
+   cut of the wider picture. */
+static fxs_camera part_of_wider(int32_t x, int is_window)
+{
+    fxs_camera camera = camera_at(0.9, -3, -7);
+    camera.cx_q12 += (32 - x) << 12;
+    if (is_window) {
+        camera.whole_width = WIDTH + 64;
+        camera.whole_height = HEIGHT;
+        camera.whole_x = x;
+    }
+    return camera;
+}
+
+static void draw_eyes(fxs_request *request, fxs_camera left, fxs_camera right)
+{
+    fxs_context context;
+    fxs_context_init(&context, 0);
+    request->eyes = 2;
+    request->cameras[0] = left;
+    request->cameras[1] = right;
+    request->targets[1] = request->targets[0];
+    request->targets[1].colour.pixels = pictures[1];
+    draw(&context, request, 0);
+}
+
+/* Two eyes draw one cut. From one place, the eyes see the left and the right part of a wider picture, so the cut is
+   that of the wider picture. */
 static void test_eyes(void)
 {
+    static unsigned char swapped[PIXELS];
     const fxs_object object = one_object(&scenes[0]);
+    const fxs_camera left = camera_at(0.9, -3, -7), right = camera_at(-2, -1, -1.5);
     fxs_context context;
-    fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 5, pictures[0]);
-    fxs_context_init(&context, 0);
+    fxs_request request = request_of(&object, 1, left, COUNT / 5, pictures[0]);
     fxs_request one = request;
-    request.eyes = 2;
-    request.cameras[1] = camera_at(1.0, -3, -7);
-    request.targets[1] = request.targets[0];
-    request.targets[1].colour.pixels = pictures[1];
-    draw(&context, &request, 0);
+    fxs_context_init(&context, 0);
     one.targets[0].colour.pixels = pictures[2];
+    draw_eyes(&request, part_of_wider(0, 0), part_of_wider(64, 0));
     for (int eye = 0; eye < 2; eye++) {
-        one.cameras[0] = request.cameras[eye];
+        one.cameras[0] = part_of_wider(64 * eye, 1);
         draw(&context, &one, 0);
         CHECK(!memcmp(pictures[2], pictures[eye], PIXELS));
+    }
+    draw_eyes(&request, left, right);
+    memcpy(swapped, pictures[1], PIXELS);
+    one.cameras[0] = left;
+    draw(&context, &one, 0);
+    CHECK(memcmp(pictures[2], pictures[0], PIXELS));
+    draw_eyes(&request, right, left);
+    CHECK(!memcmp(pictures[0], swapped, PIXELS));
+    fxs_camera away = left;
+    for (int i = 0; i < 9; i++)
+        away.rotation_q30[i] *= i / 3 == 1 ? 1 : -1;
+    draw_eyes(&request, left, away);
+    CHECK(!memcmp(pictures[2], pictures[0], PIXELS));
+}
+
+static void test_eyes_covered(void)
+{
+    const fxs_scene *scene = &scenes[0];
+    const fxs_camera cameras[] = {camera_at(0.9, -3, -7), camera_at(-2, -1, -1.5)};
+    const fxs_object object = one_object(scene);
+    fxs_options options;
+    fxs_options_init(&options);
+    for (options.budget = FXS_CHUNK; options.budget < COUNT; options.budget += options.budget / 3 + 1) {
+        uint32_t count;
+        fxs_drawn *drawn = find_cut(&object, 1, cameras, 2, &options, &count);
+        CHECK(count <= options.budget / FXS_CHUNK);
+        for (uint32_t i = 0; i < fxs_scene_chunks(scene); i++)
+            shares[0][i] = -1;
+        for (uint32_t i = 0; i < count; i++)
+            shares[0][drawn[i].chunk] = 1;
+        mark_depths(scene, scene->chunk_count, 0, 255, shares[0], marks[0]);
+        for (uint32_t leaf = 0; leaf < scene->chunk_count; leaf++)
+            CHECK(marks[0][leaf] != 255 || (!is_seen(scene, cameras[0], leaf) && !is_seen(scene, cameras[1], leaf)));
+        free(drawn);
     }
 }
 
@@ -397,11 +458,15 @@ static void test_in_part(void)
     } while (stats.missing && ++frames < 1000);
     printf("  %d frames, error %.1f after the root, %.1f at the end\n", frames, first, last);
     CHECK(frames > 10 && frames < 1000 && last == 0 && first > 100);
-    p.wanted = p.known = 0;
-    const size_t bytes = fxs_request_bytes(&context, &request, 0);
-    void *memory = check_aligned(bytes);
-    CHECK(!fxs_foresee(&context, &request, memory, bytes) && !p.wanted && p.known == stats.drawn / FXS_CHUNK);
-    free(memory);
+    request.cameras[1] = request.cameras[0];
+    request.targets[1] = request.targets[0];
+    for (request.eyes = 1; request.eyes <= 2; request.eyes++) {
+        p.wanted = p.known = 0;
+        const size_t bytes = fxs_request_bytes(&context, &request, 0);
+        void *memory = check_aligned(bytes);
+        CHECK(!fxs_foresee(&context, &request, memory, bytes) && !p.wanted && p.known == stats.drawn / FXS_CHUNK);
+        free(memory);
+    }
     free(p.places);
     free(p.rows);
 }
@@ -456,6 +521,7 @@ int main(void)
     RUN(test_window);
     RUN(test_objects);
     RUN(test_eyes);
+    RUN(test_eyes_covered);
     RUN(test_in_part);
     RUN(test_damage);
     for (int profile = 0; profile < 3; profile++)

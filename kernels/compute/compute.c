@@ -10,6 +10,8 @@
 #define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
 
+enum { ALL_BUFFERS = FXS_COMPUTE_EYES * FXS_COMPUTE_BUFFERS };
+
 int fxs_compute_allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
 {
     const uint64_t needed = fxs_compute_taken(c) + c->scene_bytes + bytes;
@@ -60,8 +62,9 @@ fxs_gl_info fxs_compute_info(const fxs_compute *c)
 uint64_t fxs_compute_taken(const fxs_compute *c)
 {
     uint64_t sum = c->shift ? (uint64_t)c->word_rows * 4 << c->shift : 0;
-    for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
-        sum += c->bytes[i];
+    for (int eye = 0; eye < FXS_COMPUTE_EYES; eye++)
+        for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
+            sum += c->bytes[eye][i];
     return sum;
 }
 
@@ -138,7 +141,7 @@ static int make_objects(fxs_compute *c, fxs_message *why)
     int error = 0;
 #define MAKE(entry) error = error ? error : make_program(c, FXS_COMPUTE_##entry, #entry, entry##_comp, why);
     FXS_COMPUTE_PROGRAMS_OF(MAKE)
-    c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
+    c->gl.GenBuffers(ALL_BUFFERS, c->buffers[0]);
     c->gl.GenBuffers(FXS_COMPUTE_FLIGHTS, c->statuses);
     if (c->timer)
         c->gl.GenQueries(1, &c->query);
@@ -162,7 +165,7 @@ static void end(fxs_compute *c)
     drop_flights(c);
     c->gl.DeleteBuffers(FXS_COMPUTE_FLIGHTS, c->statuses);
     fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
-    c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
+    c->gl.DeleteBuffers(ALL_BUFFERS, c->buffers[0]);
     if (c->timer)
         c->gl.DeleteQueries(1, &c->query);
     fxs_compute_check(c, &why);
@@ -211,27 +214,28 @@ void fxs_compute_destroy(fxs_compute *c)
 }
 
 /* Grows a buffer to at least `bytes` bytes, without keeping its contents. */
-static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs_message *why)
+static int reserve(fxs_compute *c, uint32_t eye, int buffer, uint64_t bytes, GLenum usage, fxs_message *why)
 {
-    if (bytes <= c->bytes[buffer])
+    uint64_t *has = &c->bytes[eye][buffer];
+    if (bytes <= *has)
         return 0;
-    int error = fxs_compute_allow(c, bytes - c->bytes[buffer], why);
+    int error = fxs_compute_allow(c, bytes - *has, why);
     if (error)
         return error;
-    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[buffer]);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[eye][buffer]);
     c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)bytes, 0, usage);
-    c->bytes[buffer] = bytes;
+    *has = bytes;
     error = fxs_compute_check(c, why);
     if (error)
-        c->bytes[buffer] = 0;
+        *has = 0;
     return error;
 }
 
 static void give_back(fxs_compute *c)
 {
     fxs_message why;
-    c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
-    c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
+    c->gl.DeleteBuffers(ALL_BUFFERS, c->buffers[0]);
+    c->gl.GenBuffers(ALL_BUFFERS, c->buffers[0]);
     memset(c->bytes, 0, sizeof c->bytes);
     drop_flights(c);
     c->rooms = (fxs_plan_rooms){.most = c->rooms.most};
@@ -319,24 +323,33 @@ size_t fxs_compute_memory(const fxs_request *request)
     return fxs_plan_memory(request);
 }
 
-static int reserve_frame(fxs_compute *c, fxs_message *why)
+static int reserve_eye(fxs_compute *c, uint32_t eye, fxs_message *why)
 {
-    const uint64_t had = c->bytes[FXS_COMPUTE_MEMORY];
+    const uint64_t had = c->bytes[eye][FXS_COMPUTE_MEMORY];
     int error = 0;
-    for (int i = 0; i < FXS_COMPUTE_BUFFERS && !error; i++)
-        error = reserve(c, i, c->plan.bytes[i] + (i == FXS_COMPUTE_UNIFORMS ? fxs_plan_places_bytes(&c->plan) : 0),
-                        i == FXS_COMPUTE_DOWNLOAD   ? GL_STREAM_READ
-                        : i == FXS_COMPUTE_UNIFORMS ? GL_STREAM_DRAW : GL_DYNAMIC_COPY, why);
-    if (!error && c->bytes[FXS_COMPUTE_MEMORY] != had) {
-        c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
+    for (int i = FXS_COMPUTE_MEMORY; i < FXS_COMPUTE_DOWNLOAD && !error; i++)
+        error = reserve(c, eye, i, c->plan.bytes[i], GL_DYNAMIC_COPY, why);
+    if (!error && c->bytes[eye][FXS_COMPUTE_MEMORY] != had) {
+        c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[eye][FXS_COMPUTE_MEMORY]);
         put(c, 0, fxs_offset_of_code_q11, sizeof fxs_offset_of_code_q11);
     }
     return error;
 }
 
-static void *map(const fxs_compute *c, int buffer, uint64_t at, uint64_t bytes)
+static int reserve_frame(fxs_compute *c, fxs_message *why)
 {
-    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[buffer]);
+    const uint64_t *bytes = c->plan.bytes;
+    int error = reserve(c, 0, FXS_COMPUTE_UNIFORMS, bytes[FXS_COMPUTE_UNIFORMS] + fxs_plan_places_bytes(&c->plan),
+                        GL_STREAM_DRAW, why);
+    error = error ? error : reserve(c, 0, FXS_COMPUTE_DOWNLOAD, bytes[FXS_COMPUTE_DOWNLOAD], GL_STREAM_READ, why);
+    for (uint32_t eye = 0; eye < c->plan.request->eyes && !error; eye++)
+        error = reserve_eye(c, eye, why);
+    return error;
+}
+
+static void *map(const fxs_compute *c, uint32_t eye, int buffer, uint64_t at, uint64_t bytes)
+{
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[eye][buffer]);
     return c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes,
                                 GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT);
 }
@@ -351,29 +364,31 @@ static int unmap(const fxs_compute *c, fxs_message *why)
 static int put_tables(const fxs_compute *c, fxs_message *why)
 {
     const size_t uniforms = (size_t)c->plan.bytes[FXS_COMPUTE_UNIFORMS], places = fxs_plan_places_bytes(&c->plan);
-    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_UNIFORMS]);
-    c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)c->bytes[FXS_COMPUTE_UNIFORMS], 0, GL_STREAM_DRAW);
-    unsigned char *to = map(c, FXS_COMPUTE_UNIFORMS, 0, uniforms + places);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[0][FXS_COMPUTE_UNIFORMS]);
+    c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)c->bytes[0][FXS_COMPUTE_UNIFORMS], 0, GL_STREAM_DRAW);
+    unsigned char *to = map(c, 0, FXS_COMPUTE_UNIFORMS, 0, uniforms + places);
     if (!to)
         return failure(c, why);
     fxs_plan_uniforms(&c->plan, to);
     fxs_plan_places(&c->plan, (uint32_t *)(void *)(to + uniforms));
     const int error = unmap(c, why);
     c->more.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_UNIFORMS]);
-    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
-    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)uniforms,
-                              (GLintptr)(4 * (uint64_t)c->plan.frame.spans_at), (GLsizeiptr)places);
+    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[0][FXS_COMPUTE_UNIFORMS]);
+    for (uint32_t eye = 0; eye < c->plan.request->eyes; eye++) {
+        c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[eye][FXS_COMPUTE_MEMORY]);
+        c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)uniforms,
+                                  (GLintptr)(4 * (uint64_t)c->plan.frames->spans_at), (GLsizeiptr)places);
+    }
     return error;
 }
 
-static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, fxs_message *why)
+static int put_plane(const fxs_compute *c, uint32_t eye, const fxs_image *image, uint32_t at, fxs_message *why)
 {
-    const fxs_stage_view *view = &c->plan.view;
+    const fxs_stage_view *view = &c->plan.views[eye];
     const uint64_t row = 4 * (uint64_t)view->width;
     if (!image->pixels)
         return 0;
-    unsigned char *to = map(c, FXS_COMPUTE_MEMORY, 4 * (uint64_t)at, row * (uint64_t)view->height);
+    unsigned char *to = map(c, eye, FXS_COMPUTE_MEMORY, 4 * (uint64_t)at, row * (uint64_t)view->height);
     if (!to)
         return failure(c, why);
     for (int32_t y = 0; y < view->height; y++)
@@ -381,10 +396,20 @@ static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, 
     return unmap(c, why);
 }
 
+/* Puts the input pictures of an eye on the device: those of the request, or of the caller's target. */
+static int put_planes(const fxs_compute *c, uint32_t eye, const fxs_gl_target *target, fxs_message *why)
+{
+    const fxs_targets *t = &c->plan.request->targets[eye];
+    const fxs_compute_frame *f = &c->plan.frames[eye];
+    const int error = target ? fxs_compute_take_mesh(c, target, eye, why) : put_plane(c, eye, &t->occluder, f->occluder,
+                                                                                      why);
+    return error || target ? error : put_plane(c, eye, &t->backdrop, f->backdrop, why);
+}
+
 typedef struct walk {
     const fxs_compute *c;
     const fxs_compute_scene *const *copies;
-    uint32_t program;
+    uint32_t program, frame;
 } walk;
 
 static void take_step(void *argument, const fxs_step *step)
@@ -397,23 +422,27 @@ static void take_step(void *argument, const fxs_step *step)
     if (w->program != step->program)
         gl->UseProgram(c->programs[step->program]);
     w->program = step->program;
+    if (w->frame != step->frame)
+        c->more.BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[0][FXS_COMPUTE_UNIFORMS], (GLintptr)step->frame,
+                                sizeof(fxs_compute_frame));
+    w->frame = step->frame;
     for (GLuint i = 0; i < 4; i++) {
         const int32_t buffer = step->buffers[i];
         if (buffer != FXS_PLAN_NONE)
             c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
                                    buffer == FXS_PLAN_HEADS  ? w->copies[step->object]->heads
                                    : buffer == FXS_PLAN_ROWS ? w->copies[step->object]->parts[step->part]
-                                                             : c->buffers[buffer]);
+                                                             : c->buffers[step->eye][buffer]);
     }
     if (step->uniform)
-        c->more.BindBufferRange(GL_UNIFORM_BUFFER, 1, c->buffers[FXS_COMPUTE_UNIFORMS], (GLintptr)step->uniform,
+        c->more.BindBufferRange(GL_UNIFORM_BUFFER, 1, c->buffers[0][FXS_COMPUTE_UNIFORMS], (GLintptr)step->uniform,
                                 sizeof(fxs_compute_object));
     if (step->arguments == FXS_PLAN_NONE) {
         if (step->groups[0])
             c->more.DispatchCompute(step->groups[0], step->groups[1], 1);
         return;
     }
-    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[step->arguments]);
+    gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[step->eye][step->arguments]);
     c->more.DispatchComputeIndirect((GLintptr)step->arguments_at);
 }
 
@@ -429,10 +458,9 @@ static void read_time(fxs_compute *c)
 static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, int timed, fxs_message *why)
 {
     const fxs_gl *gl = &c->gl;
-    walk w = {c, copies, FXS_COMPUTE_PROGRAMS};
+    walk w = {c, copies, FXS_COMPUTE_PROGRAMS, FXS_NOTHING};
     if (timed)
         gl->BeginQuery(TIME_ELAPSED, c->query);
-    c->more.BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof c->plan.frame);
     fxs_plan_steps(&c->plan, take_step, &w);
     if (timed)
         gl->EndQuery(TIME_ELAPSED);
@@ -440,11 +468,23 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
     return fxs_compute_check(c, why);
 }
 
-static void copy_status(const fxs_compute *c, GLuint to)
+/* Copies words of an eye's buffer to the bound buffer, at `to`. Returns the end of the copy. */
+static GLintptr copy_range(const fxs_compute *c, uint32_t eye, int buffer, uint64_t first, uint64_t words, GLintptr to)
 {
-    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, to);
-    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_COUNTS]);
-    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
+    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[eye][buffer]);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)(4 * first), to,
+                              (GLsizeiptr)(4 * words));
+    return to + (GLintptr)(4 * words);
+}
+
+/* Binds a buffer, and copies the status of each eye to its start. Returns the end of the copy. */
+static GLintptr copy_status(const fxs_compute *c, GLuint buffer)
+{
+    GLintptr to = 0;
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, buffer);
+    for (uint32_t eye = 0; eye < c->plan.request->eyes; eye++)
+        to = copy_range(c, eye, FXS_COMPUTE_COUNTS, 0, FXS_COMPUTE_STATUS, to);
+    return to;
 }
 
 /* Copies one plane of a finished picture, such as colours or depths, to an image with `bytes` bytes per pixel. The
@@ -465,37 +505,46 @@ static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int byte
     }
 }
 
-static void count(fxs_stats *stats, const uint32_t *status)
+static void count(fxs_stats *stats, const uint32_t *status, uint32_t eyes)
 {
-    stats->visible = status[FXS_COMPUTE_VISIBLE];
-    stats->entries = (uint64_t)status[FXS_COMPUTE_ENTRY_COUNT + 1] << 32 | status[FXS_COMPUTE_ENTRY_COUNT];
+    for (uint32_t eye = 0; eye < eyes; eye++, status += FXS_COMPUTE_STATUS) {
+        stats->visible += status[FXS_COMPUTE_VISIBLE];
+        stats->entries += (uint64_t)status[FXS_COMPUTE_ENTRY_COUNT + 1] << 32 | status[FXS_COMPUTE_ENTRY_COUNT];
+    }
+}
+
+/* Copies the finished pictures of an eye from `picture` to the request's images. */
+static void copy_planes(const fxs_compute *c, uint32_t eye, const uint32_t *picture)
+{
+    const fxs_targets *t = &c->plan.request->targets[eye];
+    const fxs_stage_view *view = &c->plan.views[eye];
+    const fxs_compute_frame *f = &c->plan.frames[eye];
+    const uint64_t first = c->plan.read_at[eye];
+    copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
+    copy_plane(view, &t->coverage, 1, picture, f->coverage - first);
+    copy_plane(view, &t->mean_depth, 4, picture, f->mean_depth - first);
+    copy_plane(view, &t->median_depth, 4, picture, f->median_depth - first);
+    copy_plane(view, &t->id, 8, picture, f->id - first);
 }
 
 /* Waits for the frame, and copies its pixels to the request's targets. */
 static int read_back(fxs_compute *c, fxs_stats *stats, fxs_message *why)
 {
-    const fxs_targets *t = c->plan.request->targets;
-    const fxs_stage_view *view = &c->plan.view;
-    const fxs_compute_frame *f = &c->plan.frame;
-    copy_status(c, c->buffers[FXS_COMPUTE_DOWNLOAD]);
-    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
-    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)(4 * c->plan.read_at),
-                              4 * FXS_COMPUTE_STATUS, (GLsizeiptr)(4 * c->plan.read_words));
+    const uint32_t eyes = c->plan.request->eyes;
+    GLintptr to = copy_status(c, c->buffers[0][FXS_COMPUTE_DOWNLOAD]);
+    for (uint32_t eye = 0; eye < eyes; eye++)
+        to = copy_range(c, eye, FXS_COMPUTE_MEMORY, c->plan.read_at[eye], c->plan.read_words[eye], to);
     const uint32_t *from = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0,
                                                 (GLsizeiptr)c->plan.bytes[FXS_COMPUTE_DOWNLOAD], GL_MAP_READ_BIT);
     int error = from ? fxs_compute_check(c, why) : failure(c, why);
     if (error)
         return error;
-    const int result = fxs_plan_look(&c->rooms, from, why);
-    count(stats, from);
-    if (!result) {
-        const uint32_t *picture = from + FXS_COMPUTE_STATUS;
-        const uint64_t first = c->plan.read_at;
-        copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
-        copy_plane(view, &t->coverage, 1, picture, f->coverage - first);
-        copy_plane(view, &t->mean_depth, 4, picture, f->mean_depth - first);
-        copy_plane(view, &t->median_depth, 4, picture, f->median_depth - first);
-        copy_plane(view, &t->id, 8, picture, f->id - first);
+    const int result = fxs_plan_look(&c->rooms, from, eyes, why);
+    count(stats, from, eyes);
+    const uint32_t *picture = from + eyes * FXS_COMPUTE_STATUS;
+    for (uint32_t eye = 0; eye < eyes && !result; eye++) {
+        copy_planes(c, eye, picture);
+        picture += c->plan.read_words[eye];
     }
     const fxs_message first = *why;
     error = unmap(c, why);
@@ -511,11 +560,12 @@ static int look_at_flight(fxs_compute *c, uint32_t i, fxs_message *why)
     c->more.DeleteSync(flight->done);
     flight->done = 0;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->statuses[i]);
-    const uint32_t *status = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS, GL_MAP_READ_BIT);
+    const uint32_t *status = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0, flight->eyes * 4 * FXS_COMPUTE_STATUS,
+                                                  GL_MAP_READ_BIT);
     if (!status)
         return failure(c, why);
-    const int error = fxs_plan_look(&c->rooms, status, why);
-    count(&flight->stats, status);
+    const int error = fxs_plan_look(&c->rooms, status, flight->eyes, why);
+    count(&flight->stats, status, flight->eyes);
     c->stats = flight->stats;
     return c->gl.UnmapBuffer(GL_COPY_WRITE_BUFFER) ? error : failure(c, why);
 }
@@ -537,12 +587,12 @@ int fxs_compute_look_back(fxs_compute *c, fxs_message *why)
 /* Notes a drawn frame, to read its status later. Drops the status of an old frame if too many are unfinished. */
 static int take_off(fxs_compute *c, const fxs_stats *stats, fxs_message *why)
 {
-    const uint32_t i = c->frames++ % FXS_COMPUTE_FLIGHTS;
+    const uint32_t i = c->frames++ % FXS_COMPUTE_FLIGHTS, eyes = c->plan.request->eyes;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->statuses[i]);
-    c->gl.BufferData(GL_COPY_WRITE_BUFFER, 4 * FXS_COMPUTE_STATUS, 0, GL_STREAM_READ);
+    c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)(eyes * 4 * FXS_COMPUTE_STATUS), 0, GL_STREAM_READ);
     copy_status(c, c->statuses[i]);
     c->more.DeleteSync(c->flights[i].done);
-    c->flights[i] = (fxs_compute_flight){c->more.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), *stats};
+    c->flights[i] = (fxs_compute_flight){c->more.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), eyes, *stats};
     return fxs_compute_check(c, why);
 }
 
@@ -551,31 +601,34 @@ static void fill_stats(const fxs_compute *c, fxs_stats *stats)
     memset(stats, 0, sizeof *stats);
     stats->gaussians = (uint32_t)c->plan.gaussians;
     stats->drawn = c->plan.places * FXS_CHUNK;
-    stats->bands = stats->runs = 1;
-    stats->memory.splats = (size_t)(c->bytes[FXS_COMPUTE_MEMORY] + c->bytes[FXS_COMPUTE_SPLATS]);
-    stats->memory.tiles = (size_t)c->bytes[FXS_COMPUTE_COUNTS];
-    stats->memory.entries = (size_t)c->bytes[FXS_COMPUTE_ENTRIES];
+    stats->bands = stats->runs = c->plan.request->eyes;
+    for (uint32_t eye = 0; eye < c->plan.request->eyes; eye++) {
+        const uint64_t *bytes = c->bytes[eye];
+        stats->memory.splats += (size_t)(bytes[FXS_COMPUTE_MEMORY] + bytes[FXS_COMPUTE_SPLATS]);
+        stats->memory.tiles += (size_t)bytes[FXS_COMPUTE_COUNTS];
+        stats->memory.entries += (size_t)bytes[FXS_COMPUTE_ENTRIES];
+    }
     stats->memory.total = (size_t)fxs_compute_taken(c);
 }
 
-static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
+static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *targets,
                   fxs_stats *stats, fxs_message *why)
 {
-    const fxs_targets *t = c->plan.request->targets;
-    const int timed = c->timer && !target;
+    const uint32_t eyes = c->plan.request->eyes;
+    const int timed = c->timer && !targets;
     c->nanoseconds = 0;
     int error = fxs_plan_lay_out(&c->plan, &c->rooms, why);
-    if (target)
+    if (targets)
         c->plan.bytes[FXS_COMPUTE_DOWNLOAD] = 0;
     error = error ? error : reserve_frame(c, why);
     error = error ? error : put_tables(c, why);
-    error = error ? error : target ? fxs_compute_take_mesh(c, target, why)
-                                   : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
-    error = error || target ? error : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
+    for (uint32_t eye = 0; eye < eyes && !error; eye++)
+        error = put_planes(c, eye, targets ? &targets[eye] : 0, why);
     error = error ? error : run_stages(c, copies, timed, why);
     fill_stats(c, stats);
-    error = error ? error : target ? fxs_compute_show(c, target, why) : read_back(c, stats, why);
-    error = error || !target ? error : take_off(c, stats, why);
+    for (uint32_t eye = 0; eye < eyes && !error && targets; eye++)
+        error = fxs_compute_show(c, &targets[eye], eye, why);
+    error = error ? error : targets ? take_off(c, stats, why) : read_back(c, stats, why);
     if (!error && timed)
         read_time(c);
     if (error == FXS_ERR_MEMORY || error == FXS_ERR_DEVICE)
@@ -598,13 +651,13 @@ int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_comp
     return 0;
 }
 
-int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
+int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *targets,
                        fxs_stats *stats, fxs_message *why)
 {
     fxs_stats of_frame;
-    const int error = render(c, copies, target, &of_frame, why);
+    const int error = render(c, copies, targets, &of_frame, why);
     if (!error && stats)
-        *stats = target ? c->stats : of_frame;
+        *stats = targets ? c->stats : of_frame;
     return error;
 }
 

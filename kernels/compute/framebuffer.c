@@ -116,9 +116,9 @@ static int begin_drawing(fxs_compute *c, fxs_message *why)
     return error;
 }
 
-int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
+int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gl_target *t, uint32_t eye, fxs_message *why)
 {
-    const fxs_compute_frame *f = &c->plan.frame;
+    const fxs_compute_frame *f = &c->plan.frames[eye];
     const GLuint textures[] = {t->occluder, t->depth_buffer, t->backdrop};
     const int32_t width = f->size[0], height = f->size[1];
     if (f->occluder == FXS_NOTHING && f->backdrop == FXS_NOTHING)
@@ -129,15 +129,15 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gl_target *t, fxs_mess
     c->gl.Uniform4i(1, (GLint)f->occluder, (GLint)f->backdrop, f->depth_bits, t->depth_buffer != 0);
     if (t->depth_buffer)
         c->gl.Uniform2f(2, 1 / t->plane_0, 1 / t->plane_1);
-    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[eye][FXS_COMPUTE_MEMORY]);
     c->more.DispatchCompute((GLuint)(width + 7) / 8, (GLuint)(height + 7) / 8, 1);
     return fxs_compute_check(c, why);
 }
 
-static int put_words(fxs_compute *c, fxs_message *why)
+static int put_words(fxs_compute *c, uint32_t eye, fxs_message *why)
 {
-    const uint64_t words = c->plan.read_words;
-    const uintptr_t at = 4 * (uintptr_t)c->plan.read_at;
+    const uint64_t words = c->plan.read_words[eye];
+    const uintptr_t at = 4 * (uintptr_t)c->plan.read_at[eye];
     const GLsizei width = 1 << c->shift, rows = (GLsizei)(words >> c->shift);
     const GLsizei rest = (GLsizei)(words - ((uint64_t)rows << c->shift));
     if (words > (uint64_t)c->most_rows << c->shift)
@@ -150,7 +150,7 @@ static int put_words(fxs_compute *c, fxs_message *why)
         c->word_rows = rows + (rest > 0);
         c->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, c->word_rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, 0);
     }
-    c->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->buffers[eye][FXS_COMPUTE_MEMORY]);
     c->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, rows, GL_RED_INTEGER, GL_UNSIGNED_INT, (const void *)at);
     if (rest)
         c->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, rows, rest, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
@@ -158,14 +158,14 @@ static int put_words(fxs_compute *c, fxs_message *why)
     return fxs_compute_check(c, why);
 }
 
-int fxs_compute_show(fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
+int fxs_compute_show(fxs_compute *c, const fxs_gl_target *t, uint32_t eye, fxs_message *why)
 {
-    const fxs_compute_frame *f = &c->plan.frame;
+    const fxs_compute_frame *f = &c->plan.frames[eye];
     const fxs_gl *gl = &c->gl;
-    const int32_t width = f->size[0], height = f->size[1], first = c->shift ? (int32_t)c->plan.read_at : 0;
+    const int32_t width = f->size[0], height = f->size[1], first = c->shift ? (int32_t)c->plan.read_at[eye] : 0;
     fxs_gl_set(gl, c->vertex_array, 1, &c->words);
     c->more.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
-    const int error = c->shift ? put_words(c, why) : 0;
+    const int error = c->shift ? put_words(c, eye, why) : 0;
     if (error)
         return error;
     if (t->over)
@@ -177,7 +177,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gl_target *t, fxs_message *why)
     /* gl_FragCoord counts from the corner of the framebuffer, not of the drawn part */
     gl->Uniform4i(0, -t->x, t->top_down ? -t->y : height - 1 + t->y, t->top_down ? 1 : -1, width);
     gl->Uniform4i(1, (GLint)f->colour - first, (GLint)f->median_depth - first, (GLint)f->id - first, c->shift);
-    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[eye][FXS_COMPUTE_MEMORY]);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     return fxs_compute_check(c, why);
 }
@@ -193,29 +193,34 @@ static void ask_planes(fxs_targets *to, const fxs_gl_target *t)
 }
 
 int fxs_compute_draw(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies,
-                     const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why)
+                     const fxs_gl_target *targets, void *memory, fxs_stats *stats, fxs_message *why)
 {
     kept k;
-    if (!c || !request || !target)
+    if (!c || !request || !targets || request->eyes < 1 || request->eyes > FXS_COMPUTE_EYES)
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
     fxs_request own = *request;
-    int error = fxs_gl_check_target(target);
-    error = error ? error : target->fetch ? FXS_ERR_UNSUPPORTED : 0;
-    if (error)
-        return fxs_plan_say(why, error, fxs_strerror(error), "");
-    own.eyes = 1;
-    fxs_targets_init(own.targets);
-    own.targets->format = target->format;
-    own.targets->depth_bits = target->depth_bits;
-    own.targets->colour = (fxs_image){c, 4 * (ptrdiff_t)own.cameras->width};
-    error = fxs_compute_begin(c, &own, copies, memory, why);
+    for (uint32_t eye = 0; eye < own.eyes; eye++) {
+        const fxs_gl_target *t = &targets[eye];
+        const int refused = fxs_gl_check_target(t);
+        if (refused || t->fetch)
+            return fxs_plan_say(why, refused ? refused : FXS_ERR_UNSUPPORTED,
+                                fxs_strerror(refused ? refused : FXS_ERR_UNSUPPORTED), "");
+        fxs_targets_init(&own.targets[eye]);
+        own.targets[eye].format = t->format;
+        own.targets[eye].depth_bits = t->depth_bits;
+        /* No memory is written here: the images only have to be valid, and apart. */
+        own.targets[eye].colour = (fxs_image){(unsigned char *)c + 4 * eye * (ptrdiff_t)own.cameras->width,
+                                              4 * (ptrdiff_t)own.eyes * own.cameras->width};
+    }
+    int error = fxs_compute_begin(c, &own, copies, memory, why);
     if (error)
         return error;
-    ask_planes(own.targets, target);
+    for (uint32_t eye = 0; eye < own.eyes; eye++)
+        ask_planes(&own.targets[eye], &targets[eye]);
     save(c, &k);
     error = fxs_compute_look_back(c, why);
     error = error ? error : begin_drawing(c, why);
-    error = error ? error : fxs_compute_finish(c, copies, target, stats, why);
+    error = error ? error : fxs_compute_finish(c, copies, targets, stats, why);
     restore(c, &k);
     return error;
 }

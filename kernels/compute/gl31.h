@@ -25,6 +25,7 @@ enum { FXS_COMPUTE_DRAWING = 3, FXS_COMPUTE_FLIGHTS = 4 };
 /* A drawn frame whose status was not read yet. */
 typedef struct fxs_compute_flight {
     GLsync done;                   /* null: no frame */
+    uint32_t eyes;
     fxs_stats stats;
 } fxs_compute_flight;
 
@@ -34,8 +35,8 @@ struct fxs_compute {
     fxs_gl_use_fn *use;
     void *use_argument;
     char renderer[128];
-    GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;
-    uint64_t bytes[FXS_COMPUTE_BUFFERS], scene_bytes;
+    GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_EYES][FXS_COMPUTE_BUFFERS], query;
+    uint64_t bytes[FXS_COMPUTE_EYES][FXS_COMPUTE_BUFFERS], scene_bytes;
     uint64_t limit;                /* most bytes of device memory that may be allocated; 0: no limit */
     int timer;
     fxs_plan_rooms rooms;
@@ -59,18 +60,18 @@ int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
 int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *what, fxs_message *why);
 
 /* fxs_compute_begin checks a request to render a frame. fxs_compute_finish renders the frame to the request's images,
-   or to the caller's framebuffer if `target` is not null. */
+   or to the caller's framebuffers, one per eye, if `targets` is not null. */
 int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                       void *memory, fxs_message *why);
-int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gl_target *target,
+int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gl_target *targets,
                        fxs_stats *stats, fxs_message *why);
 
 /* Reads the statuses of drawn frames that the device has finished. Does not wait. */
 int fxs_compute_look_back(fxs_compute *compute, fxs_message *why);
 
-int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gl_target *target, fxs_message *why);
+int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gl_target *target, uint32_t eye, fxs_message *why);
 
-int fxs_compute_show(fxs_compute *compute, const fxs_gl_target *target, fxs_message *why);
+int fxs_compute_show(fxs_compute *compute, const fxs_gl_target *target, uint32_t eye, fxs_message *why);
 
 void fxs_compute_end_drawing(fxs_compute *compute);
 

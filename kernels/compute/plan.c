@@ -2,6 +2,7 @@
 #include "plan.h"
 #include "src/core/sized.h"
 #include "src/core/memory.h"
+#include "src/core/stereo.h"
 #include "src/core/targets.h"
 
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4,
@@ -90,7 +91,8 @@ static int count_objects(fxs_plan *p)
 {
     const fxs_request *r = p->request;
     uint64_t chunks = 0;
-    int error = !r->objects && r->count ? FXS_ERR_ARGUMENT : r->count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
+    int error = r->eyes < 1 || r->eyes > FXS_COMPUTE_EYES || (!r->objects && r->count) ? FXS_ERR_ARGUMENT
+                : r->count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
     p->gaussians = 0;
     for (uint32_t i = 0; i < r->count && !error; i++) {
         fxs_object object;
@@ -121,32 +123,34 @@ size_t fxs_plan_memory(const fxs_request *request)
     fxs_plan p = {.request = request};
     if (count_objects(&p))
         return 0;
-    const uint64_t bytes = 64 + objects_bytes(request->count) + parts_bytes(request->count) +
-                           (p.cut_room ? fxs_cut_bytes(p.cut_room) : 0);
+    const uint64_t bytes = 64 + objects_bytes(request->count * request->eyes) + parts_bytes(request->count) +
+                           (p.cut_room ? fxs_cut_bytes(p.cut_room, request->count, request->eyes) : 0);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-static int check_targets(const fxs_request *r)
+static int check_targets(const fxs_targets *t, const fxs_camera *camera)
 {
-    const fxs_targets *t = r->targets;
-    const int error = fxs_targets_check(t, r->cameras->width, r->cameras->height);
+    const int error = fxs_targets_check(t, camera->width, camera->height);
     return error ? error
            : t->format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED
            : t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels
                ? 0 : FXS_ERR_TARGET;
 }
 
-static int place_objects(fxs_plan *p)
+static int place_objects(fxs_plan *p, uint32_t eye)
 {
+    const fxs_request *r = p->request;
+    fxs_object_view *views = p->objects + eye * r->count;
     uint32_t chunks = 0;
-    int error = 0;
-    for (uint32_t i = 0; i < p->request->count && !error; i++) {
+    int error = fxs_view_init(&p->views[eye], &r->cameras[eye], &r->options);
+    error = error ? error : check_targets(&r->targets[eye], &r->cameras[eye]);
+    for (uint32_t i = 0; i < r->count && !error; i++) {
         fxs_object object;
-        error = fxs_object_read(&object, p->request->objects, i);
-        error = error ? error : fxs_object_view_init(&p->objects[i], &p->view, p->request->cameras, &object);
-        p->objects[i].first_chunk = chunks;
+        error = fxs_object_read(&object, r->objects, i);
+        error = error ? error : fxs_object_view_init(&views[i], &p->views[eye], &r->cameras[eye], &object);
+        views[i].first_chunk = chunks;
         chunks += fxs_cut_chunks(object.scene, p->cut_room != 0);
-        p->objects[i].end_chunk = chunks;
+        views[i].end_chunk = chunks;
     }
     return error;
 }
@@ -154,8 +158,8 @@ static int place_objects(fxs_plan *p)
 static int choose_chunks(fxs_plan *p, void *memory)
 {
     fxs_cut cut = {.objects = p->request->objects, .object_count = p->request->count,
-                   .options = &p->request->options, .camera = p->request->cameras, .views = p->objects,
-                   .room = p->cut_room, .memory = memory};
+                   .options = &p->request->options, .cameras = p->request->cameras, .eyes = p->request->eyes,
+                   .views = p->objects, .room = p->cut_room, .memory = memory};
     const int error = fxs_cut_find(&cut);
     p->drawn = cut.drawn;
     p->places = cut.count;
@@ -165,16 +169,16 @@ static int choose_chunks(fxs_plan *p, void *memory)
 int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_message *why)
 {
     const fxs_options *o = &request->options;
-    unsigned char *parts = (unsigned char *)memory + objects_bytes(request->count);
+    unsigned char *parts = (unsigned char *)memory + objects_bytes(request->count * request->eyes);
     memset(p, 0, sizeof *p);
     p->request = request;
     int error = o->sh_degree < 0 || o->sh_degree > 3 || (unsigned)o->cutoff > FXS_CUTOFF_SQUARE ? FXS_ERR_ARGUMENT : 0;
     error = error ? error : count_objects(p);
-    error = error ? error : fxs_view_init(&p->view, request->cameras, o);
-    error = error ? error : check_targets(request);
+    error = error || request->eyes == 1 ? error : fxs_stereo_check(request);
     p->objects = memory;
     p->part_chunks = (uint32_t *)(void *)parts;
-    error = error ? error : place_objects(p);
+    for (uint32_t eye = 0; eye < request->eyes && !error; eye++)
+        error = place_objects(p, eye);
     if (!error && p->cut_room)
         error = choose_chunks(p, parts + parts_bytes(request->count));
     if (!error && o->stop.call && o->stop.call(o->stop.argument))
@@ -247,9 +251,9 @@ static void fill_view(fxs_compute_object *o, const fxs_stage_view *v)
     o->plane_exponent = v->plane_exponent;
 }
 
-static void fill_object(fxs_compute_object *o, const fxs_plan *p, const span *s, uint32_t number)
+static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, const span *s, uint32_t number)
 {
-    const fxs_object_view *view = &p->objects[s->object];
+    const fxs_object_view *view = &p->objects[eye * p->request->count + s->object];
     const fxs_scene *scene = &view->scene;
     memset(o, 0, sizeof *o);
     fill_view(o, &view->view);
@@ -300,7 +304,7 @@ static uint64_t least_entries(const fxs_plan *p)
 
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
-    const uint64_t slots = slots_of(p), of_squares = p->view.cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
+    const uint64_t slots = slots_of(p), of_squares = p->views->cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
     r->chunks = larger(r->chunks, (uint64_t)p->places + 1);
     r->larges = larger(r->larges, of_squares + slots / 16 + 4096);
     r->pages = larger(r->pages, (least_entries(p) + 65536) / FXS_COMPUTE_PAGE);
@@ -319,33 +323,39 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
+/* Returns the bytes of an eye's uniforms: of its frame and of each span. */
+static uint32_t uniforms_bytes(const fxs_plan *p)
+{
+    return FXS_COMPUTE_STRIDE * (p->frames->spans + 1);
+}
+
 /* Returns log2 of a tile's side. Tiles have 8x8 pixels if Gaussians outnumber pixels and are hence small, else
    16x16. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const int boxes_have_room = pixels < (uint64_t)FXS_MAX_SIZE * FXS_MAX_SIZE;  /* see LARGE_BOX */
-    return boxes_have_room && slots_of(p) > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
+    return boxes_have_room && slots_of(p) > pixels && p->views->cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
-static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels, uint64_t *words)
+static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye, uint64_t pixels, uint64_t *words)
 {
-    const fxs_targets *t = p->request->targets;
-    fxs_compute_frame *f = &p->frame;
+    const fxs_targets *t = &p->request->targets[eye];
+    fxs_compute_frame *f = &p->frames[eye];
     f->occluder = plane_at(words, &t->occluder, pixels);
     f->backdrop = plane_at(words, &t->backdrop, pixels);
     uint64_t bin = *words, sort = *words;
     f->boxes = words_at(&bin, 2 * (uint64_t)FXS_CHUNK * r->chunks);
-    f->squares = words_at(&bin, p->view.cutoff == FXS_CUTOFF_SQUARE ? 2 * (uint64_t)FXS_CHUNK * r->chunks : 0);
+    f->squares = words_at(&bin, p->views->cutoff == FXS_CUTOFF_SQUARE ? 2 * (uint64_t)FXS_CHUNK * r->chunks : 0);
     f->larges = words_at(&bin, (uint64_t)FXS_COMPUTE_LARGE * r->larges);
     f->spare = words_at(&sort, (uint64_t)FXS_COMPUTE_PAGE * r->pages);
     uint64_t picture = bin > sort ? bin : sort;
-    p->read_at = picture;
+    p->read_at[eye] = picture;
     f->colour = plane_at(&picture, &t->colour, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1));
     f->coverage = plane_at(&picture, &t->coverage, pixels);
     f->mean_depth = plane_at(&picture, &t->mean_depth, pixels);
     f->median_depth = plane_at(&picture, &t->median_depth, pixels);
     f->id = plane_at(&picture, &t->id, 2 * pixels);
-    p->read_words = picture - p->read_at;
+    p->read_words[eye] = picture - p->read_at[eye];
     *words = picture;
 }
 
@@ -354,17 +364,18 @@ static uint32_t at_most(uint32_t room, uint32_t most)
     return most && most < room ? most : room;
 }
 
-static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
+static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
 {
-    const fxs_targets *t = p->request->targets;
-    fxs_compute_frame *f = &p->frame;
-    const uint64_t pixels = (uint64_t)p->view.width * (uint64_t)p->view.height;
+    const fxs_targets *t = &p->request->targets[eye];
+    const fxs_stage_view *view = &p->views[eye];
+    fxs_compute_frame *f = &p->frames[eye];
+    const uint64_t pixels = (uint64_t)view->width * (uint64_t)view->height;
     uint64_t words = TABLE_WORDS;
     span s = {0, 0, 0, 0};
     for (f->spans = 0; next_span(p, &s); f->spans++)
         ;
-    f->size[0] = p->view.width;
-    f->size[1] = p->view.height;
+    f->size[0] = view->width;
+    f->size[1] = view->height;
     f->tile_bits = tile_bits(p, r, pixels);
     for (int k = 0; k < 2; k++)
         f->tiles[k] = (f->size[k] + (1 << f->tile_bits) - 1) >> f->tile_bits;
@@ -380,26 +391,33 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     f->visible = words_at(&words, p->places);
     f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
     f->depths = words_at(&words, (uint64_t)FXS_CHUNK * r->chunks);
-    lay_out_stages(p, r, pixels, &words);
+    lay_out_stages(p, r, eye, pixels, &words);
     f->seen = (uint32_t)(FXS_COMPUTE_TILES + FXS_COMPUTE_LIST * tiles);
     f->cleared = f->classes = f->seen + p->places / 32 + 1;
     f->blocks = (uint32_t)(f->classes + FXS_COMPUTE_CLASSES * tiles);
     f->block_room = (uint32_t)(tiles + (uint64_t)r->pages * (FXS_COMPUTE_PAGE / FXS_COMPUTE_BLOCK));
-    f->cutoff = (int32_t)p->view.cutoff;
-    f->cut_q11 = p->view.cut_q11;
+    f->cutoff = (int32_t)view->cutoff;
+    f->cut_q11 = view->cut_q11;
     f->format = t->format;
     for (int i = 0; i < 3; i++)
         f->background_q13[i] = fxs_is_premultiplied(t->format)
                                    ? 0 : fxs_background_q13(p->request->options.background[i]);
     f->depth_bits = fxs_depth_bits(t);
-    p->bytes[FXS_COMPUTE_UNIFORMS] = FXS_COMPUTE_STRIDE * ((uint64_t)f->spans + 1);
-    p->bytes[FXS_COMPUTE_MEMORY] = 4 * words;
+    p->bytes[FXS_COMPUTE_UNIFORMS] = p->request->eyes * (uint64_t)uniforms_bytes(p);
+    p->bytes[FXS_COMPUTE_MEMORY] = 4 * words > p->bytes[FXS_COMPUTE_MEMORY] ? 4 * words : p->bytes[FXS_COMPUTE_MEMORY];
     p->bytes[FXS_COMPUTE_COUNTS] = 4 * (f->blocks + 2 * (uint64_t)f->block_room);
     p->bytes[FXS_COMPUTE_SPLATS] = (uint64_t)FXS_CHUNK * SPLAT_BYTES * r->chunks;
     p->bytes[FXS_COMPUTE_ENTRIES] = (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * r->pages;
     p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
     p->bytes[FXS_COMPUTE_LATER] = 16 * (5 + FXS_PLAN_MERGES);
-    p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
+    p->bytes[FXS_COMPUTE_DOWNLOAD] += 4 * (FXS_COMPUTE_STATUS + p->read_words[eye]);
+}
+
+static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
+{
+    p->bytes[FXS_COMPUTE_MEMORY] = p->bytes[FXS_COMPUTE_DOWNLOAD] = 0;
+    for (uint32_t eye = 0; eye < p->request->eyes; eye++)
+        lay_out_eye(p, r, eye);
 }
 
 static uint64_t largest_buffer(const fxs_plan *p)
@@ -414,7 +432,7 @@ int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
 {
     guess_rooms(p, rooms);
     lay_out(p, rooms);
-    if (largest_buffer(p) > rooms->most && p->frame.tile_bits == 3) {
+    if (largest_buffer(p) > rooms->most && p->frames->tile_bits == 3) {
         rooms->whole_tiles = 1;
         rooms->pages = 0;
         guess_rooms(p, rooms);
@@ -432,24 +450,26 @@ int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
 
 void fxs_plan_uniforms(const fxs_plan *p, void *to)
 {
-    unsigned char *bytes = to;
-    span s = {0, 0, 0, 0};
-    memcpy(bytes, &p->frame, sizeof p->frame);
-    for (uint32_t i = 0; next_span(p, &s); i++) {
-        fxs_compute_object object;
-        fill_object(&object, p, &s, i);
-        memcpy(bytes + FXS_COMPUTE_STRIDE * (i + 1), &object, sizeof object);
+    for (uint32_t eye = 0; eye < p->request->eyes; eye++) {
+        unsigned char *bytes = (unsigned char *)to + eye * uniforms_bytes(p);
+        span s = {0, 0, 0, 0};
+        memcpy(bytes, &p->frames[eye], sizeof p->frames[eye]);
+        for (uint32_t i = 0; next_span(p, &s); i++) {
+            fxs_compute_object object;
+            fill_object(&object, p, eye, &s, i);
+            memcpy(bytes + FXS_COMPUTE_STRIDE * (i + 1), &object, sizeof object);
+        }
     }
 }
 
 size_t fxs_plan_places_bytes(const fxs_plan *p)
 {
-    return 4 * (size_t)(p->frame.ranks - p->frame.spans_at);
+    return 4 * (size_t)(p->frames->ranks - p->frames->spans_at);
 }
 
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
-    const fxs_compute_frame *f = &p->frame;
+    const fxs_compute_frame *f = p->frames;
     span s = {0, 0, 0, 0};
     for (uint32_t i = 0; next_span(p, &s); i++) {
         uint32_t *words = to + FXS_COMPUTE_SPAN * i;
@@ -516,8 +536,30 @@ static uint64_t groups_of(uint64_t threads)
     return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
 }
 
-static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
+typedef struct steps {
+    const fxs_plan *plan;
+    fxs_step_fn *step;
+    void *argument;
+} steps;
+
+static void do_step(const steps *to, uint32_t eye, fxs_step one)
 {
+    one.eye = eye;
+    one.frame = eye * uniforms_bytes(to->plan);
+    one.uniform += one.uniform ? one.frame : 0;
+    to->step(to->argument, &one);
+}
+
+/* Does a step for each eye. One barrier serves both eyes. */
+static void do_both(const steps *to, fxs_step one)
+{
+    for (uint32_t eye = 0; eye < to->plan->request->eyes; eye++, one.waits = 0)
+        do_step(to, eye, one);
+}
+
+static void do_spans(const steps *to, uint32_t program)
+{
+    const fxs_plan *p = to->plan;
     span s = {0, 0, 0, 0};
     uint32_t waits = 1;
     for (uint32_t i = 0; next_span(p, &s); i++) {
@@ -530,43 +572,56 @@ static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, voi
         one.uniform = FXS_COMPUTE_STRIDE * (i + 1);
         one.object = s.object;
         one.part = s.part;
-        step(argument, &one);
+        do_both(to, one);
         waits = 0;
     }
 }
 
-void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
+/* Does a step for each eye, by the program of the eye's targets. */
+static void do_by_targets(const steps *to, uint32_t blended, uint32_t traced, uint32_t number)
 {
-#define DO(...) \
-    do { \
-        const fxs_step one = __VA_ARGS__; \
-        step(argument, &one); \
-    } while (0)
-    const fxs_compute_frame *f = &p->frame;
-    const uint64_t pixels = (uint64_t)f->size[0] * (uint64_t)f->size[1];
-    const int traced = fxs_targets_traced(p->request->targets);
-    DO(direct(FXS_COMPUTE_clear_counts, groups_of(f->cleared)));
-    of_spans(p, FXS_COMPUTE_locate_chunks, step, argument);
-    DO(direct(FXS_COMPUTE_gather_chunks, 1));
-    of_spans(p, FXS_COMPUTE_project_chunk, step, argument);
-    DO(direct(FXS_COMPUTE_start_lists, (uint64_t)f->tiles[1]));
-    DO(indirect(FXS_COMPUTE_fill_lists, FXS_COMPUTE_ARGUMENTS, f->spans));
-    fxs_step large = indirect(FXS_COMPUTE_fill_large, FXS_COMPUTE_ARGUMENTS, f->spans + 1);
-    large.waits = 0;
-    step(argument, &large);
-    DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 1));
-    for (uint32_t i = 0; i < f->merges; i++)
-        DO(indirect(FXS_COMPUTE_merge_runs, FXS_COMPUTE_LATER, 2 + i));
-    DO(indirect(traced ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles, FXS_COMPUTE_LATER, 0));
+    for (uint32_t eye = 0; eye < to->plan->request->eyes; eye++) {
+        const int is_traced = fxs_targets_traced(&to->plan->request->targets[eye]);
+        fxs_step one = indirect(is_traced ? traced : blended, FXS_COMPUTE_LATER, number);
+        one.waits = eye == 0;
+        do_step(to, eye, one);
+    }
+}
+
+static void do_picture(const steps *to)
+{
+    const fxs_plan *p = to->plan;
+    const uint64_t pixels = (uint64_t)p->frames->size[0] * (uint64_t)p->frames->size[1];
+    do_by_targets(to, FXS_COMPUTE_blend_tiles, FXS_COMPUTE_trace_tiles, 0);
     fxs_step clear = indirect(FXS_COMPUTE_clear_pixels, FXS_COMPUTE_LATER, 2 + FXS_PLAN_MERGES);
     clear.waits = 0;
-    step(argument, &clear);
+    do_both(to, clear);
     fxs_step bound = indirect(FXS_COMPUTE_bound_slots, FXS_COMPUTE_LATER, 3 + FXS_PLAN_MERGES);
     bound.waits = 0;
-    step(argument, &bound);
-    DO(indirect(traced ? FXS_COMPUTE_finish_traced : FXS_COMPUTE_finish_tiles, FXS_COMPUTE_LATER, 4 + FXS_PLAN_MERGES));
-    if (f->id != FXS_NOTHING)
-        DO(direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));
+    do_both(to, bound);
+    do_by_targets(to, FXS_COMPUTE_finish_tiles, FXS_COMPUTE_finish_traced, 4 + FXS_PLAN_MERGES);
+    for (uint32_t eye = 0; eye < p->request->eyes; eye++)
+        if (p->frames[eye].id != FXS_NOTHING)
+            do_step(to, eye, direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));
+}
+
+void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
+{
+    const steps to = {p, step, argument};
+    const fxs_compute_frame *f = p->frames;
+    do_both(&to, direct(FXS_COMPUTE_clear_counts, groups_of(f->cleared)));
+    do_spans(&to, FXS_COMPUTE_locate_chunks);
+    do_both(&to, direct(FXS_COMPUTE_gather_chunks, 1));
+    do_spans(&to, FXS_COMPUTE_project_chunk);
+    do_both(&to, direct(FXS_COMPUTE_start_lists, (uint64_t)f->tiles[1]));
+    do_both(&to, indirect(FXS_COMPUTE_fill_lists, FXS_COMPUTE_ARGUMENTS, f->spans));
+    fxs_step large = indirect(FXS_COMPUTE_fill_large, FXS_COMPUTE_ARGUMENTS, f->spans + 1);
+    large.waits = 0;
+    do_both(&to, large);
+    do_both(&to, indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 1));
+    for (uint32_t i = 0; i < f->merges; i++)
+        do_both(&to, indirect(FXS_COMPUTE_merge_runs, FXS_COMPUTE_LATER, 2 + i));
+    do_picture(&to);
 }
 
 static uint32_t merges_of(uint32_t longest)
@@ -584,11 +639,14 @@ static uint32_t room_ahead(uint32_t room, uint32_t used, uint64_t most)
     return used <= room - room / 8 ? room : larger(room, wanted < most ? wanted : most);
 }
 
-int fxs_plan_look(fxs_plan_rooms *r, const uint32_t *status, fxs_message *why)
+int fxs_plan_look(fxs_plan_rooms *r, const uint32_t *status, uint32_t eyes, fxs_message *why)
 {
-    const uint32_t merges = merges_of(status[FXS_COMPUTE_LONGEST]) + 1;
-    r->larges = room_ahead(r->larges, status[FXS_COMPUTE_LARGES], r->most / (4 * 4 * FXS_COMPUTE_LARGE));
-    r->pages = room_ahead(r->pages, status[FXS_COMPUTE_PAGES], r->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES));
+    uint32_t used[FXS_COMPUTE_STATUS] = {0};
+    for (uint32_t i = 0; i < eyes * FXS_COMPUTE_STATUS; i++)
+        used[i % FXS_COMPUTE_STATUS] = larger(used[i % FXS_COMPUTE_STATUS], status[i]);
+    const uint32_t merges = merges_of(used[FXS_COMPUTE_LONGEST]) + 1;
+    r->larges = room_ahead(r->larges, used[FXS_COMPUTE_LARGES], r->most / (4 * 4 * FXS_COMPUTE_LARGE));
+    r->pages = room_ahead(r->pages, used[FXS_COMPUTE_PAGES], r->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES));
     r->merges = merges < r->merges ? r->merges - 1 : merges < FXS_PLAN_MERGES ? merges : FXS_PLAN_MERGES;
-    return status[FXS_COMPUTE_DAMAGED] ? said(why, FXS_ERR_SCENE) : 0;
+    return used[FXS_COMPUTE_DAMAGED] ? said(why, FXS_ERR_SCENE) : 0;
 }

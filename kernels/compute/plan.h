@@ -1,9 +1,10 @@
-/* Plan of a frame of the compute back ends: buffers and dispatches. The plan calls no graphics API.
+/* Plan of a frame of the compute back ends, for one eye or two: buffers and dispatches. The plan calls no graphics API.
+ * Each eye has its own buffers, but UNIFORMS and DOWNLOAD are shared.
  *
  *     fxs_plan_begin(&plan, request, memory, why)         then fill in plan.part_chunks
  *     fxs_plan_lay_out(&plan, &rooms, why)                allocate plan.bytes[]; write uniforms and places
  *     fxs_plan_steps(&plan, step, argument)               execute each step
- *     fxs_plan_look(&rooms, status, why)                  when the device has finished the frame, even frames later
+ *     fxs_plan_look(&rooms, status, eyes, why)            when the device has finished the frame, even frames later
  *
  * The device completes every frame itself. If the frame's lists exceed their capacities, the last step draws the frame
  * without the lists, which takes longer. fxs_plan_look enlarges the capacities for later frames before they are full.
@@ -24,19 +25,20 @@ typedef struct fxs_plan_rooms {
 
 typedef struct fxs_plan {
     const fxs_request *request;
-    fxs_stage_view view;
-    fxs_object_view *objects;
+    fxs_stage_view views[FXS_COMPUTE_EYES];
+    fxs_object_view *objects;      /* the objects in the space of the first eye, then of the second */
     uint32_t *part_chunks;         /* number of chunks that fit in one buffer, per object; set by the back end */
     const fxs_drawn *drawn;        /* chunks to draw; null: every chunk of all objects */
     uint64_t gaussians;
     uint32_t places, cut_room;
-    uint64_t bytes[FXS_COMPUTE_BUFFERS];
-    uint64_t read_at, read_words;  /* range of words to read back: the finished picture */
-    fxs_compute_frame frame;
+    uint64_t bytes[FXS_COMPUTE_BUFFERS];   /* of the buffers of an eye */
+    uint64_t read_at[FXS_COMPUTE_EYES], read_words[FXS_COMPUTE_EYES];      /* range of words to read back: the finished
+                                                                              picture */
+    fxs_compute_frame frames[FXS_COMPUTE_EYES];
 } fxs_plan;
 
 enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
-enum { FXS_PLAN_MERGES = 19, FXS_PLAN_STEPS = 11 + FXS_PLAN_MERGES };  /* most steps of a frame besides 2 a span */
+enum { FXS_PLAN_MERGES = 19, FXS_PLAN_STEPS = 11 + FXS_PLAN_MERGES };  /* most steps of an eye besides 2 a span */
 
 typedef struct fxs_step {
     uint32_t program;
@@ -47,6 +49,8 @@ typedef struct fxs_step {
     int32_t buffers[4];
     uint32_t uniform;     /* offset of the object's record in the uniform buffer, in bytes; 0: the step has no object */
     uint32_t object, part;
+    uint32_t eye, frame;           /* eye whose buffers the step uses; offset of the eye's fxs_compute_frame in the
+                                      uniform buffer */
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);
 
@@ -62,16 +66,16 @@ int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
 /* fxs_plan_places_bytes returns the size in bytes of the table of drawn chunks, and fxs_plan_places writes the table.
-   The caller copies the table to buffer FXS_COMPUTE_MEMORY at word plan->frame.spans_at, and the array
+   The caller copies the table to each eye's buffer FXS_COMPUTE_MEMORY at word plan->frames->spans_at, and the array
    fxs_offset_of_code_q11 to the buffer's start. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
 void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
 
-/* Takes the status of a finished frame: the first FXS_COMPUTE_STATUS words of buffer FXS_COMPUTE_COUNTS. Enlarges the
-   capacities for later frames. */
-int fxs_plan_look(fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
+/* Takes the status of a finished frame: the first FXS_COMPUTE_STATUS words of each eye's buffer FXS_COMPUTE_COUNTS.
+   Enlarges the capacities for later frames. */
+int fxs_plan_look(fxs_plan_rooms *rooms, const uint32_t *status, uint32_t eyes, fxs_message *why);
 
 typedef struct fxs_piece {
     const void *from;

@@ -44,7 +44,7 @@ struct frame {
                                       pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
     uint32_t cut_room;             /* largest number of chunks (256 Gaussians each) that are drawn; 0: no limit */
-    uint32_t cut_chunks, whole_chunks;
+    uint32_t cut_chunks, whole_chunks, cut_eyes;
     bool cut_here;                 /* true: the host chooses the level of detail, because a scene's level-of-detail tree
                                       is invalid */
     uint64_t staged;
@@ -57,7 +57,7 @@ struct frame {
 
 struct fxs_cuda {                  /* the struct lies in pinned host memory, so that kernels can write its array
                                       `needs` */
-    int device, timed;
+    int device, timed, stereo;
     float milliseconds;
     int dense;                     /* 1: the device has enough shared memory for the kernel blend_dense */
     uint32_t processors, slot_count;
@@ -136,7 +136,7 @@ uint64_t cut_views_at(const frame *of)
 
 uint64_t drawn_at(const frame *of)
 {
-    return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_stage_view) : 0);
+    return cut_views_at(of) + (of->cut_room ? of->object_count * of->cut_eyes * sizeof(fxs_stage_view) : 0);
 }
 
 /* Places the arrays of a frame in the memory blocks of a slot, and computes the sizes of these blocks. If the blocks
@@ -188,6 +188,7 @@ cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options,
     *bytes = (uint64_t)(at - start);
     c.drawn = (fxs_drawn *)(objects + drawn_at(of));
     c.views = (const fxs_stage_view *)(objects + cut_views_at(of));
+    c.eyes = of->cut_eyes;
     c.chunks = of->cut_chunks;
     c.whole_chunks = of->whole_chunks;
     c.room = of->cut_room;
@@ -404,6 +405,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         slot_sizes sizes;
         const slot none = {};
         error = take_frame(f, &frames[i], &cuda->options, why);
+        f->cut_eyes = cuda->stereo ? 2 : 1;
         if (!error && !are_aligned(f->targets))
             error = failed(why, FXS_ERR_TARGET, "a target is not aligned to its pixels");
         for (uint32_t k = 0; k < f->object_count && !error; k++)
@@ -461,47 +463,48 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
+int find_cut(fxs_cuda *cuda, frame *f, fxs_cut *cut, fxs_message *why)
 {
-    fxs_cut cut = {};
-    int error = reserve_host(&cuda->cut, fxs_cut_bytes(f->cut_room), why);
+    int error = reserve_host(&cuda->cut, fxs_cut_bytes(f->cut_room, f->object_count, f->cut_eyes), why);
     if (error)
         return error;
-    cut.objects = from->objects;
-    cut.object_count = f->object_count;
-    cut.options = &cuda->options;
-    cut.camera = &from->camera;
-    cut.views = staged_objects(cuda, f);
-    cut.room = f->cut_room;
-    cut.memory = cuda->cut.data;
-    error = fxs_cut_find(&cut);
+    cut->memory = cuda->cut.data;
+    error = fxs_cut_find(cut);
     if (error)
         return failed(why, error, fxs_strerror(error));
-    memcpy((unsigned char *)cuda->staged.data + f->staged + drawn_at(f), cut.drawn, cut.count * sizeof *cut.drawn);
-    f->chunks = cut.count;
+    memcpy((unsigned char *)cuda->staged.data + f->staged + drawn_at(f), cut->drawn, cut->count * sizeof *cut->drawn);
+    f->chunks = cut->count;
     return 0;
 }
 
-void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
+/* Stages what the device needs for the cut, or finds the cut here. */
+int stage_cut(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *frames, fxs_message *why)
 {
-    fxs_stage_view *views = (fxs_stage_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
-    for (uint32_t k = 0; k < f->object_count; k++) {
-        views[k] = staged_objects(cuda, f)[k].view;
-        fxs_view_of_whole(&views[k], &from->camera);
-    }
+    frame *f = &cuda->frames[i];
+    const fxs_camera cameras[] = {frames[i].camera, frames[cuda->stereo ? i ^ 1 : i].camera};
+    fxs_cut cut = {};
+    cut.objects = frames[i].objects;
+    cut.object_count = f->object_count;
+    cut.options = &cuda->options;
+    cut.cameras = cameras;
+    cut.eyes = f->cut_eyes;
+    cut.views = staged_objects(cuda, f);
+    cut.room = f->cut_room;
+    if (f->cut_here)
+        return find_cut(cuda, f, &cut, why);
+    unsigned char *staged = (unsigned char *)cuda->staged.data + f->staged;
+    const int error = fxs_cut_views(&cut, (fxs_stage_view *)(staged + cut_views_at(f)));
+    return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
-int stage_frame(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
+int stage_frame(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *frames, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
     const fxs_object_view *views = staged_objects(cuda, f);
-    const int error = stage_objects(cuda, i, from, why);
+    int error = stage_objects(cuda, i, &frames[i], why);
+    error = error || !f->cut_room ? error : stage_cut(cuda, i, frames, why);
     if (error)
         return error;
-    if (f->cut_room && f->cut_here)
-        return find_cut(cuda, f, from, why);
-    if (f->cut_room)
-        stage_cut_views(cuda, f, from);
     f->plain = !f->cut_room && !f->pooled && f->object_count == 1 && is_plain(views);
     if (f->plain) {
         f->view = views->view;
@@ -938,8 +941,12 @@ int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, b
 int check_arguments(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     fxs_message *why)
 {
-    return !cuda || !frames || !options || count < 1 || count > FXS_CUDA_BATCH || !options_valid(options)
-               ? failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range") : 0;
+    if (!cuda || !frames || !options || count < 1 || count > FXS_CUDA_BATCH || !options_valid(options))
+        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
+    bool paired = !cuda->stereo || count % 2 == 0;
+    for (uint32_t i = 0; i < count && cuda->stereo && paired; i += 2)
+        paired = frames[i].objects == frames[i + 1].objects && frames[i].count == frames[i + 1].count;
+    return paired ? 0 : failed(why, FXS_ERR_ARGUMENT, "a frame lacks its other eye, or the eyes' objects differ");
 }
 
 }
@@ -1028,6 +1035,11 @@ void fxs_cuda_time(fxs_cuda *cuda, int on)
     cuda->timed = on;
 }
 
+void fxs_cuda_stereo(fxs_cuda *cuda, int on)
+{
+    cuda->stereo = on;
+}
+
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_message *why)
 {
@@ -1040,7 +1052,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     error = take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
     for (uint32_t i = 0; i < count && !error; i++)
-        error = stage_frame(cuda, i, &frames[i], why);
+        error = stage_frame(cuda, i, frames, why);
     if (error)
         return error;
     cuda->frame_count = count;

@@ -65,7 +65,8 @@ struct cut_buffers {
     node_sight *sights;
     uint64_t *candidates;
     fxs_drawn *drawn;
-    const fxs_stage_view *views;
+    const fxs_stage_view *views;   /* `eyes` views of each object */
+    uint32_t eyes;
     uint32_t chunks;
     uint32_t whole_chunks;
     uint32_t room, detail_q8;
@@ -154,7 +155,8 @@ __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant_
     if (!o->visible || !o->scene.nodes)
         return;
     fxs_sight sight;
-    const int seen = fxs_see(&sight, &c.views[object], &o->scene, chunk - o->first_chunk, c.detail_q8);
+    const int seen = fxs_see(&sight, &c.views[object * c.eyes], c.eyes, &o->scene, chunk - o->first_chunk,
+                             c.detail_q8);
     store(&c.sights[chunk], stored(&sight, seen > 0, 0));
     if (seen > 0 && chunk - o->first_chunk == o->scene.chunk_count)
         atomicAdd(&c.status->roots, 1);
@@ -520,7 +522,7 @@ __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_co
         const fxs_object_view *o = &f.objects[object];
         fxs_sight sight = {0, 0, 0};
         if (o->scene.nodes && chunk - o->first_chunk >= o->scene.chunk_count)
-            fxs_see(&sight, &c.views[object], &o->scene, chunk - o->first_chunk, c.detail_q8);
+            fxs_see(&sight, &c.views[object * c.eyes], c.eyes, &o->scene, chunk - o->first_chunk, c.detail_q8);
         if (place < c.room)
             c.drawn[place] = fxs_drawn_of(chunk, c.shares_q8[chunk], sight.swell_q8);
     }

@@ -168,46 +168,21 @@ static int check_request(const fxs_request *r, fxs_message *why)
 {
     if (r->eyes < 1 || r->eyes > 2 || (r->count && !r->objects))
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%s", fxs_strerror(FXS_ERR_ARGUMENT));
-    if (r->eyes == 2 && (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
-                         r->cameras[0].projection != r->cameras[1].projection))
-        return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
     if (!fxs_compute_memory(r))
         return fxs_fail_as(FXS_ERR_OBJECT, why, "%s", fxs_strerror(FXS_ERR_OBJECT));
     return 0;
 }
 
-static void add_stats(fxs_stats *sum, const fxs_stats *eye)
-{
-    sum->gaussians = eye->gaussians;
-    sum->drawn = eye->drawn;
-    sum->memory = eye->memory;
-    sum->visible += eye->visible;
-    sum->entries += eye->entries;
-    sum->bands += eye->bands;
-    sum->runs += eye->runs;
-}
-
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     compute_backend *b = self;
-    fxs_stats sum = {0};
     const uint64_t started = fxs_clock(0);
     int error = check_request(request, why);
     error = error ? error : find_copies(b, request, why);
     error = error ? error : make_room(b, request, why);
-    for (uint32_t eye = 0; eye < request->eyes && !error; eye++) {
-        fxs_request own = *request;
-        fxs_stats of_eye;
-        own.eyes = 1;
-        own.cameras[0] = request->cameras[eye];
-        own.targets[0] = request->targets[eye];
-        error = fxs_compute_render(b->compute, &own, b->copies, b->memory, &of_eye, why);
-        if (!error)
-            add_stats(&sum, &of_eye);
-    }
-    sum.frame_nanoseconds = fxs_clock(0) - started;
+    error = error ? error : fxs_compute_render(b->compute, request, b->copies, b->memory, stats, why);
     if (!error && stats)
-        *stats = sum;
+        stats->frame_nanoseconds = fxs_clock(0) - started;
     return error;
 }
 

@@ -7,7 +7,7 @@
 #include <fixsplat/internal/message.h>
 #ifdef FXS_WITH_CUDA
 #include <fixsplat/cuda.h>
-#include "src/core/targets.h"
+#include "src/core/stereo.h"
 #endif
 
 #ifdef FXS_WITH_CUDA
@@ -72,12 +72,10 @@ static int check_request(const fxs_request *r, fxs_message *why)
 {
     if (r->eyes < 1 || r->eyes > EYES)
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes");
-    if (r->eyes == 2 && (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
-                         r->cameras[0].projection != r->cameras[1].projection))
-        return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
-    if (r->eyes == 2 && fxs_targets_collide(&r->targets[0], &r->targets[1], r->cameras[0].width, r->cameras[0].height))
-        return fxs_fail_as(FXS_ERR_TARGET, why, "the targets of two eyes overlap");
-    return 0;
+    const int error = r->eyes == 2 ? fxs_stereo_check(r) : 0;
+    return !error ? 0
+           : fxs_fail_as(error, why, error == FXS_ERR_SIZE ? "the pictures of two eyes differ in size or projection"
+                                                           : "the targets of two eyes overlap");
 }
 
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
@@ -89,6 +87,7 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     int error = check_request(request, why);
     for (uint32_t i = 0; i < request->eyes && !error; i++)
         frames[i] = (fxs_cuda_frame){request->cameras[i], request->objects, request->count, request->targets[i]};
+    fxs_cuda_stereo(b->cuda, request->eyes == 2);
     error = error ? error : fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;

@@ -150,7 +150,8 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
         return error;
     const size_t uniforms = (size_t)p->bytes[FXS_COMPUTE_UNIFORMS], places = fxs_plan_places_bytes(p);
     free(w->words);
-    w->words = fxs_web_allocate(uniforms + places + (FXS_PLAN_STEPS + 2 * p->frame.spans) * sizeof *w->steps);
+    w->words = fxs_web_allocate(uniforms + places + p->request->eyes * (FXS_PLAN_STEPS + 2 * p->frames->spans) *
+                                                        sizeof *w->steps);
     if (!w->words)
         return FXS_ERR_MEMORY;
     memset(w->words, 0, uniforms + places);
@@ -160,9 +161,9 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     w->step_count = 0;
     fxs_plan_steps(p, take_step, w);
     const double facts[] = {(double)(uintptr_t)w->words, (double)uniforms,
-                            (double)(uintptr_t)(w->words + uniforms / 4), (double)places, 4.0 * p->frame.spans_at,
-                            (double)(uintptr_t)w->steps, w->step_count, p->frame.colour, p->frame.mean_depth,
-                            p->frame.median_depth, p->frame.id, p->frame.occluder, p->frame.backdrop};
+                            (double)(uintptr_t)(w->words + uniforms / 4), (double)places, 4.0 * p->frames->spans_at,
+                            (double)(uintptr_t)w->steps, w->step_count, p->frames->colour, p->frames->mean_depth,
+                            p->frames->median_depth, p->frames->id, p->frames->occluder, p->frames->backdrop};
     memcpy(out, facts, sizeof facts);
     for (size_t i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         out[sizeof facts / sizeof *facts + i] = (double)p->bytes[i];
@@ -174,7 +175,7 @@ EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
     uint32_t status[FXS_COMPUTE_STATUS];
     for (int i = 0; i < FXS_COMPUTE_STATUS; i++)
         status[i] = (uint32_t)fxs_web_numbers()[i];
-    return fxs_plan_look(w->rooms, status, fxs_web_message());
+    return fxs_plan_look(w->rooms, status, 1, fxs_web_message());
 }
 
 /* Returns the table that lies at the start of the device memory: -2 ln(opacity) of each opacity code, Q11. Out: size of

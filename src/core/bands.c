@@ -58,7 +58,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
     f->views = cut(&m, f->object_count * sizeof *f->views);
-    f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
+    f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room, f->object_count, f->eyes) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
     f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);

@@ -39,15 +39,15 @@ typedef struct search {
     uint32_t drawn, most_drawn;
     uint32_t visit_room;
     fxs_fading fading;
-    uint32_t viewed;               /* object that `view` was computed for; FXS_NOTHING: none */
-    fxs_stage_view view;
+    fxs_stage_view *views;         /* `eyes` views of each object */
     int full, error;
 } search;
 
-uint64_t fxs_cut_bytes(uint32_t room)
+uint64_t fxs_cut_bytes(uint32_t room, uint32_t object_count, uint32_t eyes)
 {
     const uint64_t visits = VISITS * (uint64_t)room + MORE_VISITS;
-    return visits * (sizeof(visit) + 2 * sizeof(uint32_t)) + room * (uint64_t)sizeof(fxs_drawn);
+    return (uint64_t)object_count * eyes * sizeof(fxs_stage_view) + visits * (sizeof(visit) + 2 * sizeof(uint32_t)) +
+           room * (uint64_t)sizeof(fxs_drawn);
 }
 
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options)
@@ -103,14 +103,22 @@ static uint32_t pop(search *s)
     return top;
 }
 
-static void set_view(search *s, uint32_t object)
+int fxs_cut_views(const fxs_cut *cut, fxs_stage_view *views)
 {
-    const fxs_cut *cut = s->cut;
-    if (s->viewed == object)
-        return;
-    s->viewed = object;
-    s->view = cut->views[object].view;
-    fxs_view_of_whole(&s->view, cut->camera);
+    int error = 0;
+    for (uint32_t eye = 0; eye < cut->eyes && !error; eye++) {
+        fxs_stage_view world;
+        error = fxs_view_init(&world, &cut->cameras[eye], cut->options);
+        for (uint32_t i = 0; i < cut->object_count && !error; i++) {
+            fxs_object_view view;
+            fxs_object object;
+            error = fxs_object_read(&object, cut->objects, i);
+            error = error ? error : fxs_object_view_init(&view, &world, &cut->cameras[eye], &object);
+            fxs_view_of_whole(&view.view, &cut->cameras[eye]);
+            views[i * cut->eyes + eye] = view.view;
+        }
+    }
+    return error;
 }
 
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
@@ -118,8 +126,8 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
     const fxs_cut *cut = s->cut;
     const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
     fxs_sight sight;
-    set_view(s, object);
-    const int found = s->error ? s->error : fxs_see(&sight, &s->view, scene, chunk, cut->options->detail_q8);
+    const int found = s->error ? s->error : fxs_see(&sight, s->views + object * cut->eyes, cut->eyes, scene, chunk,
+                                                    cut->options->detail_q8);
     s->error = found < 0 ? found : 0;
     if (found <= 0)
         return;
@@ -312,13 +320,14 @@ static void begin(search *s)
 int fxs_cut_find(fxs_cut *cut)
 {
     const uint32_t fading = cut->room / FADING;
-    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS,
-                .viewed = FXS_NOTHING};
-    s.visits = (visit *)cut->memory;
+    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS};
+    s.views = (fxs_stage_view *)cut->memory;
+    s.visits = (visit *)(void *)(s.views + cut->object_count * cut->eyes);
     s.heap = (uint32_t *)(void *)(s.visits + s.visit_room);
     s.opened = s.heap + s.visit_room;
     cut->drawn = (fxs_drawn *)(void *)(s.opened + s.visit_room);
     cut->count = cut->missing = 0;
+    s.error = fxs_cut_views(cut, s.views);
     begin(&s);
     while (!s.error && open_next(&s))
         ;

@@ -14,10 +14,11 @@ typedef struct fxs_cut {
     const fxs_object *objects;
     uint32_t object_count;
     const fxs_options *options;
-    const fxs_camera *camera;
-    const fxs_object_view *views;
+    const fxs_camera *cameras;     /* cameras of all eyes; the eyes share the cut */
+    uint32_t eyes;
+    const fxs_object_view *views;  /* objects in the space of any eye; only first_chunk is read */
     uint32_t room;
-    void *memory;                  /* scratch memory of fxs_cut_bytes(room) bytes, aligned to 8 */
+    void *memory;                  /* scratch memory of fxs_cut_bytes bytes, aligned to 8 */
 
     fxs_drawn *drawn;              /* result, in `memory`: chunks to draw, in ascending order */
     uint32_t count;
@@ -28,9 +29,12 @@ typedef struct fxs_cut {
    leaves of the trees are drawn. */
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options);
 
-uint64_t fxs_cut_bytes(uint32_t room);
+uint64_t fxs_cut_bytes(uint32_t room, uint32_t object_count, uint32_t eyes);
 
-/* Chooses the chunks to draw and sets the results in *cut. Returns 0 or FXS_ERR_SCENE. */
+/* Fills in the views that decide the cut, `eyes` per object. Returns the errors of fxs_object_view_init. */
+int fxs_cut_views(const fxs_cut *cut, fxs_stage_view *views);
+
+/* Chooses the chunks to draw and sets the results in *cut. Returns 0, FXS_ERR_SCENE or the errors of fxs_cut_views. */
 int fxs_cut_find(fxs_cut *cut);
 
 static inline uint32_t fxs_cut_chunks(const fxs_scene *scene, int is_cut)

@@ -47,6 +47,8 @@ typedef struct fxs_frame {
     const fxs_options *options;
     const fxs_object *objects;
     uint32_t object_count;
+    const fxs_camera *cameras;             /* cameras of all eyes */
+    uint32_t eyes;
     uint32_t chunk_count;                  /* number of drawn chunks (256 Gaussians each) */
     uint32_t cut_room;                     /* largest number of chunks that the level of detail may choose; 0: all
                                               chunks are drawn */
@@ -57,7 +59,7 @@ typedef struct fxs_frame {
     uint32_t only_tile;                    /* the only tile to draw, for fxs_pick; FXS_NOTHING: all tiles are drawn */
 
     fxs_stage_view view;
-    fxs_camera camera;
+    const fxs_camera *camera;
     const fxs_targets *targets;
 
     /* The stages project, shade and bin run once per block, a range of chunks (256 Gaussians each). The lists of splats
@@ -76,7 +78,8 @@ typedef struct fxs_frame {
                                               error */
     uint64_t *block_times;
     void *cut_memory;
-    const fxs_drawn *drawn;                /* chunks (256 Gaussians each) to draw; null: all */
+    const fxs_drawn *drawn;                /* chunks (256 Gaussians each) to draw; null: all. Both eyes draw the same */
+    uint32_t drawn_count;
     fxs_row_counts *row_counts;
     fxs_extent *extents;
     uint32_t (*histograms)[FXS_SORT_BUCKETS];

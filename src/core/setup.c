@@ -13,6 +13,8 @@ static int take_objects(fxs_frame *f, const fxs_request *request)
     int error = count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
     f->objects = objects;
     f->object_count = count;
+    f->cameras = request->cameras;
+    f->eyes = request->eyes;
     for (uint32_t i = 0; i < count && !error; i++) {
         fxs_object object;
         error = fxs_object_read(&object, objects, i);
@@ -38,10 +40,10 @@ static int check(const fxs_context *context, const fxs_request *request, const v
 
 int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye)
 {
-    f->camera = request->cameras[eye];
+    f->camera = &request->cameras[eye];
     f->targets = &request->targets[eye];
-    const int error = fxs_view_init(&f->view, &f->camera, &request->options);
-    return error ? error : fxs_targets_check(f->targets, f->camera.width, f->camera.height);
+    const int error = fxs_view_init(&f->view, f->camera, &request->options);
+    return error ? error : fxs_targets_check(f->targets, f->camera->width, f->camera->height);
 }
 
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
@@ -72,7 +74,7 @@ static int place_objects(fxs_frame *f)
         fxs_object object;
         error = fxs_object_read(&object, f->objects, i);
         const uint32_t chunks = fxs_cut_chunks(object.scene, f->cut_room != 0);
-        error = error ? error : fxs_object_view_init(&f->views[i], &f->view, &f->camera, &object);
+        error = error ? error : fxs_object_view_init(&f->views[i], &f->view, f->camera, &object);
         f->views[i].first_chunk = first_chunk;
         first_chunk += chunks;
         f->views[i].end_chunk = first_chunk;
@@ -83,12 +85,18 @@ static int place_objects(fxs_frame *f)
 static int choose_chunks(fxs_frame *f)
 {
     fxs_cut cut = {.objects = f->objects, .object_count = f->object_count, .options = f->options,
-                   .camera = &f->camera, .views = f->views, .room = f->cut_room, .memory = f->cut_memory};
-    const int error = fxs_cut_find(&cut);
-    f->drawn = cut.drawn;
-    f->chunk_count = cut.count;
-    f->stats.missing += cut.missing;
-    return error ? error : fxs_bands_init(f);
+                   .cameras = f->cameras, .eyes = f->eyes, .views = f->views, .room = f->cut_room,
+                   .memory = f->cut_memory};
+    const int error = f->drawn ? 0 : fxs_cut_find(&cut);
+    if (error)
+        return error;
+    if (!f->drawn) {
+        f->drawn = cut.drawn;
+        f->drawn_count = cut.count;
+        f->stats.missing = cut.missing;
+    }
+    f->chunk_count = f->drawn_count;
+    return fxs_bands_init(f);
 }
 
 int fxs_foresee(const fxs_context *context, const fxs_request *given, void *memory, size_t memory_bytes)
@@ -97,12 +105,10 @@ int fxs_foresee(const fxs_context *context, const fxs_request *given, void *memo
     fxs_request request;
     int error = fxs_request_read(&request, given);
     error = error ? error : fxs_frame_init(&f, context, &request, memory, memory_bytes);
-    for (uint32_t eye = 0; !error && f.cut_room && eye < request.eyes; eye++) {
-        error = fxs_frame_look(&f, &request, eye);
-        error = error ? error : place_objects(&f);
-        error = error ? error : choose_chunks(&f);
-    }
-    return error;
+    if (error || !f.cut_room)
+        return error;
+    error = place_objects(&f);
+    return error ? error : choose_chunks(&f);
 }
 
 int fxs_frame_begin(fxs_frame *f)

@@ -63,29 +63,37 @@ static int32_t swell_of(const fxs_stage_view *view, const fxs_node *node, int32_
     return view->antialiased ? 0 : fxs_clamp(swell_q16 >> 8, 0, FXS_SWELL_SEEN_Q8);
 }
 
+static fxs_sight sight_of_node(const fxs_stage_view *view, const fxs_chunk *header, const fxs_node *node,
+                               uint32_t detail_q8)
+{
+    const int32_t pixels_q8 = log2_pixels_q8(view, header), size_q8 = node->size_q8 + pixels_q8;
+    return (fxs_sight){node->gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, size_q8 - BLURRED_Q8),
+                       detail_q8 ? size_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8,
+                       swell_of(view, node, pixels_q8)};
+}
+
 FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swell_q8)
 {
     const uint32_t depth_q8 = (uint32_t)(exp2_q16(swell_q8 / 2) >> 8);
     return (fxs_drawn){chunk, (uint16_t)((share_q8 * depth_q8 + 255) >> 8), (uint16_t)(swell_q8 / FXS_SWELL_OF_SIGMA)};
 }
 
-FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
-                      uint32_t detail_q8)
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *views, uint32_t eyes, const fxs_scene *scene,
+                      uint32_t chunk, uint32_t detail_q8)
 {
     const int is_node = chunk >= scene->chunk_count;
     fxs_chunk_view cv;
     fxs_chunk header;
     fxs_node node;
-    int error = fxs_chunk_read(&header, scene, chunk);
+    int seen = 0, error = fxs_chunk_read(&header, scene, chunk);
     if (!error && is_node)
         error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
     *out = (fxs_sight){0, 0, 0};
-    const int seen = error ? 0 : fxs_chunk_view_of(&cv, view, &header);
-    if (!seen || !is_node)
-        return error ? error : seen;
-    const int32_t pixels_q8 = log2_pixels_q8(view, &header), size_q8 = node.size_q8 + pixels_q8;
-    out->swell_q8 = swell_of(view, &node, pixels_q8);
-    out->key_q8 = node.gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, size_q8 - BLURRED_Q8);
-    out->room_q8 = detail_q8 ? size_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
-    return 1;
+    for (uint32_t eye = 0; eye < eyes && !error; eye++)
+        if (fxs_chunk_view_of(&cv, &views[eye], &header)) {
+            const fxs_sight sight = is_node ? sight_of_node(&views[eye], &header, &node, detail_q8) : *out;
+            *out = !seen || sight.key_q8 > out->key_q8 ? sight : *out;
+            seen = 1;
+        }
+    return error ? error : seen;
 }

@@ -26,11 +26,11 @@ typedef struct fxs_fading {
     int32_t last_key_q8, width_q8;
 } fxs_fading;
 
-/* Decides whether a camera, given in the object's space, sees a chunk, and fills in *out. A node is visible whenever a
-   descendant is, because visibility ignores the growth of distant nodes. Returns 1 for visible, 0 for not visible, or
-   FXS_ERR_SCENE. */
-FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
-                      uint32_t detail_q8);
+/* Decides whether any of `eyes` cameras, given in the object's space, sees a chunk. Fills in *out as the camera that
+   gives the largest key sees the chunk. A node is visible whenever a descendant is, because visibility ignores the
+   growth of distant nodes. Returns 1 for visible, 0 for not visible, or FXS_ERR_SCENE. */
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *views, uint32_t eyes, const fxs_scene *scene,
+                      uint32_t chunk, uint32_t detail_q8);
 
 static inline void fxs_see_below(fxs_sight *sight, const fxs_sight *parent)
 {

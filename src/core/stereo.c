@@ -1,4 +1,5 @@
-/* Renders two eyes one after the other in the same memory. Each picture equals that of a mono frame, byte for byte. */
+/* Renders two eyes one after the other in the same memory. With a budget or a detail, both draw the chunks that one cut
+   chooses. Otherwise each picture equals that of a mono frame, byte for byte. */
 #include "stereo.h"
 #include "targets.h"
 
@@ -18,16 +19,22 @@ static int each_eye(fxs_frame *f, const fxs_request *request, int (*step)(fxs_fr
     return error;
 }
 
-int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
+int fxs_stereo_check(const fxs_request *request)
 {
     const fxs_camera *a = &request->cameras[0], *b = &request->cameras[1];
     if (a->width != b->width || a->height != b->height || a->projection != b->projection)
         return FXS_ERR_SIZE;
-    if (fxs_targets_collide(&request->targets[0], &request->targets[1], a->width, a->height))
-        return FXS_ERR_TARGET;
+    return fxs_targets_collide(&request->targets[0], &request->targets[1], a->width, a->height) ? FXS_ERR_TARGET : 0;
+}
+
+int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
+{
+    int error = fxs_stereo_check(request);
+    if (error)
+        return error;
     const uint64_t start = fxs_now(f);
-    int error = each_eye(f, request, fxs_frame_check);
-    f->stats.visible = f->stats.missing = 0;
+    error = each_eye(f, request, fxs_frame_check);
+    f->stats.visible = 0;
     error = error ? error : each_eye(f, request, fxs_frame_render);
     f->stats.frame_nanoseconds = fxs_now(f) - start;
     return error;

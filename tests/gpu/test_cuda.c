@@ -336,16 +336,26 @@ static int stages_equal(const fxs_cuda_frame *frame, const fxs_options *options,
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_targets *targets)
+static int render_eyes_c(const fxs_cuda_frame *frames, uint32_t eyes, const fxs_options *options,
+                         const fxs_targets *targets, fxs_stats *stats)
 {
     fxs_context context;
-    const fxs_request request = request_for(frame->objects, frame->count, options, 1, &frame->camera, targets);
+    const fxs_camera cameras[2] = {frames[0].camera, frames[eyes - 1].camera};
+    const fxs_request request = request_for(frames->objects, frames->count, options, eyes, cameras, targets);
     fxs_context_init(&context, 0);
     const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
-    if (!memory || fxs_render(&context, &request, memory, bytes, 0))
+    if (!memory)
         abort();
+    const int error = fxs_render(&context, &request, memory, bytes, stats);
     free(memory);
+    return error;
+}
+
+static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_targets *targets)
+{
+    if (render_eyes_c(frame, 1, options, targets, 0))
+        abort();
 }
 
 static int pictures_equal(pictures p[2], const fxs_camera *camera)
@@ -576,11 +586,12 @@ static void forest_free(forest *w)
     }
 }
 
-static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, int *by_device)
+static int cuts_equal(const fxs_cuda_frame *frame, const fxs_camera *cameras, uint32_t eyes,
+                      const fxs_options *options, int *by_device)
 {
     uint32_t wanted_count, count;
     void *drawn = 0;
-    fxs_drawn *wanted = find_cut(frame->objects, frame->count, &frame->camera, options, &wanted_count);
+    fxs_drawn *wanted = find_cut(frame->objects, frame->count, cameras, eyes, options, &wanted_count);
     int equal = 1;
     *by_device = 0;
     if (wanted) {
@@ -594,19 +605,29 @@ static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, i
     return equal;
 }
 
-static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *cameras, uint32_t eyes,
                            const fxs_options *options, int *by_device)
 {
-    pictures p[2];
-    twice(p, camera, COLOUR | ID, FXS_FORMAT_RGBA8, 0);
-    const fxs_cuda_frame frame = {*camera, objects, count, p[1].targets};
-    render_c(&frame, options, &p[0].targets);
-    int equal = !fxs_cuda_render_host(cuda, &frame, 1, options, 0, &why);
+    pictures p[2][2];
+    fxs_cuda_frame frames[2];
+    fxs_targets targets[2];
+    for (uint32_t eye = 0; eye < eyes; eye++) {
+        twice(p[eye], &cameras[eye], COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+        frames[eye] = (fxs_cuda_frame){cameras[eye], objects, count, p[eye][1].targets};
+        targets[eye] = p[eye][0].targets;
+    }
+    fxs_cuda_stereo(cuda, eyes == 2);
+    int equal = !render_eyes_c(frames, eyes, options, targets, 0) &&
+                !fxs_cuda_render_host(cuda, frames, eyes, options, 0, &why);
+    fxs_cuda_stereo(cuda, 0);
     if (!equal)
         printf("  %s\n", why.text);
-    equal = equal && cuts_equal(&frame, options, by_device) && pictures_equal(p, camera);
-    free(p[0].memory);
-    free(p[1].memory);
+    equal = equal && cuts_equal(frames, cameras, eyes, options, by_device);
+    for (uint32_t eye = 0; eye < eyes; eye++) {
+        equal = equal && pictures_equal(p[eye], &cameras[eye]);
+        free(p[eye][0].memory);
+        free(p[eye][1].memory);
+    }
     return equal;
 }
 
@@ -616,14 +637,15 @@ static void test_cut(void)
 {
     int of_device = 0, of_host = 0;
     for (int i = 0; i < cases(500); i++) {
-        fxs_camera camera;
+        fxs_camera cameras[2];
         fxs_options options;
         int by_device;
         state = (uint64_t)i * 0x2468aceu + 17;
         forest w;
         random_forest(&w, i % 7 == 0 && !quick ? 1500 : 100, i % 10 == 9, i % 6 == 5);
-        random_cut(&camera, &options, w.chunks);
-        const int good = CHECK(cut_frame_equal(w.objects, w.count, &camera, &options, &by_device));
+        random_cut(cameras, &options, w.chunks);
+        random_other_eye(cameras);
+        const int good = CHECK(cut_frame_equal(w.objects, w.count, cameras, 1 + (uint32_t)i % 2, &options, &by_device));
         of_device += by_device;
         of_host += !by_device;
         forest_free(&w);
@@ -650,7 +672,7 @@ static void test_equal_keys(void)
     camera.fx_q12 = camera.fy_q12 = 2 << 12;
     for (uint32_t budget = 1; budget < tree.scene.count; budget = 3 * budget + 200) {
         options.budget = budget;
-        CHECK(cut_frame_equal(&object, 1, &camera, &options, &by_device) && by_device);
+        CHECK(cut_frame_equal(&object, 1, &camera, 1, &options, &by_device) && by_device);
     }
     fxs_cuda_forget(cuda, &tree.scene);
     fxs_node *nodes = (fxs_node *)(void *)(tree.data + (tree.scene.nodes - tree.data));
@@ -1055,22 +1077,6 @@ static void test_in_place(void)
 
 /* ---- Stereo ------------------------------------------------------------------------------------------------------ */
 
-static int render_eyes_c(const fxs_cuda_frame frames[2], const fxs_options *options, const fxs_targets targets[2],
-                         fxs_stats *stats)
-{
-    fxs_context context;
-    const fxs_camera cameras[2] = {frames[0].camera, frames[1].camera};
-    const fxs_request request = request_for(frames->objects, frames->count, options, 2, cameras, targets);
-    fxs_context_init(&context, 0);
-    const size_t bytes = fxs_request_bytes(&context, &request, 0);
-    void *memory = check_aligned(bytes);
-    if (!memory)
-        abort();
-    const int error = fxs_render(&context, &request, memory, bytes, stats);
-    free(memory);
-    return error;
-}
-
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;
@@ -1099,7 +1105,7 @@ static void test_table(void)
         frames[eye] = (fxs_cuda_frame){cameras[eye], w.objects, w.count, p[eye][0].targets};
         targets[eye] = p[eye][0].targets;
     }
-    CHECK(!render_eyes_c(frames, &options, targets, &wanted));
+    CHECK(!render_eyes_c(frames, 2, &options, targets, &wanted));
     for (int eye = 0; eye < 2; eye++)
         targets[eye] = p[eye][1].targets;
     request = request_for(w.objects, w.count, &options, 2, cameras, targets);
@@ -1124,6 +1130,9 @@ static void test_table(void)
     request.cameras[1].width--;
     request.targets[1] = request.targets[0];
     CHECK(b->render(self, &request, 0, &why) == FXS_ERR_TARGET);
+    fxs_cuda_stereo(cuda, 1);
+    CHECK(fxs_cuda_render_host(cuda, &left, 1, &options, 0, &why) == FXS_ERR_ARGUMENT);
+    fxs_cuda_stereo(cuda, 0);
     for (int i = 0; i < SCENES; i++)
         b->forget(self, &w.scenes[i]);
     b->close(self);

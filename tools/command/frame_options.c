@@ -126,8 +126,8 @@ const option_row camera_rows[] = {
      "of a camera file is scaled with its principal point; in another shape, it shows as large a solid angle"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
      "render two eyes side by side, DISTANCE scene units apart (above 0), each byte for byte as its own camera renders "
-     "it. With --panorama: a panorama of each eye, the left one above the right one, in 128 upright strips, each from "
-     "its own place on the circle of the eyes"},
+     "it; with --budget or --detail, both eyes draw the same Gaussians. With --panorama: a panorama of each eye, the "
+     "left one above the right one, in 128 upright strips, each from its own place on the circle of the eyes"},
     {0}
 };
 

@@ -90,6 +90,10 @@ FXS_EXPERIMENTAL void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 /* Switches the timing of stages on or off. Timing records a CUDA event after each stage of a frame. */
 FXS_EXPERIMENTAL void fxs_cuda_time(fxs_cuda *cuda, int on);
 
+/* Switches stereo on or off. On: frames 0 and 1 of a batch, 2 and 3, and so on, are the two eyes of one request. The
+   eyes of a request have the same objects, and with a budget or a detail they draw the same chunks. */
+FXS_EXPERIMENTAL void fxs_cuda_stereo(fxs_cuda *cuda, int on);
+
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
    makes the stream wait for the frames. The frames' targets (output pictures) must not overlap. The pixels are complete
    once fxs_cuda_finish has returned 0; call fxs_cuda_finish before any other function. `options` are copied;

@@ -472,10 +472,11 @@ static inline void fxs_request_init(fxs_request *request, const fxs_object *obje
    Targets: at least one is required, except with config.draw, which gets the targets passed on. The bytes between the
    end of a row and the next row are not written. *stats may be null.
 
-   Stereo: each eye is byte for byte the mono frame of its camera. The eyes are rendered one after the other in the same
-   memory. Both cameras must have the same size and projection; their fields of view and principal points may differ, as
-   in a headset. A target that is written must not overlap another target or input. *stats has sums over both eyes,
-   except for `gaussians`, `drawn` (right eye) and `memory`.
+   Stereo: each eye is byte for byte the mono frame of its camera. With a budget or a detail, both eyes draw the same
+   chunks, which are chosen once for both. The eyes are rendered one after the other in the same memory. Both cameras
+   must have the same size and projection; their fields of view and principal points may differ, as in a headset. A
+   target that is written must not overlap another target or input. *stats has sums over both eyes, except for
+   `gaussians`, `drawn` (one eye) and `memory`.
 
    Errors that leave the targets untouched: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also if the
    camera is more than 2^28 of an object's units from that object's origin), FXS_ERR_TARGET, FXS_ERR_MEMORY.

@@ -184,25 +184,26 @@ FXS_EXPERIMENTAL void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *
    of range. */
 FXS_EXPERIMENTAL size_t fxs_compute_memory(const fxs_request *request);
 
-/* Renders the first eye of a request into its targets (output pictures), and waits. copies[i] is the device's copy of
-   the scene of object i. Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an error
-   the targets are unchanged, or complete if the device failed at the very end. */
+/* Renders a request, of one eye or two, into its targets (output pictures), and waits. copies[i] is the device's copy
+   of the scene of object i. Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an
+   error the targets are unchanged, or complete if the device failed at the very end. */
 FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
 
-/* Renders the first eye of a request into a target in the caller's GL context, like fxs_gles_render: the request's own
-   targets are ignored, the bytes are the same, and the GL state is preserved, with the same exceptions. The call does
-   not wait for the device. *stats describes the newest frame that the device has finished; all 0 before the first. A
-   frame whose lists exceed the device's buffers takes longer; later frames get larger buffers. (fxs_compute_render does
-   not preserve the GL state.)
+/* Renders a request into targets in the caller's GL context, one for each eye, like fxs_gles_render: the request's own
+   targets are ignored, the bytes are the same, and the GL state is preserved, with the same exceptions. Two eyes are
+   drawn into two framebuffers, which may show the two layers of an array texture, or side by side into one framebuffer,
+   with different `x`. The call does not wait for the device. *stats describes the newest frame that the device has
+   finished; all 0 before the first. A frame whose lists exceed the device's buffers takes longer; later frames get
+   larger buffers. (fxs_compute_render does not preserve the GL state.)
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
    for `fetch`. After an error nothing was drawn, unless the device failed while drawing. An error that the device finds
    in a frame (FXS_ERR_SCENE, a lost context) is returned by a later call. The first call takes longer, as shaders are
    compiled. */
 FXS_EXPERIMENTAL int fxs_compute_draw(fxs_compute *compute, const fxs_request *request,
                                       const fxs_compute_scene *const *copies,
-                             const fxs_gl_target *target, void *memory, fxs_stats *stats, fxs_message *why);
+                             const fxs_gl_target *targets, void *memory, fxs_stats *stats, fxs_message *why);
 
 /* Waits for all frames of fxs_compute_draw. Returns their error, and the stats of the newest frame; stats may be null.
    Preserves the GL state. */
