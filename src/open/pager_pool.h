@@ -8,10 +8,10 @@
 #include <fixsplat/internal/message.h>
 #include <fixsplat/internal/parts.h>
 
+#include "src/core/pool_places.h"
+
 /* A chunk is lost after this many failed reads. An error is reported after this many failed reads in a row. */
 enum { FXS_PAGER_TRIES = 3 };
-
-typedef struct fxs_pager_place fxs_pager_place;
 
 /* A chunk to read, and the free place for it. */
 typedef struct fxs_arrival {
@@ -20,15 +20,14 @@ typedef struct fxs_arrival {
 
 typedef struct fxs_pager_pool {
     unsigned char *rows;               /* `room` places of chunk_bytes each */
-    uint32_t leaves, chunks, room;     /* chunks of the finest level, all chunks, places */
-    uint32_t kept;                     /* number of coarse chunks that are never evicted */
+    uint32_t chunks, room;             /* all chunks, places */
     size_t chunk_bytes, memory;
 
     /* The fields from here to `queue` are for the caller's thread only. */
     uint32_t *places;                  /* place of each chunk; FXS_NOTHING: not in the pool */
+    fxs_place *list;
+    fxs_places in_pool;                /* with both arrays */
     uint32_t *asked;                   /* last turn in which a chunk was wanted */
-    fxs_pager_place *in_pool;
-    uint32_t newest, oldest, there, turn;
     int has_asked;
     uint32_t *wanted, wanted_count;    /* chunks that the current frames lack, most needed first */
 
