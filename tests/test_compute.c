@@ -1,5 +1,6 @@
 /* Compares the compute back end on a GPU with the CPU renderer: stages, random frames, real scenes, long lists and
    small buffers. Fake OpenGL functions simulate device failures. */
+#include <math.h>
 #include <string.h>
 
 #include <fixsplat/camera.h>
@@ -26,6 +27,7 @@ int main(void)
 #include <fixsplat/internal/gl_contexts.h>
 #include "kernels/compute/gl31.h"
 #include "losing_gl.h"
+#include "src/core/mirror.h"
 
 enum { SCENES = 2, OBJECTS = 4 };
 
@@ -531,6 +533,130 @@ static void parts_and_levels(void)
     }
 }
 
+/* A scene in parts: `part` has some chunks in memory, `shown` those that the device had before the last frame. */
+typedef struct streamed {
+    fxs_packed_scene packed;
+    fxs_scene whole, part, shown;
+    uint32_t *in_memory, *on_device, chunks, wanted[16], wanted_count;
+    unsigned char *rows;
+    picture expected, drawn;
+    fxs_compute_scene copy;
+} streamed;
+
+static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+{
+    streamed *s = argument;
+    CHECK(scene == &s->part && there == (s->in_memory[chunk] != FXS_NOTHING));
+    if (!there && s->wanted_count < 16)
+        s->wanted[s->wanted_count++] = chunk;
+}
+
+static int streamed_make(streamed *s, enum fxs_profile profile)
+{
+    memset(s, 0, sizeof *s);
+    if (!CHECK(pack_tree("knot", profile, &s->packed, &s->whole)))
+        return 0;
+    const uint32_t leaves = s->whole.chunk_count, bytes = s->whole.chunk_bytes;
+    s->chunks = fxs_scene_chunks(&s->whole);
+    s->in_memory = malloc(s->chunks * sizeof *s->in_memory);
+    s->on_device = malloc(s->chunks * sizeof *s->on_device);
+    memset(s->in_memory, 0xff, s->chunks * sizeof *s->in_memory);
+    memset(s->on_device, 0xff, s->chunks * sizeof *s->on_device);
+    s->in_memory[leaves] = leaves;
+    s->rows = check_aligned((size_t)s->chunks * bytes);
+    memcpy(s->rows, s->whole.rows, (size_t)leaves * bytes);
+    memcpy(s->rows + (size_t)leaves * bytes, s->whole.node_rows, (size_t)(leaves - 1) * bytes);
+    s->part = s->shown = s->whole;
+    s->part.rows = s->shown.rows = s->rows;
+    s->part.places = s->in_memory;
+    s->shown.places = s->on_device;
+    s->expected = picture_new(100, 75, FXS_FORMAT_RGBA8);
+    s->drawn = picture_new(100, 75, FXS_FORMAT_RGBA8);
+    return 1;
+}
+
+static void streamed_free(streamed *s)
+{
+    fxs_packed_scene_free(&s->packed);
+    picture_free(&s->expected);
+    picture_free(&s->drawn);
+    free(s->in_memory);
+    free(s->on_device);
+    free(s->rows);
+}
+
+static uint32_t note_device(streamed *s)
+{
+    uint32_t came = 0;
+    for (uint32_t i = 0; i < s->chunks; i++) {
+        const uint32_t now = s->copy.mirror->scene.places[i] == FXS_NOTHING ? FXS_NOTHING : i;
+        came += now != FXS_NOTHING && s->on_device[i] == FXS_NOTHING;
+        s->on_device[i] = now;
+    }
+    return came;
+}
+
+/* Draws a view at a distance and angle on the device. *uploaded gets the number of uploaded chunks. */
+static int streamed_draw(streamed *s, fxs_compute *c, double distance, double angle, fxs_stats *stats,
+                         uint32_t *uploaded)
+{
+    const fxs_object object = one_object(&s->part);
+    const fxs_compute_scene *copies[] = {&s->copy};
+    fxs_request request = request_of(&object, 1, camera_at(distance * sin(angle), -2, -distance * cos(angle)), 9000, 0);
+    request.cameras->width = 100;
+    request.cameras->height = 75;
+    request.options.want = (fxs_want){note_wanted, s};
+    request.targets[0] = s->drawn.targets;
+    s->wanted_count = 0;
+    note_device(s);
+    void *memory = malloc(fxs_compute_memory(&request));
+    const int error = fxs_compute_render(c, &request, copies, memory, stats, &why);
+    free(memory);
+    const fxs_object shown = one_object(&s->shown);
+    fxs_stats expected;
+    request.objects = &shown;
+    request.options.want = (fxs_want){0, 0};
+    request.targets[0] = s->expected.targets;
+    CHECK(!render_there(&request, &expected));
+    CHECK(error || (is_equal(&s->expected, &s->drawn) && stats->missing == expected.missing &&
+                    stats->drawn == expected.drawn));
+    *uploaded = note_device(s);
+    for (uint32_t i = 0; i < s->wanted_count; i++)
+        s->in_memory[s->wanted[i]] = s->wanted[i];
+    return error;
+}
+
+/* A flight over a scene in parts, with a small pool and few uploads a frame, and then frames of one view. */
+static void streams(void)
+{
+    enum { UPLOADS = 6, FRAMES = 90, FLIGHT = 40 };
+    for (int i = 0; i < 3; i++) {
+        streamed s;
+        fxs_stats stats = {0};
+        uint32_t uploaded, chunk = 0, most = 0;
+        if (!streamed_make(&s, (enum fxs_profile)i))
+            return;
+        const uint64_t each = s.whole.chunk_bytes + 128, rooms = device->rooms.most;
+        device->rooms.most = i ? 24 * each : rooms;    /* several buffers for the pool */
+        fxs_compute_stream(device, 100 * each + 1, UPLOADS * each + 1);
+        CHECK(!fxs_compute_upload(device, &s.copy, &s.part, &why) && note_device(&s) == 1);
+        CHECK(!i == !s.copy.parts[1] && s.copy.bytes < 101 * each + 5 * 40000);
+        device->rooms.most = rooms;
+        for (int frame = 0; frame < FRAMES && !check_faults; frame++) {
+            const int way = frame < FLIGHT ? frame : FLIGHT;
+            CHECK(!streamed_draw(&s, device, 4 + way % 7, way * 0.2, &stats, &uploaded));
+            most = uploaded > most ? uploaded : most;
+            if (frame < FLIGHT)                        /* the pager evicts chunks */
+                for (int k = 0; k < 5; k++, chunk = (chunk + 7) % s.whole.chunk_count)
+                    s.in_memory[chunk] = FXS_NOTHING;
+        }
+        CHECK(most == UPLOADS && !stats.missing && !uploaded && s.copy.mirror->pool.there == 100);
+        fxs_compute_drop(device, &s.copy);
+        streamed_free(&s);
+    }
+    fxs_compute_stream(device, 0, 0);
+}
+
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLenum limited;
 
@@ -757,6 +883,66 @@ static void frames_lose(void)
     part_free(&p);
 }
 
+/* Loses the device at each call of a frame that uploads chunks. Later frames draw what is on the device. */
+static void streams_lose(void)
+{
+    streamed s;
+    fxs_compute *c;
+    fxs_stats stats;
+    uint32_t uploaded, came = 0;
+    if (!streamed_make(&s, FXS_PROFILE_SMALL) || !CHECK(!open_losing(&c)))
+        return;
+    const uint64_t each = s.whole.chunk_bytes + 128;
+    fxs_compute_stream(c, 40 * each, 2 * each);
+    find_again();
+    CHECK(!fxs_compute_upload(c, &s.copy, &s.part, &why));
+    for (int n = 0; n < 60 && !check_faults; n++) {
+        CHECK(!streamed_draw(&s, c, 5, n * 0.3, &stats, &uploaded));
+        lose_after(n, losses[n % 2]);
+        const int error = streamed_draw(&s, c, 5, n * 0.3, &stats, &uploaded);
+        find_again();
+        CHECK(!error || is_loss(error));
+        CHECK(!streamed_draw(&s, c, 5, n * 0.3, &stats, &uploaded));
+        came += uploaded;
+    }
+    CHECK(came > 20);
+    fxs_compute_drop(c, &s.copy);
+    CHECK(!c->scene_bytes);
+    close_compute(c);
+    find_again();
+    streamed_free(&s);
+}
+
+static void streams_refused(void)
+{
+    streamed s;
+    fxs_stats stats;
+    uint32_t uploaded;
+    if (!streamed_make(&s, FXS_PROFILE_SMALL))
+        return;
+    const uint64_t each = s.whole.chunk_bytes + 128;
+    fxs_compute_stream(device, 16 * each - 1, 0);
+    CHECK(fxs_compute_upload(device, &s.copy, &s.part, &why) == FXS_ERR_MEMORY && why.bytes_needed == 16 * each);
+    CHECK(!strcmp(why.text, "the device's pool for a scene in parts has no room for 16 chunks"));
+    CHECK(!s.copy.mirror && !device->scene_bytes);
+    fxs_compute_stream(device, 0, 0);
+    fxs_compute_limit(device, 40 * each);      /* the pool takes at most half */
+    CHECK(fxs_compute_upload(device, &s.copy, &s.part, &why) == FXS_ERR_MEMORY);
+    fxs_compute_limit(device, 0);
+    CHECK(!fxs_compute_upload(device, &s.copy, &s.whole, &why));
+    const fxs_object object = one_object(&s.part);
+    const fxs_compute_scene *copies[] = {&s.copy};
+    fxs_request request = request_of(&object, 1, camera_at(0, -2, -5), 9000, 0);
+    void *memory = malloc(fxs_compute_memory(&request));
+    CHECK(fxs_compute_render(device, &request, copies, memory, 0, &why) == FXS_ERR_ARGUMENT);
+    free(memory);
+    CHECK(!fxs_compute_upload(device, &s.copy, &s.part, &why) && s.copy.mirror->pool.room == s.chunks);
+    s.in_memory[s.whole.chunk_count] = FXS_NOTHING;
+    CHECK(!streamed_draw(&s, device, 5, 0, &stats, &uploaded));
+    fxs_compute_drop(device, &s.copy);
+    streamed_free(&s);
+}
+
 static int yes(void *argument)
 {
     (void)argument;
@@ -827,6 +1013,9 @@ int main(void)
     RUN(frames_that_do_not_fit);
     RUN(captured_scenes);
     RUN(parts_and_levels);
+    RUN(streams);
+    RUN(streams_lose);
+    RUN(streams_refused);
     RUN(init_fails);
     RUN(frames_fail);
     RUN(init_loses);

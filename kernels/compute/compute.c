@@ -5,10 +5,14 @@
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
+#include "src/core/mirror.h"
+#include "src/core/sized.h"
 #include "src/core/targets.h"
 
 #define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
+#define POOL_USUAL ((uint64_t)256 << 20)
+#define UPLOAD_USUAL ((uint64_t)8 << 20)
 
 enum { ALL_BUFFERS = FXS_COMPUTE_EYES * FXS_COMPUTE_BUFFERS };
 
@@ -61,7 +65,8 @@ fxs_gl_info fxs_compute_info(const fxs_compute *c)
 
 uint64_t fxs_compute_taken(const fxs_compute *c)
 {
-    uint64_t sum = c->shift ? (uint64_t)c->word_rows * 4 << c->shift : 0;
+    uint64_t sum = c->stage_bytes;
+    sum += c->shift ? (uint64_t)c->word_rows * 4 << c->shift : 0;
     for (int eye = 0; eye < FXS_COMPUTE_EYES; eye++)
         for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
             sum += c->bytes[eye][i];
@@ -71,6 +76,12 @@ uint64_t fxs_compute_taken(const fxs_compute *c)
 void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
 {
     c->limit = bytes;
+}
+
+void fxs_compute_stream(fxs_compute *c, uint64_t pool_bytes, uint64_t upload_bytes)
+{
+    c->pool_bytes = pool_bytes;
+    c->upload_bytes = upload_bytes;
 }
 
 static const char *load_more(fxs_compute_gl *table, fxs_gl_load_fn *load, void *argument)
@@ -166,6 +177,7 @@ static void end(fxs_compute *c)
     c->gl.DeleteBuffers(FXS_COMPUTE_FLIGHTS, c->statuses);
     fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
     c->gl.DeleteBuffers(ALL_BUFFERS, c->buffers[0]);
+    c->gl.DeleteBuffers(1, &c->stage);
     if (c->timer)
         c->gl.DeleteQueries(1, &c->query);
     fxs_compute_check(c, &why);
@@ -248,11 +260,15 @@ static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
         c->more.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
 }
 
-static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, int64_t part, fxs_message *why)
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+/* Makes one buffer of a scene's copy. The pool of a scene in parts gets only its palette. */
+static int make_part(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene *scene, uint32_t *name, int64_t part,
+                     fxs_message *why)
 {
     fxs_piece pieces[3];
     GLuint made = 0;
-    uint64_t bytes = fxs_plan_pieces(&copy->here, copy->part_chunks, part, pieces);
+    uint64_t bytes = fxs_plan_pieces(scene, copy->part_chunks, part, pieces);
     bytes = bytes ? bytes : 64;
     const int error = fxs_compute_allow(c, bytes, why);
     if (error)
@@ -263,31 +279,120 @@ static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, in
     *name = made;
     copy->bytes += bytes;
     c->scene_bytes += bytes;
-    for (int i = 0; i < 3; i++)
+    for (int i = copy->mirror ? 2 : 0; i < 3; i++)
         put(c, pieces[i].at, pieces[i].from, pieces[i].bytes);
     return fxs_compute_check(c, why);
 }
 
 static int copy_scene(fxs_compute *c, fxs_compute_scene *copy, fxs_message *why)
 {
-    const uint64_t chunks = fxs_scene_chunks(&copy->here);
-    copy->part_chunks = fxs_plan_part_chunks(&copy->here, c->rooms.most, why);
+    fxs_scene scene = copy->here;
+    if (copy->mirror) {            /* the pool has the layout of a scene without a tree */
+        scene.chunk_count = copy->mirror->pool.room;
+        scene.nodes = 0;
+    }
+    const uint64_t chunks = fxs_scene_chunks(&scene);
+    copy->part_chunks = fxs_plan_part_chunks(&scene, c->rooms.most, why);
     if (!copy->part_chunks)
         return FXS_ERR_MEMORY;
     const uint64_t parts = (chunks + copy->part_chunks - 1) / copy->part_chunks;
     int error = parts > FXS_COMPUTE_PARTS
                     ? fxs_plan_say(why, FXS_ERR_MEMORY, "the scene takes more buffers than there may be", "")
-                    : make_part(c, copy, &copy->heads, FXS_PLAN_HEADS, why);
+                    : make_part(c, copy, &scene, &copy->heads, FXS_PLAN_HEADS, why);
     for (uint32_t part = 0; part < parts && !error; part++)
-        error = make_part(c, copy, &copy->parts[part], part, why);
+        error = make_part(c, copy, &scene, &copy->parts[part], part, why);
+    return error;
+}
+
+/* Makes the mirror of a scene in parts, and sets how many bytes a frame may upload. */
+static int make_mirror(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why)
+{
+    const uint64_t each = fxs_mirror_place_bytes(scene), pool = c->pool_bytes ? c->pool_bytes : POOL_USUAL;
+    const uint64_t upload = c->upload_bytes ? c->upload_bytes : UPLOAD_USUAL, stage = upload > each ? upload : each;
+    const uint32_t room = fxs_places_room(scene, c->limit && c->limit / 2 < pool ? c->limit / 2 : pool, each);
+    if (!room) {
+        fxs_plan_say(why, FXS_ERR_MEMORY, "the device's pool for a scene in parts has no room for 16 chunks", "");
+        why->bytes_needed = FXS_PLACES_LEAST * each * (c->limit ? 2 : 1);
+        return FXS_ERR_MEMORY;
+    }
+    const int error = stage > c->stage_bytes ? fxs_compute_allow(c, stage - c->stage_bytes, why) : 0;
+    if (error)
+        return error;
+    copy->mirror = malloc(sizeof *copy->mirror + (size_t)fxs_mirror_bytes(scene, room));
+    if (!copy->mirror)
+        return fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
+    c->stage_bytes = stage > c->stage_bytes ? stage : c->stage_bytes;
+    fxs_mirror_init(copy->mirror, scene, room, copy->mirror + 1);
+    c->mirrors++;
+    return 0;
+}
+
+static int fill_stage(fxs_compute *c, const fxs_mirror *m, const uint32_t *places, uint32_t count, fxs_message *why)
+{
+    const size_t rows = m->from->chunk_bytes;
+    const GLsizeiptr bytes = (GLsizeiptr)(count * fxs_mirror_place_bytes(m->from));
+    if (!c->stage)
+        c->gl.GenBuffers(1, &c->stage);
+    c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->stage);
+    c->gl.BufferData(GL_COPY_READ_BUFFER, bytes, 0, GL_STREAM_DRAW);
+    unsigned char *to = c->gl.MapBufferRange(GL_COPY_READ_BUFFER, 0, bytes, GL_MAP_WRITE_BIT);
+    if (!to)
+        return failure(c, why);
+    for (uint32_t i = 0; i < count; i++, to += sizeof(fxs_chunk) + rows) {
+        const uint32_t chunk = fxs_mirror_chunk(m, places[i]);
+        memcpy(to, fxs_header(m->from, chunk), sizeof(fxs_chunk));
+        memcpy(to + sizeof(fxs_chunk), fxs_rows(m->from, chunk), rows);
+    }
+    return c->gl.UnmapBuffer(GL_COPY_READ_BUFFER) ? 0 : failure(c, why);
+}
+
+static void put_staged(const fxs_compute *c, uint32_t name, uint64_t from, uint64_t to, uint64_t bytes)
+{
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, name);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)from, (GLintptr)to,
+                              (GLsizeiptr)bytes);
+}
+
+static int put_chunks(fxs_compute *c, const fxs_compute_scene *copy, const uint32_t *places, uint32_t count,
+                      fxs_message *why)
+{
+    const fxs_mirror *m = copy->mirror;
+    const uint64_t each = fxs_mirror_place_bytes(m->from);
+    const int error = fill_stage(c, m, places, count, why);
+    for (uint32_t i = 0; i < count && !error; i++) {
+        put_staged(c, copy->heads, i * each, places[i] * (uint64_t)sizeof(fxs_chunk), sizeof(fxs_chunk));
+        put_staged(c, copy->parts[places[i] / copy->part_chunks], i * each + sizeof(fxs_chunk),
+                   fxs_plan_place_at(m->from, copy->part_chunks, places[i]), m->from->chunk_bytes);
+    }
+    return error ? error : fxs_compute_check(c, why);
+}
+
+/* Uploads chunks that frames of scenes in parts want. The GL state stays. After an error, nothing of the scene counts
+   as uploaded. */
+static int put_wanted(fxs_compute *c, const fxs_compute_scene *const *copies, uint32_t count, fxs_message *why)
+{
+    uint64_t bytes = c->stage_bytes;
+    GLint bound[2] = {0, 0};
+    int error = 0;
+    for (uint32_t i = 0; i < count && !error; i++) {
+        fxs_mirror *m = copies[i]->mirror;
+        const uint32_t *places, wanted = m ? fxs_mirror_step(m, bytes, &places) : 0;
+        if (!wanted)
+            continue;
+        bytes -= wanted * fxs_mirror_place_bytes(m->from);
+        c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound[0]);
+        c->gl.GetIntegerv(GL_COPY_READ_BUFFER_BINDING, &bound[1]);
+        error = put_chunks(c, copies[i], places, wanted, why);
+        c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)bound[0]);
+        c->gl.BindBuffer(GL_COPY_READ_BUFFER, (GLuint)bound[1]);
+        if (error)
+            fxs_mirror_init(m, m->from, m->pool.room, m + 1);
+    }
     return error;
 }
 
 int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why)
 {
-    if (scene->places)
-        return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a scene of which a part is in memory cannot be on the device",
-                            "");
     GLint bound = 0;
     int error = use(c, why);
     if (error)
@@ -296,8 +401,10 @@ int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
     fxs_compute_drop(c, copy);
     copy->here = *scene;
     c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
-    error = copy_scene(c, copy, why);
+    error = scene->places ? make_mirror(c, copy, scene, why) : 0;
+    error = error ? error : copy_scene(c, copy, why);
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)bound);
+    error = error ? error : put_wanted(c, &(const fxs_compute_scene *){copy}, 1, why);
     if (error) {
         const fxs_message first = *why;
         fxs_compute_drop(c, copy);
@@ -312,16 +419,34 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
     if (copy->heads && !use(c, &why)) {
         c->gl.DeleteBuffers(1, &copy->heads);
         c->gl.DeleteBuffers(FXS_COMPUTE_PARTS, copy->parts);
+        if (copy->mirror && c->mirrors == 1) {
+            c->gl.DeleteBuffers(1, &c->stage);
+            c->stage = 0;
+        }
         c->scene_bytes -= copy->bytes;
         fxs_compute_check(c, &why);
     }
+    if (copy->mirror && --c->mirrors == 0)
+        c->stage_bytes = 0;
+    free(copy->mirror);
     memset(copy, 0, sizeof *copy);
+}
+
+static int has_parts(const fxs_request *r)
+{
+    int parts = 0;
+    for (uint32_t i = 0; i < r->count; i++)
+        parts |= fxs_object_at(r->objects, i)->scene->places != 0;
+    return parts;
 }
 
 size_t fxs_compute_memory(const fxs_request *request)
 {
-    return fxs_plan_memory(request);
+    const size_t bytes = fxs_plan_memory(request);
+    return bytes && has_parts(request) ? bytes + request->count * sizeof(fxs_object) : bytes;
 }
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 static int reserve_eye(fxs_compute *c, uint32_t eye, fxs_message *why)
 {
@@ -601,6 +726,7 @@ static void fill_stats(const fxs_compute *c, fxs_stats *stats)
     memset(stats, 0, sizeof *stats);
     stats->gaussians = (uint32_t)c->plan.gaussians;
     stats->drawn = c->plan.places * FXS_CHUNK;
+    stats->missing = c->plan.missing;
     stats->bands = stats->runs = c->plan.request->eyes;
     for (uint32_t eye = 0; eye < c->plan.request->eyes; eye++) {
         const uint64_t *bytes = c->bytes[eye];
@@ -636,18 +762,48 @@ static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const 
     return error;
 }
 
-int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
+/* Replaces the scenes in parts by their mirrors. */
+static int take_mirrors(fxs_compute *c, fxs_request *request, const fxs_compute_scene *const *copies,
+                        fxs_object *objects)
+{
+    int error = 0;
+    c->turn++;
+    for (uint32_t i = 0; i < request->count && !error; i++) {
+        error = fxs_object_read(&objects[i], request->objects, i);
+        error = error ? error : !objects[i].scene->places != !copies[i]->mirror ? FXS_ERR_ARGUMENT : 0;
+        if (error || !copies[i]->mirror)
+            continue;
+        objects[i].scene = &copies[i]->mirror->scene;
+        fxs_mirror_begin(copies[i]->mirror, c->turn, c->turn - 1, &request->options.want);
+    }
+    request->objects = objects;
+    request->options.want.call = fxs_mirror_want;
+    return error;
+}
+
+int fxs_compute_begin(fxs_compute *c, fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
                       fxs_message *why)
 {
     if (!c || !request || !memory || (!copies && request->count))
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
-    int error = fxs_plan_begin(&c->plan, request, memory, why);
-    error = error ? error : use(c, why);
+    const int parts = fxs_plan_memory(request) && has_parts(request);
+    int error = parts ? take_mirrors(c, request, copies, memory) : 0;
+    if (error)
+        return fxs_plan_say(why, error, fxs_strerror(error), "");
+    error = fxs_plan_begin(&c->plan, request, (fxs_object *)memory + (parts ? request->count : 0), why);
+    const int stopped = error == FXS_ERR_STOPPED;  /* a stopped frame, too, uploads what it lacks */
+    error = error && !stopped ? error : use(c, why);
     if (error)
         return error;
-    for (uint32_t i = 0; i < request->count; i++)
-        c->plan.part_chunks[i] = copies[i]->part_chunks;
     fxs_compute_check(c, why);     /* clears errors of earlier GL calls */
+    error = put_wanted(c, copies, request->count, why);
+    if (error || stopped)
+        return error ? error : fxs_plan_say(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED), "");
+    for (uint32_t i = 0; i < request->count; i++) {
+        const fxs_mirror *m = copies[i]->mirror;
+        c->plan.part_chunks[i] = copies[i]->part_chunks;
+        c->plan.part_counts[i] = m ? (m->pool.room - 1) / copies[i]->part_chunks + 1 : 0;
+    }
     return 0;
 }
 
@@ -664,7 +820,10 @@ int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, c
 int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
                        fxs_stats *stats, fxs_message *why)
 {
-    const int error = fxs_compute_begin(c, request, copies, memory, why);
+    if (!request)
+        return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
+    fxs_request own = *request;
+    const int error = fxs_compute_begin(c, &own, copies, memory, why);
     return error ? error : fxs_compute_finish(c, copies, 0, stats, why);
 }
 

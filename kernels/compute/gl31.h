@@ -38,6 +38,10 @@ struct fxs_compute {
     GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_EYES][FXS_COMPUTE_BUFFERS], query;
     uint64_t bytes[FXS_COMPUTE_EYES][FXS_COMPUTE_BUFFERS], scene_bytes;
     uint64_t limit;                /* most bytes of device memory that may be allocated; 0: no limit */
+    uint64_t pool_bytes, upload_bytes;     /* of fxs_compute_stream; 0: the default */
+    GLuint stage;                  /* buffer through which chunks of scenes in parts are uploaded */
+    uint64_t stage_bytes;          /* most bytes that one frame uploads; 0: there is no scene in parts */
+    uint32_t turn, mirrors;        /* number of the frame; number of scenes in parts on the device */
     int timer;
     fxs_plan_rooms rooms;
     fxs_plan plan;
@@ -59,9 +63,10 @@ int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
 
 int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *what, fxs_message *why);
 
-/* fxs_compute_begin checks a request to render a frame. fxs_compute_finish renders the frame to the request's images,
-   or to the caller's framebuffers, one per eye, if `targets` is not null. */
-int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
+/* fxs_compute_begin checks a request to render a frame, and replaces its scenes in parts by their mirrors
+   (src/core/mirror.h). fxs_compute_finish renders the frame to the request's images, or to the caller's framebuffers,
+   one per eye, if `targets` is not null. */
+int fxs_compute_begin(fxs_compute *compute, fxs_request *request, const fxs_compute_scene *const *copies,
                       void *memory, fxs_message *why);
 int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gl_target *targets,
                        fxs_stats *stats, fxs_message *why);

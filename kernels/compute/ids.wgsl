@@ -35,7 +35,7 @@ fn name_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         let span = span_of(place);
         var chunk = place;
         if (frame.drawn != 0u) {
-            chunk = memory[frame.drawn + 2u * place];
+            chunk = memory[frame.drawn + DRAWN * place + 2u];
         }
         id = vec2<u32>(memory[span + 4u], (chunk - memory[span + 5u]) * CHUNK + slot % CHUNK);
     }

@@ -208,14 +208,14 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 
 fn look_at(place: u32) -> bool
 {
-    var chunk = place;
+    var index = place - object.first_chunk;
     // low half: share of the chunk's optical depth that is drawn, Q8; high half: growth of its sigmas, log2
     var drawn = 256u;
     if (frame.drawn != 0u) {
-        chunk = memory[frame.drawn + 2u * place];
-        drawn = memory[frame.drawn + 2u * place + 1u];
+        index = memory[frame.drawn + DRAWN * place];
+        drawn = memory[frame.drawn + DRAWN * place + 1u];
     }
-    let at = 32u * (chunk - object.first_chunk);
+    let at = 32u * index;
     if (!is_valid(at)) {
         atomicStore(&counts[DAMAGED], 1u);
         return false;

@@ -87,6 +87,11 @@ uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t p
     return two_pieces(scene, palette, first, end, scene->chunk_bytes, scene->rows, scene->node_rows, pieces);
 }
 
+uint64_t fxs_plan_place_at(const fxs_scene *scene, uint32_t part_chunks, uint32_t place)
+{
+    return palette_bytes(scene) + place % part_chunks * (uint64_t)scene->chunk_bytes;
+}
+
 static int count_objects(fxs_plan *p)
 {
     const fxs_request *r = p->request;
@@ -123,7 +128,7 @@ size_t fxs_plan_memory(const fxs_request *request)
     fxs_plan p = {.request = request};
     if (count_objects(&p))
         return 0;
-    const uint64_t bytes = 64 + objects_bytes(request->count * request->eyes) + parts_bytes(request->count) +
+    const uint64_t bytes = 64 + objects_bytes(request->count * request->eyes) + 2 * parts_bytes(request->count) +
                            (p.cut_room ? fxs_cut_bytes(p.cut_room, request->count, request->eyes) : 0);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
@@ -163,6 +168,7 @@ static int choose_chunks(fxs_plan *p, void *memory)
     const int error = fxs_cut_find(&cut);
     p->drawn = cut.drawn;
     p->places = cut.count;
+    p->missing = cut.missing;
     return error;
 }
 
@@ -177,10 +183,11 @@ int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_me
     error = error || request->eyes == 1 ? error : fxs_stereo_check(request);
     p->objects = memory;
     p->part_chunks = (uint32_t *)(void *)parts;
+    p->part_counts = (uint32_t *)(void *)(parts + parts_bytes(request->count));
     for (uint32_t eye = 0; eye < request->eyes && !error; eye++)
         error = place_objects(p, eye);
     if (!error && p->cut_room)
-        error = choose_chunks(p, parts + parts_bytes(request->count));
+        error = choose_chunks(p, parts + 2 * parts_bytes(request->count));
     if (!error && o->stop.call && o->stop.call(o->stop.argument))
         error = FXS_ERR_STOPPED;
     return said(why, error);
@@ -191,17 +198,32 @@ static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
     return p->drawn ? p->drawn[place].chunk : place;
 }
 
+static int is_in_parts(const fxs_plan *p, uint32_t object)
+{
+    return p->objects[object].scene.places != 0;
+}
+
+static int is_repeated(const fxs_plan *p, const span *s)
+{
+    return s->part && is_in_parts(p, s->object);
+}
+
 /* Advances *s to the next span, a range of one object's drawn chunks. *s is zeros at first. Returns 0 after the last
-   span. */
+   span. The chunks of a scene in parts lie in the buffers of its pool in any order, so each buffer has a span of all
+   the object's drawn chunks. */
 static int next_span(const fxs_plan *p, span *s)
 {
     uint32_t place = s->end_place;
+    if (place && is_in_parts(p, s->object) && s->part + 1 < p->part_counts[s->object]) {
+        s->part++;
+        return 1;
+    }
     if (place >= p->places)
         return 0;
     while (chunk_of(p, place) >= p->objects[s->object].end_chunk)
         s->object++;
     const fxs_object_view *object = &p->objects[s->object];
-    const uint32_t part_chunks = p->part_chunks[s->object];
+    const uint32_t part_chunks = is_in_parts(p, s->object) ? UINT32_MAX : p->part_chunks[s->object];
     s->first_place = place;
     s->part = (chunk_of(p, place) - object->first_chunk) / part_chunks;
     const uint64_t part_end = object->first_chunk + (uint64_t)(s->part + 1) * part_chunks;
@@ -273,6 +295,7 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, 
     o->end_place = s->end_place;
     o->span = number;
     o->part_chunk = s->part * p->part_chunks[s->object];
+    o->part_chunks = p->part_chunks[s->object];
     o->rows_at = palette_bytes(scene) / 4;
     for (uint32_t i = 0; i < view->crop_count; i++) {
         const fxs_crop *crop = &view->crops[i];
@@ -386,7 +409,7 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->page_room = at_most(r->pages, r->most_pages);
     f->scratch = r->pages * FXS_COMPUTE_PAGE;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
-    f->drawn = p->drawn ? words_at(&words, 2 * (uint64_t)p->places) : 0;
+    f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)p->places) : 0;
     f->ranks = words_at(&words, p->places / 32 + 1);
     f->visible = words_at(&words, p->places);
     f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
@@ -467,6 +490,18 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
     return 4 * (size_t)(p->frames->ranks - p->frames->spans_at);
 }
 
+static void put_drawn(const fxs_plan *p, const span *s, uint32_t *to)
+{
+    const fxs_object_view *object = &p->objects[s->object];
+    for (uint32_t i = s->first_place; i < s->end_place; i++) {
+        uint32_t *words = to + FXS_COMPUTE_DRAWN * (size_t)i;
+        const uint32_t chunk = p->drawn[i].chunk - object->first_chunk;
+        words[0] = object->scene.places ? object->scene.places[chunk] : chunk;
+        words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
+        words[2] = p->drawn[i].chunk;
+    }
+}
+
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = p->frames;
@@ -477,14 +512,11 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
         words[1] = s.end_place;
         words[4] = p->objects[s.object].id;
         words[5] = p->objects[s.object].first_chunk;
+        if (p->drawn && !is_repeated(p, &s))
+            put_drawn(p, &s, to + (f->drawn - f->spans_at));
     }
     to[FXS_COMPUTE_SPAN * f->spans] = 0;
     to[FXS_COMPUTE_SPAN * f->spans + 1] = f->places;
-    for (uint32_t i = 0; i < p->places && p->drawn; i++) {
-        uint32_t *words = to + (f->drawn - f->spans_at) + 2 * (size_t)i;
-        words[0] = p->drawn[i].chunk;
-        words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
-    }
 }
 
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
@@ -563,7 +595,7 @@ static void do_spans(const steps *to, uint32_t program)
     span s = {0, 0, 0, 0};
     uint32_t waits = 1;
     for (uint32_t i = 0; next_span(p, &s); i++) {
-        if (!p->objects[s.object].visible)
+        if (!p->objects[s.object].visible || (program == FXS_COMPUTE_locate_chunks && is_repeated(p, &s)))
             continue;
         fxs_step one = program == FXS_COMPUTE_locate_chunks
                            ? direct(program, groups_of(s.end_place - s.first_place / 32 * 32))

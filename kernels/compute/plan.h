@@ -27,10 +27,12 @@ typedef struct fxs_plan {
     const fxs_request *request;
     fxs_stage_view views[FXS_COMPUTE_EYES];
     fxs_object_view *objects;      /* the objects in the space of the first eye, then of the second */
-    uint32_t *part_chunks;         /* number of chunks that fit in one buffer, per object; set by the back end */
+    /* number of chunks that fit in one buffer, per object; number of buffers of a scene in parts; set by the back
+       end */
+    uint32_t *part_chunks, *part_counts;
     const fxs_drawn *drawn;        /* chunks to draw; null: every chunk of all objects */
     uint64_t gaussians;
-    uint32_t places, cut_room;
+    uint32_t places, cut_room, missing;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];   /* of the buffers of an eye */
     uint64_t read_at[FXS_COMPUTE_EYES], read_words[FXS_COMPUTE_EYES];      /* range of words to read back: the finished
                                                                               picture */
@@ -84,6 +86,10 @@ typedef struct fxs_piece {
 
 /* Returns the number of chunks whose Gaussians fit in a buffer of `most` bytes, or 0 with a message. */
 uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why);
+
+/* Returns the offset in its buffer of a place of the pool of a scene in parts. The buffer's number is place /
+   part_chunks. */
+uint64_t fxs_plan_place_at(const fxs_scene *scene, uint32_t part_chunks, uint32_t place);
 
 uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3]);
 

@@ -142,10 +142,10 @@ fn put_splat(slot: u32, s: ptr<function, Splat>, colour_q13: vec3<i32>)
                                        u32((*s).rows.x) | (u32((*s).rows.y) << 16u));
 }
 
-fn project_gaussian(chunk: u32, slot: u32) -> wide
+fn project_gaussian(index: u32, slot: u32) -> wide
 {
     let g = slot % CHUNK;
-    let rows = object.rows_at + (chunk - object.first_chunk - object.part_chunk) * object.chunk_words;
+    let rows = object.rows_at + (index - object.part_chunk) * object.chunk_words;
     let codes = codes_of(rows, g);
     let opacity = codes.colour >> 24u;
     var centre: Projected;
@@ -181,10 +181,17 @@ fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     let span = frame.spans_at + SPAN * object.span;
     let half = group.y * ROW_OF_GROUPS + group.x;
     let ordinal = memory[span + 2u] + half / 2u;
-    let inside = ordinal < memory[span + 3u];
+    var inside = ordinal < memory[span + 3u];
     var place = 0u;
+    var index = 0u;
     if (inside) {
         place = memory[frame.visible + ordinal];
+        index = place - object.first_chunk;
+        if (frame.drawn != 0u) {
+            index = memory[frame.drawn + DRAWN * place];
+        }
+        // the other chunks of a scene in parts are in other buffers
+        inside = index - object.part_chunk < object.part_chunks;
     }
     if (thread == 0u) {
         atomicStore(&visible_here, 0u);
@@ -195,11 +202,7 @@ fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     workgroupBarrier();
     if (inside) {
         let slot = ordinal * CHUNK + half % 2u * THREADS + thread;
-        var chunk = place;
-        if (frame.drawn != 0u) {
-            chunk = memory[frame.drawn + 2u * place];
-        }
-        let box = project_gaussian(chunk, slot);
+        let box = project_gaussian(index, slot);
         memory[frame.boxes + 2u * slot] = box.x;
         memory[frame.boxes + 2u * slot + 1u] = box.y;
     }

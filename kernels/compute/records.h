@@ -27,7 +27,7 @@ enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16, FXS_COMPUTE_EYES = 2 
 enum {
     FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,
     FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 512, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64,
-    FXS_COMPUTE_SPAN = 8, FXS_COMPUTE_LIST = 8
+    FXS_COMPUTE_SPAN = 8, FXS_COMPUTE_LIST = 8, FXS_COMPUTE_DRAWN = 3
 };
 enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_COMPUTE_DAMAGED, FXS_COMPUTE_VISIBLE,
        FXS_COMPUTE_ENTRY_COUNT, FXS_COMPUTE_LONGEST = 9 };
@@ -58,7 +58,8 @@ typedef struct fxs_compute_object {
     int32_t palette_step_q19;
     uint32_t scale_mantissa;
     int32_t scale_exponent, plain;
-    uint32_t crop_count, keep_count, first_chunk, first_place, end_place, span, part_chunk, rows_at, unused[3];
+    uint32_t crop_count, keep_count, first_chunk, first_place, end_place, span, part_chunk, rows_at, part_chunks;
+    uint32_t unused[2];
     uint32_t crops[FXS_MAX_CROPS][16];
 } fxs_compute_object;
 

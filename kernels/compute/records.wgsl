@@ -8,6 +8,7 @@ const RECORD: u32 = 64u;
 const LARGE: u32 = 8u;
 const LARGE_ROWS: i32 = 8;
 const SPAN: u32 = 8u;              // words in the record of a span, a range of drawn chunks
+const DRAWN: u32 = 3u;             // words in a record of the table of drawn chunks
 const PAGE: u32 = 4096u;           // list entries in a page; the lists of each row of tiles start with a new page
 const MERGES: u32 = 19u;
 const BLOCK: u32 = 512u;           // list entries that one workgroup sorts
@@ -42,7 +43,9 @@ struct Frame {
     merges: u32,                   // number of merge passes; a frame fits if no list needs more
     large_room: u32,
     page_room: u32,
-    drawn: u32,          // offset of the table of drawn chunks: number and drawn share of each; 0: every chunk is drawn
+    // Offset of the table of drawn chunks: index of header and rows in the object's buffers, drawn share, number. 0:
+    // every chunk is drawn.
+    drawn: u32,
     seen: u32,                     // offset in `counts` of one bit per drawn chunk; 1: visible
     ranks: u32,
     visible: u32,
@@ -117,6 +120,7 @@ struct Object {
     span: u32,
     part_chunk: u32,
     rows_at: u32,
+    part_chunks: u32,
     // crop boxes, four vectors each: low corner, high corner, `outside` (1: keeps the outside)
     crops: array<vec4<u32>, 32>,
 }

@@ -5,7 +5,9 @@
 #include <fixsplat/internal/backends.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
+#include <fixsplat/internal/packed.h>
 
+#include "src/core/mirror.h"
 #include "src/core/sized.h"
 #if defined(FXS_WITH_GLES) && defined(FXS_WITH_EGL)
 #define HERE 1
@@ -24,6 +26,7 @@ typedef struct compute_backend {
     uint32_t copy_room;
     void *memory;
     size_t memory_bytes;
+    uint64_t pool_bytes;               /* size of the pools of scenes in parts */
 } compute_backend;
 
 static void close_device(void *self)
@@ -151,6 +154,29 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
     return 0;
 }
 
+/* Returns the size of the pool for an object's scene if it is in parts: room for two pictures and for the coarsest
+   chunks, or without a budget for the whole scene. */
+static uint64_t pool_for(const fxs_request *r, uint32_t i)
+{
+    const fxs_scene *scene = fxs_object_at(r->objects, i)->scene;
+    const uint64_t chunks = r->options.budget ? 2 * (uint64_t)fxs_chunks_of(r->options.budget) + FXS_KEPT_MOST
+                                              : fxs_scene_chunks(scene);
+    return scene->places ? chunks * fxs_mirror_place_bytes(scene) : 0;
+}
+
+/* Makes the pools on the device larger if the request needs more. */
+static void choose_pools(compute_backend *b, const fxs_request *r)
+{
+    uint64_t bytes = b->pool_bytes;
+    for (uint32_t i = 0; i < r->count; i++)
+        bytes = pool_for(r, i) > bytes ? pool_for(r, i) : bytes;
+    for (uint32_t i = b->scene_count; i-- > 0 && bytes > b->pool_bytes;)
+        if (b->scenes[i].mirror)
+            forget(b, b->scenes[i].key);
+    b->pool_bytes = bytes;
+    fxs_compute_stream(b->compute, bytes, 0);
+}
+
 static int make_room(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     const size_t bytes = fxs_compute_memory(r);
@@ -178,6 +204,8 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     compute_backend *b = self;
     const uint64_t started = fxs_clock(0);
     int error = check_request(request, why);
+    if (!error)
+        choose_pools(b, request);
     error = error ? error : find_copies(b, request, why);
     error = error ? error : make_room(b, request, why);
     error = error ? error : fxs_compute_render(b->compute, request, b->copies, b->memory, stats, why);
@@ -207,7 +235,7 @@ static const char *version(const void *self, enum fxs_stage stage)
 
 const fxs_backend fxs_backend_gles_compute = {
     .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1",
-    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE, .device = device_name, .open = open_device,
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_PART, .device = device_name, .open = open_device,
     .render = render, .forget = forget,
     .version = version, .nanoseconds = nanoseconds, .close = close_device
 };

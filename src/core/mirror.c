@@ -22,15 +22,12 @@ void fxs_mirror_init(fxs_mirror *m, const fxs_scene *scene, uint32_t room, void 
     m->scene.places = of_chunks;
 }
 
-void fxs_mirror_begin(fxs_mirror *m, uint32_t turn, uint64_t bytes, const fxs_want *want)
+void fxs_mirror_begin(fxs_mirror *m, uint32_t turn, uint32_t since, const fxs_want *want)
 {
-    const uint64_t left = bytes / fxs_mirror_place_bytes(m->from);
     m->want = *want;
-    if (m->pool.turn == turn)
-        return;
+    m->wanted_count = m->pool.turn == turn ? m->wanted_count : 0;
     m->pool.turn = turn;
-    m->wanted_count = m->wanted_next = m->kept_next = 0;
-    m->left = left == 0 ? 1 : left < m->pool.room ? (uint32_t)left : m->pool.room;
+    m->since = since;
 }
 
 static int is_in_memory(const fxs_mirror *m, uint32_t chunk)
@@ -52,23 +49,25 @@ void fxs_mirror_want(void *argument, const fxs_scene *scene, uint32_t chunk, int
 
 static uint32_t take_place(fxs_mirror *m)
 {
-    return m->used < m->pool.room ? m->used++ : fxs_places_evict(&m->pool, m->pool.turn - 1);
+    return m->used < m->pool.room ? m->used++ : fxs_places_evict(&m->pool, m->since);
 }
 
-int fxs_mirror_next(fxs_mirror *m, fxs_mirror_upload *upload)
+uint32_t fxs_mirror_step(fxs_mirror *m, uint64_t bytes, const uint32_t **places)
 {
-    while (m->left && (m->wanted_next < m->wanted_count || m->kept_next < m->pool.kept)) {
-        const uint32_t chunk = m->wanted_next < m->wanted_count ? m->wanted[m->wanted_next++]
-                                                                : m->pool.leaves + m->kept_next++;
+    const uint32_t wanted = m->wanted_count, all = wanted + m->pool.kept;
+    const uint64_t most = bytes / fxs_mirror_place_bytes(m->from);
+    uint32_t count = 0;
+    m->wanted_count = 0;
+    for (uint32_t i = 0; i < all && count < most && count < m->pool.room; i++) {
+        const uint32_t chunk = i < wanted ? m->wanted[i] : m->pool.leaves + i - wanted;
         if (m->scene.places[chunk] != FXS_NOTHING || !is_in_memory(m, chunk))
             continue;
         const uint32_t place = take_place(m);
-        m->left = place == FXS_NOTHING ? 0 : m->left - 1;
         if (place == FXS_NOTHING)
-            return 0;
+            break;
         fxs_places_settle(&m->pool, chunk, place);
-        *upload = (fxs_mirror_upload){chunk, place, fxs_header(m->from, chunk), fxs_rows(m->from, chunk)};
-        return 1;
+        m->wanted[count++] = place;
     }
-    return 0;
+    *places = m->wanted;
+    return count;
 }

@@ -4,13 +4,13 @@
  *
  *     fxs_mirror_init(mirror, scene, room, memory)
  *     for each frame:
- *         fxs_mirror_begin(mirror, turn, bytes, &options.want)
+ *         fxs_mirror_begin(mirror, turn, since, &options.want)
  *         find the cut, for an object of the scene &mirror->scene, with the option `want` fxs_mirror_want
- *         while (fxs_mirror_next(mirror, &upload))             copy to the device, after the copies of earlier frames
+ *         for each of fxs_mirror_step(mirror, bytes, &places)      copy header and rows to the device
  *         draw
  *
- * The chunks of the cut are on the device, and no upload takes their places in this frame or the next. So a frame in
- * flight is not disturbed, if its draw and its uploads reach the device in order. */
+ * The picture is that of the processor with the same chunks in memory. A chunk that is uploaded takes no place of a
+ * chunk that frames from `since` on draw. */
 #ifndef FXS_MIRROR_H
 #define FXS_MIRROR_H
 
@@ -22,15 +22,9 @@ typedef struct fxs_mirror {
     fxs_want want;                 /* the caller's callback */
     fxs_places pool;
     uint32_t used;                 /* number of places that were used at least once */
-    uint32_t *wanted, wanted_count, wanted_next, kept_next;
-    uint32_t left;                 /* number of chunks that may still be uploaded in this turn */
+    uint32_t *wanted;              /* chunks that the cut lacks; fxs_mirror_step replaces them by places to upload */
+    uint32_t wanted_count, since;
 } fxs_mirror;
-
-/* A chunk to upload: 128 bytes of its header, and chunk_bytes bytes of its rows. */
-typedef struct fxs_mirror_upload {
-    uint32_t chunk, place;
-    const unsigned char *header, *rows;
-} fxs_mirror_upload;
 
 /* Returns the bytes of a place in the device's pool: rows and header. */
 uint64_t fxs_mirror_place_bytes(const fxs_scene *scene);
@@ -42,16 +36,22 @@ uint64_t fxs_mirror_bytes(const fxs_scene *scene, uint32_t room);
    scene's address and `memory` must stay valid. */
 void fxs_mirror_init(fxs_mirror *m, const fxs_scene *scene, uint32_t room, void *memory);
 
-/* Begins turn `turn` (larger from frame to frame), in which at most `bytes` bytes are uploaded, but at least one chunk.
-   A second call for the same turn, by another object of the scene, changes nothing. */
-void fxs_mirror_begin(fxs_mirror *m, uint32_t turn, uint64_t bytes, const fxs_want *want);
+/* Begins turn `turn`, larger from frame to frame. Chunks that were drawn in turn `since` or later are not evicted. A
+   second call for the same turn, by another object of the scene, changes nothing. */
+void fxs_mirror_begin(fxs_mirror *m, uint32_t turn, uint32_t since, const fxs_want *want);
 
 /* Callback fxs_options.want for scenes of mirrors. Tells the caller's callback of each chunk if it is in memory. */
 void fxs_mirror_want(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
 
-/* Finds the next chunk to upload, and gives it a place: first the chunks that the cut lacks, in the order of the cut,
-   so a coarse chunk comes before its children; then the coarsest chunks of the scene. Chunks that are not in memory are
-   skipped. Returns 0 if nothing is left or the pool is full of chunks that this turn and the last drew. */
-int fxs_mirror_next(fxs_mirror *m, fxs_mirror_upload *upload);
+/* Chooses chunks to upload, of at most `bytes` bytes with headers, and gives them places: first the chunks that the cut
+   lacks, in the order of the cut, so a coarse chunk comes before its children; then the coarsest chunks of the scene.
+   Skips chunks that are not in memory, and ends early if no chunk may be evicted. Returns the number of *places, whose
+   chunks fxs_mirror_chunk returns. */
+uint32_t fxs_mirror_step(fxs_mirror *m, uint64_t bytes, const uint32_t **places);
+
+static inline uint32_t fxs_mirror_chunk(const fxs_mirror *m, uint32_t place)
+{
+    return m->pool.list[place].chunk;
+}
 
 #endif

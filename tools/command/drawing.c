@@ -187,17 +187,18 @@ static int read_wanted(const world *w, const fxs_options *options, uint32_t *cam
     return error;
 }
 
-/* Counts the chunks (256 Gaussians each) that a frame needs but that are not in memory. */
+/* Counts the chunks (256 Gaussians each) that a frame needs, and those of them that are not in memory. */
 typedef struct wanting {
     const world *w;
     const fxs_options *options;
-    uint32_t missing;
+    uint32_t needed, missing;
 } wanting;
 
 static void want(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
 {
     wanting *g = argument;
     world_want((void *)(uintptr_t)g->w, scene, chunk, there);
+    g->needed++;
     FXS_SHARED_WRITE(g->missing, FXS_SHARED_READ(g->missing) + !there);
 }
 
@@ -216,7 +217,7 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
     fxs_request asking = *request;
     if (!renderer_may_page(r))
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "--backend %s copies whole scenes: no --pool", r->backend->name);
-    uint32_t least = UINT32_MAX, came;
+    uint32_t least = UINT32_MAX, missing = 0, came;
     asking.options.want.call = want;
     asking.options.want.argument = &g;
     if (!r->shows_part) {
@@ -226,20 +227,21 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
     for (int tries = 0; tries < TRIES; tries++) {
         fxs_pager_state state;
         world_turn(w, &state, why);
-        g.missing = 0;
+        g.needed = g.missing = 0;
         int error = r->backend->render(r->self, &asking, stats, why);
-        if (!error && (g.missing == 0 || r->shows_part))
+        missing = error ? g.missing : stats->missing;  /* the latter with chunks that are not on the device yet */
+        if (!error && (missing == 0 || r->shows_part))
             r->lost = world_turn(w, &state, &r->why_lost) != 0 && g.missing;
-        if (g.missing == 0 || r->shows_part || (error && error != FXS_ERR_STOPPED))
+        if (missing == 0 || r->shows_part || (error && error != FXS_ERR_STOPPED))
             return error;
-        tries = g.missing < least ? 0 : tries;
-        least = g.missing < least ? g.missing : least;
+        tries = g.needed + g.missing < least ? 0 : tries;
+        least = g.needed + g.missing < least ? g.needed + g.missing : least;
         error = read_wanted(w, &request->options, &came, why);
         if (error)
             return error;
     }
     return fxs_fail_as(FXS_ERR_MEMORY, why, "the pool has no room for %" PRIu32 " chunks that the picture takes: give "
-                       "a larger --pool, or a smaller --budget", least);
+                       "a larger %s, or a smaller --budget", missing, g.missing ? "--pool" : "--max-memory");
 }
 
 int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, picture *out,

@@ -10,79 +10,80 @@ ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;i
 jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int
 scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int
 plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint
-rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;
-ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct
-Span{int first;int last;};struct Pixel{int transmittance;ivec3 sum;};struct Fetched{uint entry;uvec4 a;uvec4 b;};struct
-Patch{uint tile;uint x;uint y;uvec2 rows;uint list;uint count;};struct Taken{uint u;uint ux;uint level_q26_;int
-limit_q11_;ivec3 colour;};struct Place{uint column;uint row;uint at;bvec2 inside;};const int FXS_CUT_Q11_=18432;const
-int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
-FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
+rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;
+int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint
+square_radius;};struct Span{int first;int last;};struct Pixel{int transmittance;ivec3 sum;};struct Fetched{uint entry;
+uvec4 a;uvec4 b;};struct Patch{uint tile;uint x;uint y;uvec2 rows;uint list;uint count;};struct Taken{uint u;uint ux;
+uint level_q26_;int limit_q11_;ivec3 colour;};struct Place{uint column;uint row;uint at;bvec2 inside;};const int
+FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;
+const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
 ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint
-NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int
-BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint
-VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint
-CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;const
-uint SOME=32u;const uint APART=4u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};
-layout(std430,binding=0)readonly buffer type_11_block_1Compute{uint _group_1_binding_0_cs[];};shared uvec4 shapes[32];
-shared uvec4 shades[32];shared uint touching[2];shared uint open_round;shared uint open_pixels[2];layout(std430,
-binding=1)readonly buffer type_11_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer
-type_15_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_11_block_4Compute{uint
-_group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
-return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int _e4=c;int
-_e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
-_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,int c_1){
-return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p_1=0;int
-_e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p_1=_e3;int _e5=p_1;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);
-p_1=_e7;int _e8=p_1;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p_1=_e10;int _e11=p_1;int _e12=p_1;int
-_e13=fxs_mul_q15_(_e11,_e12);p_1=_e13;int _e14=p_1;int _e15=p_1;int _e16=fxs_mul_q15_(_e14,_e15);p_1=_e16;int _e17=p_1;
-int _e18=p_1;int _e19=fxs_mul_q15_(_e17,_e18);p_1=_e19;int _e20=p_1;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return
-_e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);
-return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,
-colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int
-transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int
-_e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){
-return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uint list_of(uint tile){return(TILES +(LIST*tile));}
-uint classes_before(uint number,uvec4 sizes,inout uint start,inout uint all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint
-z=(w + sizes.z);uint y=(z + sizes.y);uint x=(y + sizes.x);uvec4 ends=uvec4(x,y,z,w);uvec4 before=mix(uvec4(0u),
-uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4 last=(before*ends);all_=x;uint _e22=start;start=max(_e22,
-max(max(last.x,last.y),max(last.z,last.w)));return(((before.x + before.y)+ before.z)+ before.w);}uvec4 class_sizes(uint
-first){uint at_2=(CLASS_COUNTS + first);uint _e5=_group_1_binding_0_cs[at_2];uint _e10=_group_1_binding_0_cs[(at_2 +
-1u)];uint _e15=_group_1_binding_0_cs[(at_2 + 2u)];uint _e20=_group_1_binding_0_cs[(at_2 + 3u)];return uvec4(_e5,_e10,
-_e15,_e20);}uint tile_at(uint number_1){uint start_1=0u;uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4
-_e4=class_sizes(8u);uvec4 _e6=class_sizes(4u);uvec4 _e8=class_sizes(0u);uint _e13=classes_before(number_1,_e2,start_1,
-all_1);uint _e14=classes_before(number_1,_e4,start_1,all_1);uint _e16=classes_before(number_1,_e6,start_1,all_1);uint
-_e18=classes_before(number_1,_e8,start_1,all_1);uint before_1=(((_e13 + _e14)+ _e16)+ _e18);if((before_1==CLASSES)){
-return NOTHING;}uint _e26=_group_0_binding_0_cs.classes;int _e32=_group_0_binding_0_cs.tiles.x;int
-_e36=_group_0_binding_0_cs.tiles.y;uint _e42=start_1;uint _e45=_group_1_binding_0_cs[(((_e26 +((15u -
-before_1)*uint((_e32*_e36))))+ number_1)- _e42)];return _e45;}uint lane_of(uint thread_2){
-return((thread_2<SOME)?thread_2:1073741824u);}uint fetch_entry(Patch here,uint i_1){if((i_1<here.count)){uint
-_e8=_group_1_binding_1_cs[(here.list + i_1)];return _e8;}return NOTHING;}Fetched fetch_splat(uint entry){Fetched
-f=Fetched(0u,uvec4(0u),uvec4(0u));f.entry=entry;if(((entry&CUT_OFF)==0u)){uvec4 _e12=_group_1_binding_2_cs[(2u*entry)];
-f.a=_e12;uvec4 _e20=_group_1_binding_2_cs[((2u*entry)+ 1u)];f.b=_e20;}Fetched _e21=f;return _e21;}uint open_of(uint
-row){uint _e5=open_pixels[(row/4u)];return((_e5>>(8u*(row%4u)))&255u);}bool touch(Fetched f_1,Patch here_1){uint u=0u;
-uint v=0u;bool touches=false;uint row_1=0u;bool local=false;int offset_q11_2=int((f_1.b.y&65535u));int
-_e9=_group_0_binding_0_cs.cut_q11_;int _e10=fxs_limit_q11_(offset_q11_2,_e9);uint ux=f_1.a.z;uint
-first_2=max((max((f_1.b.w&65535u),here_1.y)- here_1.y),here_1.rows.x);uint last_1=min((max((f_1.b.w>>16u),here_1.y)-
-here_1.y),here_1.rows.y);u=((f_1.a.x +(here_1.x*ux))+((here_1.y + first_2)*f_1.a.w));v=(f_1.a.y +((here_1.y +
-first_2)*f_1.b.x));row_1=first_2;for(;(row_1<=last_1);row_1=(row_1 + 1u)){{uint _e61=row_1;uint _e62=open_of(_e61);uint
-_e63=u;int left=int((_e63 +(uint(findLSB(_e62))*ux)));uint _e68=u;int right=int((_e68 +(uint(findMSB(_e62))*ux)));int
-u_q13_1=min((max(max(left,-(right)),0)>>11u),32767);uint _e81=v;int _e83=fxs_coordinate_q13_(int(_e81));int
-_e84=fxs_mul_q15_(_e83,_e83);int most_q26_=(((((_e10 - _e84)- offset_q11_2)+ 1)*32768)- 16384);bool _e93=touches;
-if((_e62!=0u)){local=((u_q13_1*u_q13_1)<most_q26_);}else{local=false;}bool _e101=local;touches=(_e93||_e101);uint
-_e103=u;u=(_e103 + f_1.a.w);uint _e107=v;v=(_e107 + f_1.b.x);}}bool _e114=touches;return _e114;}Taken take(uint i_2,
-uint row_2){uvec4 shape=shapes[i_2];uvec4 shade=shades[i_2];int v_1=int((shape.y +(row_2*shade.x)));int
-_e13=fxs_coordinate_q13_(v_1);int _e14=fxs_mul_q15_(_e13,_e13);int level_q11_1=(_e14 + int((shade.y&65535u)));return
-Taken((shape.x +(row_2*shape.w)),shape.z,((uint(level_q11_1)<<15u)+ 16384u),int(shade.w),ivec3(uvec3((shade.y>>16u),
-(shade.z&65535u),(shade.z>>16u))));}int blend_splat(inout Pixel p_2,Taken t,uint column){bool local_1=false;int
-_e8=fxs_coordinate_q13_(int((t.u +(column*t.ux))));int level=int(((uint((_e8*_e8))+ t.level_q26_)>>15u));
-if((level<=t.limit_q11_)){int _e21=p_2.transmittance;local_1=(_e21>=FXS_CLOSED_Q15_);}else{local_1=false;}bool
-counts_1=local_1;int _e26=fxs_alpha_q15_(level);int _e28=p_2.transmittance;int _e29=fxs_weight_q15_(_e26,_e28);int
-weight=(counts_1?_e29:0);int _e33=p_2.transmittance;p_2.transmittance=(_e33 - weight);ivec3 _e36=p_2.sum;int
-_e39=fxs_mul_q15_(weight,t.colour.x);int _e42=fxs_mul_q15_(weight,t.colour.y);int _e45=fxs_mul_q15_(weight,t.colour.z);
-p_2.sum=(_e36 + ivec3(_e39,_e42,_e45));return weight;}ivec3 background_of(uint word_1){uvec3 rgb=uvec3((word_1&255u),
-((word_1>>8u)&255u),((word_1>>16u)&255u));return ivec3((((rgb*8192u)+ uvec3(127u))/uvec3(255u)));}void put_colour(inout
-Pixel p_3,uint at){ivec3 background_q13_1=ivec3(0);uint word_2=0u;ivec3 _e3=p_3.sum;ivec3 sum=min(_e3,ivec3(32767));int
+DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
+CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int
+BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint
+DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint
+LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;
+const uint SIDE=8u;const uint SOME=32u;const uint APART=4u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
+_group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_11_block_1Compute{uint _group_1_binding_0_cs[];};
+shared uvec4 shapes[32];shared uvec4 shades[32];shared uint touching[2];shared uint open_round;shared uint
+open_pixels[2];layout(std430,binding=1)readonly buffer type_11_block_2Compute{uint _group_1_binding_1_cs[];};
+layout(std430,binding=2)readonly buffer type_15_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,
+binding=3)buffer type_11_block_4Compute{uint _group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){return(((a*b)+
+16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int
+c=0;c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int
+fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int
+fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int
+level_q11_){int p_1=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p_1=_e3;int _e5=p_1;int _e7=fxs_mul_add_q15_(_e5,
+level_q11_,-32730);p_1=_e7;int _e8=p_1;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p_1=_e10;int _e11=p_1;int
+_e12=p_1;int _e13=fxs_mul_q15_(_e11,_e12);p_1=_e13;int _e14=p_1;int _e15=p_1;int _e16=fxs_mul_q15_(_e14,_e15);p_1=_e16;
+int _e17=p_1;int _e18=p_1;int _e19=fxs_mul_q15_(_e17,_e18);p_1=_e19;int _e20=p_1;int _e22=fxs_min(_e20,
+FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int
+_e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int
+colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int
+fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,
+transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int
+fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uint
+list_of(uint tile){return(TILES +(LIST*tile));}uint classes_before(uint number,uvec4 sizes,inout uint start,inout uint
+all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint z=(w + sizes.z);uint y=(z + sizes.y);uint x=(y + sizes.x);uvec4
+ends=uvec4(x,y,z,w);uvec4 before=mix(uvec4(0u),uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4 last=(before*ends);
+all_=x;uint _e22=start;start=max(_e22,max(max(last.x,last.y),max(last.z,last.w)));return(((before.x + before.y)+
+before.z)+ before.w);}uvec4 class_sizes(uint first){uint at_2=(CLASS_COUNTS + first);uint
+_e5=_group_1_binding_0_cs[at_2];uint _e10=_group_1_binding_0_cs[(at_2 + 1u)];uint _e15=_group_1_binding_0_cs[(at_2 +
+2u)];uint _e20=_group_1_binding_0_cs[(at_2 + 3u)];return uvec4(_e5,_e10,_e15,_e20);}uint tile_at(uint number_1){uint
+start_1=0u;uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4 _e4=class_sizes(8u);uvec4 _e6=class_sizes(4u);uvec4
+_e8=class_sizes(0u);uint _e13=classes_before(number_1,_e2,start_1,all_1);uint _e14=classes_before(number_1,_e4,start_1,
+all_1);uint _e16=classes_before(number_1,_e6,start_1,all_1);uint _e18=classes_before(number_1,_e8,start_1,all_1);uint
+before_1=(((_e13 + _e14)+ _e16)+ _e18);if((before_1==CLASSES)){return NOTHING;}uint _e26=_group_0_binding_0_cs.classes;
+int _e32=_group_0_binding_0_cs.tiles.x;int _e36=_group_0_binding_0_cs.tiles.y;uint _e42=start_1;uint
+_e45=_group_1_binding_0_cs[(((_e26 +((15u - before_1)*uint((_e32*_e36))))+ number_1)- _e42)];return _e45;}uint
+lane_of(uint thread_2){return((thread_2<SOME)?thread_2:1073741824u);}uint fetch_entry(Patch here,uint i_1){
+if((i_1<here.count)){uint _e8=_group_1_binding_1_cs[(here.list + i_1)];return _e8;}return NOTHING;}Fetched
+fetch_splat(uint entry){Fetched f=Fetched(0u,uvec4(0u),uvec4(0u));f.entry=entry;if(((entry&CUT_OFF)==0u)){uvec4
+_e12=_group_1_binding_2_cs[(2u*entry)];f.a=_e12;uvec4 _e20=_group_1_binding_2_cs[((2u*entry)+ 1u)];f.b=_e20;}Fetched
+_e21=f;return _e21;}uint open_of(uint row){uint _e5=open_pixels[(row/4u)];return((_e5>>(8u*(row%4u)))&255u);}bool
+touch(Fetched f_1,Patch here_1){uint u=0u;uint v=0u;bool touches=false;uint row_1=0u;bool local=false;int
+offset_q11_2=int((f_1.b.y&65535u));int _e9=_group_0_binding_0_cs.cut_q11_;int _e10=fxs_limit_q11_(offset_q11_2,_e9);
+uint ux=f_1.a.z;uint first_2=max((max((f_1.b.w&65535u),here_1.y)- here_1.y),here_1.rows.x);uint
+last_1=min((max((f_1.b.w>>16u),here_1.y)- here_1.y),here_1.rows.y);u=((f_1.a.x +(here_1.x*ux))+((here_1.y +
+first_2)*f_1.a.w));v=(f_1.a.y +((here_1.y + first_2)*f_1.b.x));row_1=first_2;for(;(row_1<=last_1);row_1=(row_1 + 1u)){{
+uint _e61=row_1;uint _e62=open_of(_e61);uint _e63=u;int left=int((_e63 +(uint(findLSB(_e62))*ux)));uint _e68=u;int
+right=int((_e68 +(uint(findMSB(_e62))*ux)));int u_q13_1=min((max(max(left,-(right)),0)>>11u),32767);uint _e81=v;int
+_e83=fxs_coordinate_q13_(int(_e81));int _e84=fxs_mul_q15_(_e83,_e83);int most_q26_=(((((_e10 - _e84)- offset_q11_2)+
+1)*32768)- 16384);bool _e93=touches;if((_e62!=0u)){local=((u_q13_1*u_q13_1)<most_q26_);}else{local=false;}bool
+_e101=local;touches=(_e93||_e101);uint _e103=u;u=(_e103 + f_1.a.w);uint _e107=v;v=(_e107 + f_1.b.x);}}bool
+_e114=touches;return _e114;}Taken take(uint i_2,uint row_2){uvec4 shape=shapes[i_2];uvec4 shade=shades[i_2];int
+v_1=int((shape.y +(row_2*shade.x)));int _e13=fxs_coordinate_q13_(v_1);int _e14=fxs_mul_q15_(_e13,_e13);int
+level_q11_1=(_e14 + int((shade.y&65535u)));return Taken((shape.x +(row_2*shape.w)),shape.z,((uint(level_q11_1)<<15u)+
+16384u),int(shade.w),ivec3(uvec3((shade.y>>16u),(shade.z&65535u),(shade.z>>16u))));}int blend_splat(inout Pixel p_2,
+Taken t,uint column){bool local_1=false;int _e8=fxs_coordinate_q13_(int((t.u +(column*t.ux))));int
+level=int(((uint((_e8*_e8))+ t.level_q26_)>>15u));if((level<=t.limit_q11_)){int _e21=p_2.transmittance;
+local_1=(_e21>=FXS_CLOSED_Q15_);}else{local_1=false;}bool counts_1=local_1;int _e26=fxs_alpha_q15_(level);int
+_e28=p_2.transmittance;int _e29=fxs_weight_q15_(_e26,_e28);int weight=(counts_1?_e29:0);int _e33=p_2.transmittance;
+p_2.transmittance=(_e33 - weight);ivec3 _e36=p_2.sum;int _e39=fxs_mul_q15_(weight,t.colour.x);int
+_e42=fxs_mul_q15_(weight,t.colour.y);int _e45=fxs_mul_q15_(weight,t.colour.z);p_2.sum=(_e36 + ivec3(_e39,_e42,_e45));
+return weight;}ivec3 background_of(uint word_1){uvec3 rgb=uvec3((word_1&255u),((word_1>>8u)&255u),((word_1>>16u)&255u));
+return ivec3((((rgb*8192u)+ uvec3(127u))/uvec3(255u)));}void put_colour(inout Pixel p_3,uint at){ivec3
+background_q13_1=ivec3(0);uint word_2=0u;ivec3 _e3=p_3.sum;ivec3 sum=min(_e3,ivec3(32767));int
 transmittance=p_3.transmittance;uint _e11=_group_0_binding_0_cs.format;if((_e11==3u)){uvec3
 rgb_1=uvec3(min((((sum*65535)+ ivec3(4096))>>uvec3(13u)),ivec3(65535)));uint alpha=uint(((((FXS_CLEAR_Q15_ -
 transmittance)*65535)+ 16384)>>15u));uint _e38=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[(_e38

@@ -10,25 +10,25 @@ ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;i
 jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int
 scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int
 plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint
-rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;
-ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct
-Span{int first;int last;};struct Located{uvec2 base_q16_[3];int m_q16_[9];int scale_q16_;int shift;int plane_zeros;int
-near;};const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint
-LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;
-const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;
-const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint
-LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,
-binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform
-Object_block_1Compute{Object _group_0_binding_1_cs;};layout(std430,binding=0)readonly buffer type_13_block_2Compute{
-uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_13_block_3Compute{uint _group_1_binding_1_cs[];};
-layout(std430,binding=2)buffer type_15_block_4Compute{uint _group_1_binding_2_cs[];};shared uint seen_bits[4];uvec2
-wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a,uvec2 b){uint low_3=(a.x + b.x);return
-uvec2(low_3,((a.y + b.y)+((low_3<a.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_1,uvec2 b_1){return uvec2((a_1.x - b_1.x),
-((a_1.y - b_1.y)-((a_1.x<b_1.x)?1u:0u)));}bool is_negative(uvec2 a_2){return(int(a_2.y)<0);}uvec2 negate(uvec2 a_3){
-uvec2 _e5=add_wide(~(a_3),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_4){bool _e1=is_negative(a_4);if(_e1){uvec2
-_e2=negate(a_4);return _e2;}return a_4;}bool less(uvec2 a_5,uvec2 b_2){
+rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;
+int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint
+square_radius;};struct Span{int first;int last;};struct Located{uvec2 base_q16_[3];int m_q16_[9];int scale_q16_;int
+shift;int plane_zeros;int near;};const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const
+uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;
+const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint
+NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int
+BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint
+VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint
+CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uvec2
+LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};
+layout(std140,binding=1)uniform Object_block_1Compute{Object _group_0_binding_1_cs;};layout(std430,binding=0)readonly
+buffer type_13_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_13_block_3Compute{uint
+_group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_15_block_4Compute{uint _group_1_binding_2_cs[];};shared
+uint seen_bits[4];uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a,uvec2 b){uint
+low_3=(a.x + b.x);return uvec2(low_3,((a.y + b.y)+((low_3<a.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_1,uvec2 b_1){return
+uvec2((a_1.x - b_1.x),((a_1.y - b_1.y)-((a_1.x<b_1.x)?1u:0u)));}bool is_negative(uvec2 a_2){return(int(a_2.y)<0);}uvec2
+negate(uvec2 a_3){uvec2 _e5=add_wide(~(a_3),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_4){bool
+_e1=is_negative(a_4);if(_e1){uvec2 _e2=negate(a_4);return _e2;}return a_4;}bool less(uvec2 a_5,uvec2 b_2){
 return((a_5.y==b_2.y)?(a_5.x<b_2.x):(int(a_5.y)<int(b_2.y)));}uvec2 mul_wide(uint a_6,uint b_3){uint high;uint low;
 umulExtended(a_6,b_3,high,low);return uvec2(low,high);}uvec2 mul_mixed(int a_8,uint b_5){uvec2 _e3=mul_wide(uint(a_8),
 b_5);return uvec2(_e3.x,(_e3.y -((a_8<0)?b_5:0u)));}uvec2 mul_signed(int a_9,int b_6){uvec2 _e3=mul_mixed(a_9,
@@ -151,21 +151,21 @@ _group_1_binding_1_cs[(to + 18u)]=uint(_e167);int _e174=l_5.plane_zeros;_group_1
 _group_1_binding_1_cs[(to + 20u)]=uint(plane_side);int _e186=l_5.near;_group_1_binding_1_cs[(to + 21u)]=uint(_e186);
 uint _e192=step_shift_of(at_7);_group_1_binding_1_cs[(to + 37u)]=_e192;_group_1_binding_1_cs[(to + 47u)]=share_q8_;for(;
 (i_14<12u);i_14=(i_14 + 1u)){{uint _e205=i_14;uint _e211=i_14;uint _e214=_group_1_binding_0_cs[((at_7 + 20u)+ _e211)];
-_group_1_binding_1_cs[((to + 48u)+ _e205)]=_e214;}}return;}bool look_at(uint place){uint chunk=0u;uint drawn=256u;
-Located l_6=Located(uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u)),int[9](0,0,0,0,0,0,0,0,0),0,0,0,0);bool local_17=false;
-chunk=place;uint _e6=_group_0_binding_0_cs.drawn;if((_e6!=0u)){uint _e12=_group_0_binding_0_cs.drawn;uint
-_e17=_group_1_binding_1_cs[(_e12 +(2u*place))];chunk=_e17;uint _e21=_group_0_binding_0_cs.drawn;uint
-_e28=_group_1_binding_1_cs[((_e21 +(2u*place))+ 1u)];drawn=_e28;}uint _e30=chunk;uint
-_e33=_group_0_binding_1_cs.first_chunk;uint at_8=(32u*(_e30 - _e33));bool _e36=is_valid(at_8);if(!(_e36)){
-_group_1_binding_2_cs[3]=1u;return false;}Located _e42=locate(at_8);l_6=_e42;int _e45=l_6.scale_q16_;uint _e46=drawn;
-l_6.scale_q16_=(_e45 +(int((_e46>>16u))<<8u));bool _e53=can_be_seen(l_6);if(!(!(_e53))){bool _e58=has_chunk(at_8);
-local_17=!(_e58);}else{local_17=true;}bool _e61=local_17;if(_e61){return false;}uint _e65=_group_0_binding_0_cs.records;
-uint _e69=drawn;put_record((_e65 +(RECORD*place)),at_8,l_6,(_e69&65535u));return true;}void main(){uvec3
-group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;bool local=false;uint _e4=_group_0_binding_1_cs.first_place;
-uint place_1=((((_e4/32u)*32u)+(((group.y*ROW_OF_GROUPS)+ group.x)*THREADS))+ thread);uint
-_e20=_group_0_binding_1_cs.first_place;if((place_1>=_e20)){uint _e26=_group_0_binding_1_cs.end_place;
-local=(place_1<_e26);}else{local=false;}bool inside_1=local;if((thread<4u)){seen_bits[thread]=0u;}memoryBarrierShared();
-barrier();if(inside_1){bool _e35=look_at(place_1);if(_e35){uint _e44=atomicOr(seen_bits[(thread/32u)],
-(1u<<(thread%32u)));}}memoryBarrierShared();barrier();if((thread<4u)){uint bits_1=seen_bits[thread];if((bits_1!=0u)){
-uint _e55=_group_0_binding_0_cs.seen;uint _e62=atomicOr(_group_1_binding_2_cs[((_e55 +((place_1 - thread)/32u))+
-thread)],bits_1);return;}else{return;}}else{return;}}
+_group_1_binding_1_cs[((to + 48u)+ _e205)]=_e214;}}return;}bool look_at(uint place){uint index=0u;uint drawn=256u;
+Located l_6=Located(uvec2[3](uvec2(0u),uvec2(0u),uvec2(0u)),int[9](0,0,0,0,0,0,0,0,0),0,0,0,0);bool local_17=false;uint
+_e3=_group_0_binding_1_cs.first_chunk;index=(place - _e3);uint _e10=_group_0_binding_0_cs.drawn;if((_e10!=0u)){uint
+_e16=_group_0_binding_0_cs.drawn;uint _e21=_group_1_binding_1_cs[(_e16 +(DRAWN*place))];index=_e21;uint
+_e25=_group_0_binding_0_cs.drawn;uint _e32=_group_1_binding_1_cs[((_e25 +(DRAWN*place))+ 1u)];drawn=_e32;}uint
+_e34=index;uint at_8=(32u*_e34);bool _e36=is_valid(at_8);if(!(_e36)){_group_1_binding_2_cs[3]=1u;return false;}Located
+_e42=locate(at_8);l_6=_e42;int _e45=l_6.scale_q16_;uint _e46=drawn;l_6.scale_q16_=(_e45 +(int((_e46>>16u))<<8u));bool
+_e53=can_be_seen(l_6);if(!(!(_e53))){bool _e58=has_chunk(at_8);local_17=!(_e58);}else{local_17=true;}bool _e61=local_17;
+if(_e61){return false;}uint _e65=_group_0_binding_0_cs.records;uint _e69=drawn;put_record((_e65 +(RECORD*place)),at_8,
+l_6,(_e69&65535u));return true;}void main(){uvec3 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;bool
+local=false;uint _e4=_group_0_binding_1_cs.first_place;uint place_1=((((_e4/32u)*32u)+(((group.y*ROW_OF_GROUPS)+
+group.x)*THREADS))+ thread);uint _e20=_group_0_binding_1_cs.first_place;if((place_1>=_e20)){uint
+_e26=_group_0_binding_1_cs.end_place;local=(place_1<_e26);}else{local=false;}bool inside_1=local;if((thread<4u)){
+seen_bits[thread]=0u;}memoryBarrierShared();barrier();if(inside_1){bool _e35=look_at(place_1);if(_e35){uint
+_e44=atomicOr(seen_bits[(thread/32u)],(1u<<(thread%32u)));}}memoryBarrierShared();barrier();if((thread<4u)){uint
+bits_1=seen_bits[thread];if((bits_1!=0u)){uint _e55=_group_0_binding_0_cs.seen;uint
+_e62=atomicOr(_group_1_binding_2_cs[((_e55 +((place_1 - thread)/32u))+ thread)],bits_1);return;}else{return;}}else{
+return;}}

@@ -10,34 +10,35 @@ ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;i
 jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint profile;int
 scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int scale_exponent;int
 plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;uint part_chunk;uint
-rows_at;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;
-ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint square_radius;};struct
-Span{int first;int last;};struct Projected{ivec3 camera;int zeros;uint inverse_q30_;ivec2 slope_q23_;ivec2
-position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint c_q30_;int b_q30_;uvec2 det_q60_;uvec2
-det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;};struct Placed{Splat splat;Bounds
-bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct Axes{ivec3 axis_q15_;ivec3 side_x_q15_;
-ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;uint scale;uint colour;};struct
-Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int
-FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;
-const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;
-const int LARGE_ROWS=8;const uint SPAN=8u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint
-CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int
-FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const
-uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint
-LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int
-EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;const uint SMALL=2u;
-const uint COMPACT=1u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,
-binding=1)uniform Object_block_1Compute{Object _group_0_binding_1_cs;};shared uint record[64];layout(std430,
-binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer
-type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_25_block_4Compute{uint
-_group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4 _group_1_binding_3_cs[];};shared
-uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
-return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),
-FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2
-b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y + b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,
-uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y - b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){
-return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2
-a_7){bool _e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
+rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;
+int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int half_width_q8_;uint
+square_radius;};struct Span{int first;int last;};struct Projected{ivec3 camera;int zeros;uint inverse_q30_;ivec2
+slope_q23_;ivec2 position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint c_q30_;int b_q30_;uvec2 det_q60_;
+uvec2 det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;};struct Placed{Splat splat;
+Bounds bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct Axes{ivec3 axis_q15_;ivec3
+side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;uint scale;uint
+colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;
+const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int
+FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;
+const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;const uint
+MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;
+const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
+VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
+ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
+uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int
+SIDE_Q23_=536870912;const uint SMALL=2u;const uint COMPACT=1u;layout(std140,binding=0)uniform Frame_block_0Compute{
+Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform Object_block_1Compute{Object _group_0_binding_1_cs;};
+shared uint record[64];layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};
+layout(std430,binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
+type_25_block_4Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4
+_group_1_binding_3_cs[];};shared uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int
+fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
+_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),
+uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y +
+b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y -
+b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2
+_e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool _e1=is_negative(a_7);if(_e1){uvec2
+_e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
 return((a_8.y==b_5.y)?(a_8.x<b_5.x):(int(a_8.y)<int(b_5.y)));}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;
 umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uint mul_high(uint a_10,uint b_7){uvec2 _e2=mul_wide(a_10,b_7);
 return _e2.y;}uvec2 mul_mixed(int a_11,uint b_8){uvec2 _e3=mul_wide(uint(a_11),b_8);return uvec2(_e3.x,(_e3.y
@@ -73,13 +74,13 @@ _e47=q;return(((63 - _e1)*65536)+(2*((((32768 + _e47)*(t_q15_>>1u))+ 8192)>>14u)
 return(TILES +(LIST*tile));}uint half_of(uint word,uint i){return((word>>(16u*(i%2u)))&65535u);}uvec2 crop_bound(uint
 crop,uint i_1,bool high){uint word_3=((2u*i_1)+(high?6u:0u));uvec4
 four=_group_0_binding_1_cs.crops[((4u*crop)+(word_3/4u))];return(((word_3%4u)==2u)?four.zw:four.xy);}bool lies_in(inout
-uvec2 low[3],inout uvec2 high_1[3],uint crop_1,bool any_){bool inside=true;uint i_2=0u;bool local=false;bool
+uvec2 low[3],inout uvec2 high_1[3],uint crop_1,bool any_){bool inside_1=true;uint i_2=0u;bool local=false;bool
 local_1=false;for(;(i_2<3u);i_2=(i_2 + 1u)){{uint _e11=i_2;uvec2 _e13=low[_e11];uint _e14=i_2;uvec2 _e16=high_1[_e14];
 uvec2 first=(any_?_e16:_e13);uint _e18=i_2;uvec2 _e20=high_1[_e18];uint _e21=i_2;uvec2 _e23=low[_e21];uvec2
-last=(any_?_e23:_e20);bool _e25=inside;if(_e25){uint _e28=i_2;uvec2 _e30=crop_bound(crop_1,_e28,false);bool
+last=(any_?_e23:_e20);bool _e25=inside_1;if(_e25){uint _e28=i_2;uvec2 _e30=crop_bound(crop_1,_e28,false);bool
 _e31=less(first,_e30);local=!(_e31);}else{local=false;}bool _e34=local;if(_e34){uint _e37=i_2;uvec2
 _e39=crop_bound(crop_1,_e37,true);bool _e40=less(_e39,last);local_1=!(_e40);}else{local_1=false;}bool _e43=local_1;
-inside=_e43;}}bool _e47=inside;return _e47;}bool is_within_crops(inout uvec2 low_1[3],inout uvec2 high_2[3]){bool
+inside_1=_e43;}}bool _e47=inside_1;return _e47;}bool is_within_crops(inout uvec2 low_1[3],inout uvec2 high_2[3]){bool
 kept=false;uint crop_2=0u;bool local_2=false;bool local_3=false;bool local_4=false;uint
 _e4=_group_0_binding_1_cs.keep_count;kept=(_e4==0u);for(;(crop_2<_group_0_binding_1_cs.crop_count);crop_2=(crop_2 +
 1u)){{uint _e18=crop_2;uint _e24=_group_0_binding_1_cs.crops[((4u*_e18)+ 3u)].x;bool outside=(_e24!=0u);if(outside){
@@ -339,8 +340,8 @@ _e14=dot_of(b_17.d,e);return(((_e6 + _e8)+ _e11)+ _e14);}int mean_dot(Basis b_18
 _e4=_group_1_binding_0_cs[at_3];uint _e9=_group_1_binding_0_cs[(at_3 + 1u)];uint _e14=_group_1_binding_0_cs[(at_3 +
 2u)];uint _e19=_group_1_binding_0_cs[(at_3 + 3u)];int _e20=dot_16_(b_19,_e4,_e9,_e14,_e19);return _e20;}ivec3
 entry_sum(Basis b_20,uint stage,uint code_3){uint _e7=_group_0_binding_1_cs.palette_entries;uint
-index=min((code_3&127u),(_e7 - 1u));uint _e14=_group_0_binding_1_cs.palette_entries;uint at_7=(12u*((stage*_e14)+
-index));int _e25=entry_dot(b_20,at_7);int _e28=entry_dot(b_20,(at_7 + 4u));int _e31=entry_dot(b_20,(at_7 + 8u));
+index_2=min((code_3&127u),(_e7 - 1u));uint _e14=_group_0_binding_1_cs.palette_entries;uint at_7=(12u*((stage*_e14)+
+index_2));int _e25=entry_dot(b_20,at_7);int _e28=entry_dot(b_20,(at_7 + 4u));int _e31=entry_dot(b_20,(at_7 + 8u));
 return((((code_3&128u)!=0u)?-1:1)*ivec3(_e25,_e28,_e31));}uint bits_at(uint byte_1,uint bit){uint at_8=(byte_1
 +(bit/8u));uint shift_7=((8u*(at_8%4u))+(bit%8u));uint _e16=_group_1_binding_0_cs[(at_8/4u)];uint low_5=(_e16>>shift_7);
 if((shift_7==0u)){return low_5;}uint _e26=_group_1_binding_0_cs[((at_8/4u)+ 1u)];return(low_5|(_e26<<(32u - shift_7)));}
@@ -468,32 +469,33 @@ inout Splat s_10,ivec3 colour_q13_1){uint _e8=s_10.u0_q24_;uint _e10=s_10.v0_q24
 _e15=s_10.uy_q24_;_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,uint(_e12),uint(_e15));int _e25=s_10.vy_q24_;int
 _e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;_group_1_binding_3_cs[((2u*slot_2)+
 1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),
-(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint chunk_1,uint slot_3){Projected
+(uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint index_1,uint slot_3){Projected
 centre_9=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,0u,0,0,0,0,ivec2(0)),
 Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,ivec2(0));uint
-g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.first_chunk;uint
-_e13=_group_0_binding_1_cs.part_chunk;uint _e17=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +(((chunk_1 - _e9)-
-_e13)*_e17));Codes _e20=codes_of(rows_5,g_5);uint opacity_1=(_e20.colour>>24u);if((opacity_1==0u)){return uvec2(0u,0u);}
-bool _e32=project_centre(centre_9,_e20.position);if(!(_e32)){return uvec2(0u,0u);}uint _e41=record[47];int
-_e42=offset_of(opacity_1,_e41);out_8.splat.offset_q11_=_e42;bool _e45=project_shape(out_8,centre_9,_e20.scale,
-_e20.rotation);if(!(_e45)){return uvec2(0u,0u);}uint _e52=_group_0_binding_1_cs.crop_count;if((_e52!=0u)){bool
-_e58=is_kept(_e20.position);local_31=!(_e58);}else{local_31=false;}bool _e61=local_31;if(_e61){return uvec2(0u,0u);}int
-_e67=centre_9.camera.z;uint _e68=depth_key(_e67);key_1=_e68;int _e72=_group_0_binding_1_cs.plain;if((_e72==0)){uint
-_e75=key_1;uint _e76=scale_depth(_e75);key_1=_e76;}ivec3 _e77=shade(rows_5,g_5,_e20);ivec4
-_e80=_group_0_binding_1_cs.tint_q13_;ivec3 colour=min((((_e77*_e80.xyz)+ ivec3(4096))>>uvec3(13u)),ivec3(32767));Splat
-_e93=out_8.splat;splat=_e93;put_splat(slot_3,splat,colour);uint _e98=_group_0_binding_0_cs.depths;uint _e101=key_1;
-_group_1_binding_1_cs[(_e98 + slot_3)]=_e101;uint _e104=atomicAdd(visible_here,1u);uvec2 _e105=list_splat(slot_3,out_8);
-return _e105;}void main(){uvec3 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;uint place=0u;uint chunk=0u;
-uint _e4=_group_0_binding_0_cs.spans_at;uint _e8=_group_0_binding_1_cs.span;uint span=(_e4 +(SPAN*_e8));uint
+g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.part_chunk;uint
+_e13=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +((index_1 - _e9)*_e13));Codes _e16=codes_of(rows_5,g_5);uint
+opacity_1=(_e16.colour>>24u);if((opacity_1==0u)){return uvec2(0u,0u);}bool _e28=project_centre(centre_9,_e16.position);
+if(!(_e28)){return uvec2(0u,0u);}uint _e37=record[47];int _e38=offset_of(opacity_1,_e37);out_8.splat.offset_q11_=_e38;
+bool _e41=project_shape(out_8,centre_9,_e16.scale,_e16.rotation);if(!(_e41)){return uvec2(0u,0u);}uint
+_e48=_group_0_binding_1_cs.crop_count;if((_e48!=0u)){bool _e54=is_kept(_e16.position);local_31=!(_e54);}else{
+local_31=false;}bool _e57=local_31;if(_e57){return uvec2(0u,0u);}int _e63=centre_9.camera.z;uint _e64=depth_key(_e63);
+key_1=_e64;int _e68=_group_0_binding_1_cs.plain;if((_e68==0)){uint _e71=key_1;uint _e72=scale_depth(_e71);key_1=_e72;}
+ivec3 _e73=shade(rows_5,g_5,_e16);ivec4 _e76=_group_0_binding_1_cs.tint_q13_;ivec3 colour=min((((_e73*_e76.xyz)+
+ivec3(4096))>>uvec3(13u)),ivec3(32767));Splat _e89=out_8.splat;splat=_e89;put_splat(slot_3,splat,colour);uint
+_e94=_group_0_binding_0_cs.depths;uint _e97=key_1;_group_1_binding_1_cs[(_e94 + slot_3)]=_e97;uint
+_e100=atomicAdd(visible_here,1u);uvec2 _e101=list_splat(slot_3,out_8);return _e101;}void main(){uvec3
+group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;bool inside=false;uint place=0u;uint index=0u;uint
+_e4=_group_0_binding_0_cs.spans_at;uint _e8=_group_0_binding_1_cs.span;uint span=(_e4 +(SPAN*_e8));uint
 half_1=((group.y*ROW_OF_GROUPS)+ group.x);uint _e20=_group_1_binding_1_cs[(span + 2u)];uint ordinal=(_e20 +(half_1/2u));
-uint _e28=_group_1_binding_1_cs[(span + 3u)];bool inside_1=(ordinal<_e28);if(inside_1){uint
-_e35=_group_0_binding_0_cs.visible;uint _e38=_group_1_binding_1_cs[(_e35 + ordinal)];place=_e38;}if((thread==0u)){
-visible_here=0u;}if((thread<RECORD)){uint _e50=_group_0_binding_0_cs.records;uint _e52=place;uint
-_e57=_group_1_binding_1_cs[((_e50 +(RECORD*_e52))+ thread)];record[thread]=_e57;}memoryBarrierShared();barrier();
-if(inside_1){uint slot_4=(((ordinal*CHUNK)+((half_1%2u)*THREADS))+ thread);uint _e66=place;chunk=_e66;uint
-_e70=_group_0_binding_0_cs.drawn;if((_e70!=0u)){uint _e76=_group_0_binding_0_cs.drawn;uint _e78=place;uint
-_e82=_group_1_binding_1_cs[(_e76 +(2u*_e78))];chunk=_e82;}uint _e83=chunk;uvec2 _e84=project_gaussian(_e83,slot_4);uint
-_e88=_group_0_binding_0_cs.boxes;_group_1_binding_1_cs[(_e88 +(2u*slot_4))]=_e84.x;uint
-_e97=_group_0_binding_0_cs.boxes;_group_1_binding_1_cs[((_e97 +(2u*slot_4))+ 1u)]=_e84.y;}memoryBarrierShared();
-barrier();if((thread==0u)){uint _e110=visible_here;uint _e111=atomicAdd(_group_1_binding_2_cs[4],_e110);return;}else{
-return;}}
+uint _e28=_group_1_binding_1_cs[(span + 3u)];inside=(ordinal<_e28);bool _e35=inside;if(_e35){uint
+_e39=_group_0_binding_0_cs.visible;uint _e42=_group_1_binding_1_cs[(_e39 + ordinal)];place=_e42;uint _e43=place;uint
+_e46=_group_0_binding_1_cs.first_chunk;index=(_e43 - _e46);uint _e50=_group_0_binding_0_cs.drawn;if((_e50!=0u)){uint
+_e56=_group_0_binding_0_cs.drawn;uint _e58=place;uint _e62=_group_1_binding_1_cs[(_e56 +(DRAWN*_e58))];index=_e62;}uint
+_e63=index;uint _e66=_group_0_binding_1_cs.part_chunk;uint _e70=_group_0_binding_1_cs.part_chunks;inside=((_e63 -
+_e66)<_e70);}if((thread==0u)){visible_here=0u;}if((thread<RECORD)){uint _e83=_group_0_binding_0_cs.records;uint
+_e85=place;uint _e90=_group_1_binding_1_cs[((_e83 +(RECORD*_e85))+ thread)];record[thread]=_e90;}memoryBarrierShared();
+barrier();bool _e91=inside;if(_e91){uint slot_4=(((ordinal*CHUNK)+((half_1%2u)*THREADS))+ thread);uint _e100=index;
+uvec2 _e101=project_gaussian(_e100,slot_4);uint _e105=_group_0_binding_0_cs.boxes;_group_1_binding_1_cs[(_e105
++(2u*slot_4))]=_e101.x;uint _e114=_group_0_binding_0_cs.boxes;_group_1_binding_1_cs[((_e114 +(2u*slot_4))+ 1u)]=_e101.y;
+}memoryBarrierShared();barrier();if((thread==0u)){uint _e127=visible_here;uint _e128=atomicAdd(_group_1_binding_2_cs[4],
+_e127);return;}else{return;}}

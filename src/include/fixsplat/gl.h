@@ -155,6 +155,8 @@ typedef struct fxs_compute_scene {
     uint32_t heads, parts[FXS_COMPUTE_PARTS];   /* names of the GL buffers that hold the copy */
     uint32_t part_chunks;          /* number of chunks (256 Gaussians each) per buffer */
     uint64_t bytes;                /* device memory */
+    struct fxs_mirror *mirror;     /* of a scene in parts: which chunks are on the device (src/core/mirror.h); else
+                                      null */
 } fxs_compute_scene;
 
 /* Creates the back end for compute shaders: loads the GL functions and compiles the shaders. `load`, `use` and
@@ -167,13 +169,23 @@ FXS_EXPERIMENTAL int fxs_compute_create(fxs_compute **compute, fxs_gl_load_fn *l
 /* Sets the most bytes of device memory that frames and scenes may use together; 0 (initial value): no limit. */
 FXS_EXPERIMENTAL void fxs_compute_limit(fxs_compute *compute, uint64_t bytes);
 
+/* Settings of scenes in parts (fxs_scene.places is not null, as in a pager's scene) that are uploaded from now on.
+   `pool_bytes` is the size of the pool on the device for a scene's chunks (256 Gaussians each), at least 16 chunks; 0:
+   256 MiB. It is capped at the scene's size, and at half of fxs_compute_limit. `upload_bytes` is the most bytes that a
+   frame uploads to all pools together, at least one chunk; 0: 8 MiB. */
+FXS_EXPERIMENTAL void fxs_compute_stream(fxs_compute *compute, uint64_t pool_bytes, uint64_t upload_bytes);
+
 /* Frees the back end like fxs_gles_destroy. Drop its scenes first. */
 FXS_EXPERIMENTAL void fxs_compute_destroy(fxs_compute *compute);
 
 FXS_EXPERIMENTAL fxs_gl_info fxs_compute_info(const fxs_compute *compute);
 
-/* Copies a scene to the device and replaces the previous content of *copy. All rows (Gaussian codes) of the scene must
-   be in memory, so `places` must be null. */
+/* Copies a scene to the device and replaces the previous content of *copy. Of a scene in parts, only the coarsest
+   chunks are copied. Each frame then copies chunks that it lacks and that are in memory, for the next frames; the least
+   recently drawn chunks on the device make room. The frame draws the nearest ancestors that are on the device, as
+   fxs_render does with the same chunks in memory, and fxs_stats.missing counts chunks that are not on the device.
+   options.want tells, as in fxs_render, if a wanted chunk is in memory. `scene` must stay valid until
+   fxs_compute_drop. */
 FXS_EXPERIMENTAL int fxs_compute_upload(fxs_compute *compute, fxs_compute_scene *copy, const fxs_scene *scene,
                                         fxs_message *why);
 

@@ -13,8 +13,9 @@
  * coarsest chunks stay. If the camera stands still and the pool has room for the view, fxs_stats.missing falls to 0,
  * and the frame then has the same bytes as a frame of the whole scene.
  *
- * Only one thread at a time may render the pager's scene and call fxs_pager_want and fxs_pager_turn. Back ends that
- * copy scenes to a device cannot draw the pager's scene.
+ * Only one thread at a time may render the pager's scene and call fxs_pager_want and fxs_pager_turn. A back end without
+ * FXS_CAN_PART cannot draw the pager's scene. The compute back end (gl.h) has a pool of its own on the device, to which
+ * each frame copies chunks of the pager's pool.
  *
  * Functions return 0, or an FXS_ERR_* and a message. New in version 1.0. */
 #ifndef FXS_PAGER_H
