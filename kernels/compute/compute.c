@@ -286,11 +286,7 @@ static int make_part(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene *s
 
 static int copy_scene(fxs_compute *c, fxs_compute_scene *copy, fxs_message *why)
 {
-    fxs_scene scene = copy->here;
-    if (copy->mirror) {            /* the pool has the layout of a scene without a tree */
-        scene.chunk_count = copy->mirror->pool.room;
-        scene.nodes = 0;
-    }
+    const fxs_scene scene = copy->mirror ? fxs_mirror_pool(copy->mirror) : copy->here;
     const uint64_t chunks = fxs_scene_chunks(&scene);
     copy->part_chunks = fxs_plan_part_chunks(&scene, c->rooms.most, why);
     if (!copy->part_chunks)

@@ -160,6 +160,20 @@ static int place_objects(fxs_plan *p, uint32_t eye)
     return error;
 }
 
+/* Finds the index of each drawn chunk on the device. The places of a scene in parts may change before the frame is
+   laid out. */
+static void find_indices(fxs_plan *p, uint32_t *indices)
+{
+    const fxs_object_view *o = p->objects;
+    for (uint32_t i = 0; i < p->places; i++) {
+        while (p->drawn[i].chunk >= o->end_chunk)
+            o++;
+        const uint32_t chunk = p->drawn[i].chunk - o->first_chunk;
+        indices[i] = o->scene.places ? o->scene.places[chunk] : chunk;
+    }
+    p->indices = indices;
+}
+
 static int choose_chunks(fxs_plan *p, void *memory)
 {
     fxs_cut cut = {.objects = p->request->objects, .object_count = p->request->count,
@@ -169,6 +183,8 @@ static int choose_chunks(fxs_plan *p, void *memory)
     p->drawn = cut.drawn;
     p->places = cut.count;
     p->missing = cut.missing;
+    if (!error)
+        find_indices(p, memory);   /* overwrites what the cut needed, but not its result */
     return error;
 }
 
@@ -201,11 +217,6 @@ static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
 static int is_in_parts(const fxs_plan *p, uint32_t object)
 {
     return p->objects[object].scene.places != 0;
-}
-
-static int is_repeated(const fxs_plan *p, const span *s)
-{
-    return s->part && is_in_parts(p, s->object);
 }
 
 /* Advances *s to the next span, a range of one object's drawn chunks. *s is zeros at first. Returns 0 after the last
@@ -490,18 +501,6 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
     return 4 * (size_t)(p->frames->ranks - p->frames->spans_at);
 }
 
-static void put_drawn(const fxs_plan *p, const span *s, uint32_t *to)
-{
-    const fxs_object_view *object = &p->objects[s->object];
-    for (uint32_t i = s->first_place; i < s->end_place; i++) {
-        uint32_t *words = to + FXS_COMPUTE_DRAWN * (size_t)i;
-        const uint32_t chunk = p->drawn[i].chunk - object->first_chunk;
-        words[0] = object->scene.places ? object->scene.places[chunk] : chunk;
-        words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
-        words[2] = p->drawn[i].chunk;
-    }
-}
-
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = p->frames;
@@ -512,11 +511,15 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
         words[1] = s.end_place;
         words[4] = p->objects[s.object].id;
         words[5] = p->objects[s.object].first_chunk;
-        if (p->drawn && !is_repeated(p, &s))
-            put_drawn(p, &s, to + (f->drawn - f->spans_at));
     }
     to[FXS_COMPUTE_SPAN * f->spans] = 0;
     to[FXS_COMPUTE_SPAN * f->spans + 1] = f->places;
+    for (uint32_t i = 0; i < p->places && p->drawn; i++) {
+        uint32_t *words = to + (f->drawn - f->spans_at) + FXS_COMPUTE_DRAWN * (size_t)i;
+        words[0] = p->indices[i];
+        words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
+        words[2] = p->drawn[i].chunk;
+    }
 }
 
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
@@ -595,7 +598,8 @@ static void do_spans(const steps *to, uint32_t program)
     span s = {0, 0, 0, 0};
     uint32_t waits = 1;
     for (uint32_t i = 0; next_span(p, &s); i++) {
-        if (!p->objects[s.object].visible || (program == FXS_COMPUTE_locate_chunks && is_repeated(p, &s)))
+        const int repeats = s.part && is_in_parts(p, s.object);
+        if (!p->objects[s.object].visible || (program == FXS_COMPUTE_locate_chunks && repeats))
             continue;
         fxs_step one = program == FXS_COMPUTE_locate_chunks
                            ? direct(program, groups_of(s.end_place - s.first_place / 32 * 32))

@@ -31,6 +31,7 @@ typedef struct fxs_plan {
        end */
     uint32_t *part_chunks, *part_counts;
     const fxs_drawn *drawn;        /* chunks to draw; null: every chunk of all objects */
+    const uint32_t *indices;       /* index of each chunk of `drawn` in the buffers of its object */
     uint64_t gaussians;
     uint32_t places, cut_room, missing;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];   /* of the buffers of an eye */

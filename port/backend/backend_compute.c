@@ -5,7 +5,6 @@
 #include <fixsplat/internal/backends.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/message.h>
-#include <fixsplat/internal/packed.h>
 
 #include "src/core/mirror.h"
 #include "src/core/sized.h"
@@ -154,22 +153,15 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
     return 0;
 }
 
-/* Returns the size of the pool for an object's scene if it is in parts: room for two pictures and for the coarsest
-   chunks, or without a budget for the whole scene. */
-static uint64_t pool_for(const fxs_request *r, uint32_t i)
-{
-    const fxs_scene *scene = fxs_object_at(r->objects, i)->scene;
-    const uint64_t chunks = r->options.budget ? 2 * (uint64_t)fxs_chunks_of(r->options.budget) + FXS_KEPT_MOST
-                                              : fxs_scene_chunks(scene);
-    return scene->places ? chunks * fxs_mirror_place_bytes(scene) : 0;
-}
-
-/* Makes the pools on the device larger if the request needs more. */
+/* Makes the pools of scenes in parts on the device larger if the request needs more. */
 static void choose_pools(compute_backend *b, const fxs_request *r)
 {
     uint64_t bytes = b->pool_bytes;
-    for (uint32_t i = 0; i < r->count; i++)
-        bytes = pool_for(r, i) > bytes ? pool_for(r, i) : bytes;
+    for (uint32_t i = 0; i < r->count; i++) {
+        const fxs_scene *scene = fxs_object_at(r->objects, i)->scene;
+        const uint64_t usual = scene->places ? fxs_mirror_usual_bytes(scene, r->options.budget) : 0;
+        bytes = usual > bytes ? usual : bytes;
+    }
     for (uint32_t i = b->scene_count; i-- > 0 && bytes > b->pool_bytes;)
         if (b->scenes[i].mirror)
             forget(b, b->scenes[i].key);

@@ -14,6 +14,20 @@ uint64_t fxs_mirror_bytes(const fxs_scene *scene, uint32_t room)
            room * (uint64_t)(sizeof(fxs_place) + sizeof(uint32_t));
 }
 
+uint64_t fxs_mirror_usual_bytes(const fxs_scene *scene, uint32_t budget)
+{
+    const uint64_t chunks = budget ? 2 * (uint64_t)fxs_chunks_of(budget) + FXS_KEPT_MOST : fxs_scene_chunks(scene);
+    return chunks * fxs_mirror_place_bytes(scene);
+}
+
+fxs_scene fxs_mirror_pool(const fxs_mirror *m)
+{
+    fxs_scene pool = *m->from;
+    pool.chunk_count = m->pool.room;
+    pool.nodes = 0;
+    return pool;
+}
+
 void fxs_mirror_init(fxs_mirror *m, const fxs_scene *scene, uint32_t room, void *memory)
 {
     uint32_t *of_chunks = memory, *wanted = of_chunks + fxs_scene_chunks(scene);

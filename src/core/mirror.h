@@ -32,6 +32,10 @@ uint64_t fxs_mirror_place_bytes(const fxs_scene *scene);
 /* Returns the bytes of memory that a mirror of `room` places takes besides the struct. */
 uint64_t fxs_mirror_bytes(const fxs_scene *scene, uint32_t room);
 
+/* Returns the usual size of a pool in bytes: for two pictures and the coarsest chunks, or without a budget for the whole
+   scene. */
+uint64_t fxs_mirror_usual_bytes(const fxs_scene *scene, uint32_t budget);
+
 /* Makes a mirror of a scene, with an empty pool of `room` places (fxs_places_room). `memory` is aligned to 4. The
    scene's address and `memory` must stay valid. */
 void fxs_mirror_init(fxs_mirror *m, const fxs_scene *scene, uint32_t room, void *memory);
@@ -48,6 +52,9 @@ void fxs_mirror_want(void *argument, const fxs_scene *scene, uint32_t chunk, int
    Skips chunks that are not in memory, and ends early if no chunk may be evicted. Returns the number of *places, whose
    chunks fxs_mirror_chunk returns. */
 uint32_t fxs_mirror_step(fxs_mirror *m, uint64_t bytes, const uint32_t **places);
+
+/* Returns a scene without a tree that has the layout of the pool. */
+fxs_scene fxs_mirror_pool(const fxs_mirror *m);
 
 static inline uint32_t fxs_mirror_chunk(const fxs_mirror *m, uint32_t place)
 {
