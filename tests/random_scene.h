@@ -70,6 +70,27 @@ static inline packed_scene random_scene(enum fxs_profile profile, int32_t most)
     return s;
 }
 
+/* Gives the chunks of a packed scene any numbers that it allows. */
+static inline void fill_wild(const packed_scene *s)
+{
+    for (uint32_t c = 0; c < s->header->chunk_count; c++) {
+        fxs_chunk *chunk = &s->chunks[c];
+        do {
+            const int places = between(0, 58);
+            for (int i = 0; i < 3; i++) {
+                chunk->origin_q32[i] = (int64_t)next() >> (63 - places) >> 3;
+                chunk->step_q32[i] = (uint32_t)next() >> between(0, 31);
+                chunk->colour_q16[i] = between(-(64 << 16), 64 << 16);
+                chunk->colour_step_q20[i] = (uint32_t)between(0, 1 << 17);
+                chunk->sh_step_q19[i] = (uint16_t)between(0, 32767);
+            }
+            chunk->step_shift = (uint16_t)between(0, 12);
+            chunk->scale_q16 = between(-(32 << 16), 32 << 16);
+            chunk->scale_step_q24 = (uint16_t)between(0, 1026);
+        } while (!fxs_chunk_valid(chunk));
+    }
+}
+
 /* Makes a camera that is rotated about one axis by an angle with a rational sine and cosine. */
 static void random_camera(fxs_camera *camera)
 {

@@ -128,26 +128,6 @@ static int is_same(fxs_request *request, picture *a, picture *b)
            CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b) && (request->eyes == 1 || is_equal(&a[1], &b[1]));
 }
 
-static void fill_wild(const packed_scene *s)
-{
-    for (uint32_t c = 0; c < s->header->chunk_count; c++) {
-        fxs_chunk *chunk = &s->chunks[c];
-        do {
-            const int places = between(0, 58);
-            for (int i = 0; i < 3; i++) {
-                chunk->origin_q32[i] = (int64_t)next() >> (63 - places) >> 3;
-                chunk->step_q32[i] = (uint32_t)next() >> between(0, 31);
-                chunk->colour_q16[i] = between(-(64 << 16), 64 << 16);
-                chunk->colour_step_q20[i] = (uint32_t)between(0, 1 << 17);
-                chunk->sh_step_q19[i] = (uint16_t)between(0, 32767);
-            }
-            chunk->step_shift = (uint16_t)between(0, 12);
-            chunk->scale_q16 = between(-(32 << 16), 32 << 16);
-            chunk->scale_step_q24 = (uint16_t)between(0, 1026);
-        } while (!fxs_chunk_valid(chunk));
-    }
-}
-
 static void random_crops(fxs_object *object, fxs_crop crops[2])
 {
     object->crops = crops;

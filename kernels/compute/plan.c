@@ -137,7 +137,7 @@ static int check_targets(const fxs_targets *t, const fxs_camera *camera)
 {
     const int error = fxs_targets_check(t, camera->width, camera->height);
     return error ? error
-           : t->format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED
+           : t->format > FXS_FORMAT_RGBA16_COVERAGE || t->rates.pixels ? FXS_ERR_UNSUPPORTED
            : t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels
                ? 0 : FXS_ERR_TARGET;
 }

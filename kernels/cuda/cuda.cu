@@ -388,7 +388,8 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     int error = count_objects(f, from->objects, from->count, options);
     error = error ? error : fxs_view_init(&f->view, &from->camera, options);
     error = error ? error : fxs_targets_check(&from->targets, f->view.width, f->view.height);
-    error = error ? error : from->targets.format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED : 0;
+    error = error ? error
+            : from->targets.format > FXS_FORMAT_RGBA16_COVERAGE || from->targets.rates.pixels ? FXS_ERR_UNSUPPORTED : 0;
     if (!error && !writes_any(from->targets))
         error = FXS_ERR_TARGET;
     f->targets = from->targets;

@@ -66,7 +66,7 @@ static void close_cpu(void *self)
 
 const fxs_backend fxs_backend_cpu = {
     .name = "cpu", .does = "every stage on the processor",
-    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_PART,
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_PART | FXS_CAN_RATES,
     .device = device, .open = open_cpu,
     .render = render, .forget = forget, .version = version, .nanoseconds = nanoseconds, .close = close_cpu,
     .pick = pick

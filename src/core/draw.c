@@ -5,6 +5,7 @@
 #include "lists.h"
 #include "memory.h"
 #include "targets.h"
+#include "tile_rates.h"
 #include "times.h"
 #include "trace.h"
 
@@ -16,13 +17,43 @@ void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *
     int32_t x, y;
     fxs_tile_origin(f, tile, &x, &y);
     if (fxs_targets_traced(f->targets))
-        fxs_trace_tile(f, list, x, y, &pixels, 0);
+        fxs_trace_tile(f, list, x, y, 0, &pixels, 0);
     else if (!list->count)
         fxs_tile_clear(&pixels);
     else
         f->context->config.kernels->blend(&f->view, x, y, f->splats, list->entries, list->count, &pixels);
     fxs_lap(f, laps, FXS_BLENDED);
     fxs_resolve_targets(f, &pixels, x, y);
+}
+
+static void draw_samples(fxs_frame *f, uint32_t macro, int shift, const fxs_list *list, fxs_laps *laps)
+{
+    const uint32_t across = fxs_macros(f->view.tiles_x);
+    fxs_tile samples;
+    uint32_t tile, length = list->count;
+    fxs_trace_tile(f, list, (int32_t)(macro % across) * FXS_RATE_PIXELS, (int32_t)(macro / across) * FXS_RATE_PIXELS,
+                   shift, &samples, 0);
+    fxs_lap(f, laps, FXS_BLENDED);
+    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
+        if (fxs_tile_of(f, macro, i, &tile)) {
+            int32_t x, y;
+            fxs_tile_origin(f, tile, &x, &y);
+            fxs_rate_resolve(f, &samples, shift, (i / FXS_MACRO * FXS_TILE + i % FXS_MACRO) * FXS_TILE >> shift, 1, x,
+                             y);
+            f->tile_counts[tile] = length;         /* the first tile counts the list */
+            length = 0;
+        }
+    fxs_lap(f, laps, FXS_RESOLVED);
+}
+
+/* Returns log2 of the rate at which a macro tile is drawn. Slices draw all pixels and then share them. */
+static int shift_of(const fxs_frame *f, uint32_t macro)
+{
+    const int32_t across = (int32_t)fxs_macros(f->view.tiles_x);
+    return f->draw_tile == fxs_draw_tile && f->lengths[macro]
+               ? fxs_rate_shift(&f->targets->rates, f->view.width, f->view.height,
+                                (int32_t)macro % across * FXS_RATE_PIXELS, (int32_t)macro / across * FXS_RATE_PIXELS)
+               : 0;
 }
 
 static void draw_macro(void *argument, uint32_t job)
@@ -38,6 +69,14 @@ static void draw_macro(void *argument, uint32_t job)
     fxs_laps laps = {job % TIMED ? 0 : fxs_now(f), job % TIMED ? 0 : times};
     const fxs_key *keys = fxs_list_sort(f, macro);
     fxs_lap(f, &laps, FXS_SORTED);
+    const int shift = shift_of(f, macro);
+    for (uint32_t k = 0; k < length && shift; k++)
+        entries[k] = FXS_LISTED_SLOT(keys[k]);
+    if (shift) {
+        fxs_lap(f, &laps, FXS_LISTED_TILES);
+        draw_samples(f, macro, shift, &(fxs_list){entries, length}, &laps);
+        return;
+    }
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (fxs_tile_of(f, macro, i, &tile)) {
             f->tile_counts[tile] = f->context->config.kernels->list(keys, length, (uint32_t)i, entries);

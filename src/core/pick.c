@@ -20,7 +20,7 @@ static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_lap
     uint32_t slots[FXS_TILE_PIXELS];
     fxs_tile pixels;
     (void)tile, (void)laps;
-    fxs_trace_tile(f, list, x, y, &pixels, slots);
+    fxs_trace_tile(f, list, x, y, 0, &pixels, slots);
     const uint32_t slot = slots[(p->y - y) * FXS_TILE + p->x - x];
     if (slot != FXS_NOTHING) {
         p->key = f->depths[slot];

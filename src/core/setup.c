@@ -4,6 +4,7 @@
 #include "bands.h"
 #include "draw.h"
 #include "targets.h"
+#include "tile_rates.h"
 
 static int take_objects(fxs_frame *f, const fxs_request *request)
 {
@@ -42,8 +43,9 @@ int fxs_frame_look(fxs_frame *f, const fxs_request *request, uint32_t eye)
 {
     f->camera = &request->cameras[eye];
     f->targets = &request->targets[eye];
-    const int error = fxs_view_init(&f->view, f->camera, &request->options);
-    return error ? error : fxs_targets_check(f->targets, f->camera->width, f->camera->height);
+    int error = fxs_view_init(&f->view, f->camera, &request->options);
+    error = error ? error : fxs_targets_check(f->targets, f->camera->width, f->camera->height);
+    return error ? error : fxs_rates_check(&f->targets->rates, &f->view);
 }
 
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
@@ -54,6 +56,8 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
     error = error ? error : take_objects(f, request);
     for (uint32_t eye = request->eyes; !error && eye > 0; eye--)
         error = fxs_frame_look(f, request, eye - 1);
+    for (uint32_t eye = 0; !error && context->config.draw && eye < request->eyes; eye++)
+        error = request->targets[eye].rates.pixels ? FXS_ERR_UNSUPPORTED : 0;
     if (error)
         return error;
     f->context = context;

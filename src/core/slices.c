@@ -8,6 +8,7 @@
 #include "runs.h"
 #include "slices.h"
 #include "targets.h"
+#include "tile_rates.h"
 #include "times.h"
 
 /* A slice has the splats with keys from `first` to `last`. A key is a depth and a Gaussian's number, hence unique. */
@@ -131,9 +132,14 @@ static int hand_over(fxs_frame *f)
     if (f->context->config.draw)
         return fxs_runs_draw_blended(f);
     for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++) {
+        const fxs_tile *pixels = &f->pixels[tile - f->first_tile];
         int32_t x, y;
         fxs_tile_origin(f, tile, &x, &y);
-        fxs_resolve_targets(f, &f->pixels[tile - f->first_tile], x, y);
+        const int shift = fxs_rate_shift(&f->targets->rates, f->view.width, f->view.height, x, y);
+        if (shift)
+            fxs_rate_resolve(f, pixels, shift, fxs_rate_pixel(shift) * (FXS_TILE + 1), 1 << shift, x, y);
+        else
+            fxs_resolve_targets(f, pixels, x, y);
     }
     return 0;
 }

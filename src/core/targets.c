@@ -2,19 +2,22 @@
 #include "memory.h"
 #include "targets.h"
 
-#define IMAGES 7
+#define IMAGES 8
 
 typedef struct part {
     const fxs_image *image;
     int bytes, alignment, written;
+    int32_t width, height;         /* size of the image in its own pixels */
 } part;
 
-static void parts_of(part parts[IMAGES], const fxs_targets *t)
+static void parts_of(part parts[IMAGES], const fxs_targets *t, int32_t width, int32_t height)
 {
+    const int32_t w = width, h = height, side = FXS_MACRO * FXS_TILE;
     const part all[IMAGES] = {
-        {&t->colour, fxs_pixel_bytes(t->format), t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1, 1},
-        {&t->coverage, 1, 1, 1}, {&t->mean_depth, 4, 4, 1}, {&t->median_depth, 4, 4, 1}, {&t->id, 8, 4, 1},
-        {&t->occluder, 4, 4, 0}, {&t->backdrop, 4, 1, 0}};
+        {&t->colour, fxs_pixel_bytes(t->format), t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1, 1, w, h},
+        {&t->coverage, 1, 1, 1, w, h}, {&t->mean_depth, 4, 4, 1, w, h}, {&t->median_depth, 4, 4, 1, w, h},
+        {&t->id, 8, 4, 1, w, h}, {&t->occluder, 4, 4, 0, w, h}, {&t->backdrop, 4, 1, 0, w, h},
+        {&t->rates, 1, 1, 0, (w + side - 1) / side, (h + side - 1) / side}};
     memcpy(parts, all, sizeof all);
 }
 
@@ -22,30 +25,31 @@ typedef struct extent {
     uintptr_t low, high;
 } extent;
 
-static extent extent_of(const part *p, int32_t width, int32_t height)
+static extent extent_of(const part *p)
 {
-    const ptrdiff_t below = (height - 1) * p->image->stride;
-    const uintptr_t top = (uintptr_t)p->image->pixels, row = (uintptr_t)width * (unsigned)p->bytes;
+    const ptrdiff_t below = (p->height - 1) * p->image->stride;
+    const uintptr_t top = (uintptr_t)p->image->pixels, row = (uintptr_t)p->width * (unsigned)p->bytes;
     return (extent){top + (uintptr_t)(below < 0 ? below : 0), top + (uintptr_t)(below < 0 ? 0 : below) + row};
 }
 
-static int is_valid(const part *p, int32_t width, int32_t height)
+static int is_valid(const part *p)
 {
-    const ptrdiff_t row = (ptrdiff_t)width * p->bytes, stride = p->image->stride, most = (PTRDIFF_MAX - row) / height;
+    const ptrdiff_t row = (ptrdiff_t)p->width * p->bytes, stride = p->image->stride;
+    const ptrdiff_t most = (PTRDIFF_MAX - row) / p->height;
     const uintptr_t top = (uintptr_t)p->image->pixels;
     if (top % (unsigned)p->alignment || stride % p->alignment || stride > most || stride < -most ||
-        (height > 1 && stride < row && stride > -row))
+        (p->height > 1 && stride < row && stride > -row))
         return 0;
-    const extent e = extent_of(p, width, height);      /* an image with addresses that wrap around the address space has
+    const extent e = extent_of(p);     /* an image with addresses that wrap around the address space has
                                                           high < low */
     return e.low <= top && top < e.high;
 }
 
 /* Returns true if two images share a byte. Rows with equal strides may interlace, as in a side-by-side stereo
    picture. */
-static int overlap(const part *a, const part *b, int32_t width, int32_t height)
+static int overlap(const part *a, const part *b)
 {
-    const extent extents[2] = {extent_of(a, width, height), extent_of(b, width, height)};
+    const extent extents[2] = {extent_of(a), extent_of(b)};
     if (extents[0].high <= extents[1].low || extents[1].high <= extents[0].low)
         return 0;
     const ptrdiff_t strides[2] = {a->image->stride, b->image->stride};
@@ -55,13 +59,13 @@ static int overlap(const part *a, const part *b, int32_t width, int32_t height)
     const part *parts[2] = {a, b};
     const int first = extents[1].low < extents[0].low;
     const uintptr_t ahead = (extents[!first].low - extents[first].low) % stride;
-    return ahead < (uintptr_t)(width * (ptrdiff_t)parts[first]->bytes) ||
-           ahead + (uintptr_t)(width * (ptrdiff_t)parts[!first]->bytes) > stride;
+    return ahead < (uintptr_t)(parts[first]->width * (ptrdiff_t)parts[first]->bytes) ||
+           ahead + (uintptr_t)(parts[!first]->width * (ptrdiff_t)parts[!first]->bytes) > stride;
 }
 
-static int collide(const part *a, const part *b, int32_t width, int32_t height)
+static int collide(const part *a, const part *b)
 {
-    return a->image->pixels && b->image->pixels && (a->written || b->written) && overlap(a, b, width, height);
+    return a->image->pixels && b->image->pixels && (a->written || b->written) && overlap(a, b);
 }
 
 static int is_in_place(const fxs_targets *t)
@@ -76,12 +80,12 @@ int fxs_targets_check(const fxs_targets *t, int32_t width, int32_t height)
         (t->backdrop.pixels && fxs_is_premultiplied(t->format)))
         return FXS_ERR_TARGET;
     part parts[IMAGES];
-    parts_of(parts, t);
+    parts_of(parts, t, width, height);
     for (int i = 0; i < IMAGES; i++) {
-        if (parts[i].image->pixels && !is_valid(&parts[i], width, height))
+        if (parts[i].image->pixels && !is_valid(&parts[i]))
             return FXS_ERR_TARGET;
         for (int k = 0; k < i; k++)
-            if (collide(&parts[k], &parts[i], width, height) &&
+            if (collide(&parts[k], &parts[i]) &&
                 !(parts[i].image == &t->backdrop && k == 0 && is_in_place(t)))
                 return FXS_ERR_TARGET;
     }
@@ -92,11 +96,11 @@ int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t widt
 {
     part of_a[IMAGES], of_b[IMAGES];
     int any = 0;
-    parts_of(of_a, a);
-    parts_of(of_b, b);
+    parts_of(of_a, a, width, height);
+    parts_of(of_b, b, width, height);
     for (int i = 0; i < IMAGES; i++)
         for (int k = 0; k < IMAGES; k++)
-            any |= collide(&of_a[i], &of_b[k], width, height);
+            any |= collide(&of_a[i], &of_b[k]);
     return any;
 }
 

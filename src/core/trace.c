@@ -4,19 +4,24 @@
 #include "draw.h"
 #include "memory.h"
 #include "targets.h"
+#include "tile_rates.h"
 #include "trace.h"
 
 #define STRETCH 32767u             /* a list's entries are numbered in stretches of at most STRETCH, so that the numbers
                                       fit in 16 bits */
 #define PART 512u
 #define AHEAD 16
+#define FARTHER 48u
+#define SOME 64u                   /* splats that are changed to a rate above 1 at once */
 
 typedef struct tracer {
     const fxs_frame *f;
     const fxs_targets *targets;
+    int32_t x, y, shift;           /* first pixel of the tile, log2 of its rate */
+    int32_t columns, first_row, end_row;   /* samples to draw */
     int bits;                      /* number of fraction bits of the depths in the caller's images */
     const uint32_t *list;
-    uint32_t count;
+    uint32_t count, left;          /* entries of the stretch, and of it with all later stretches */
     uint32_t first, end;
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];
@@ -26,6 +31,8 @@ typedef struct tracer {
                                               hidden */
     uint64_t sums[FXS_TILE_PIXELS];
     uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];
+    fxs_splat changed[SOME];
+    uint32_t numbers[SOME];
 } tracer;
 
 static uint32_t slot_of(uint32_t entry)
@@ -105,17 +112,42 @@ static int end_part(tracer *t, const fxs_tile *tile)
     return open;
 }
 
-static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
+/* Changes the splats of a list with a rate r above 1. The sample (i, j), which the kernel takes for pixel (i, j) of a
+   tile at (0, 0), is at pixel (x + r i + r / 2, y + r j + r / 2). So u = u0 + X ux + Y uy, modulo 2^32, stays exact. */
+static void change_splats(tracer *t)
 {
+    const uint32_t x = (uint32_t)(t->x + fxs_rate_pixel(t->shift)), y = (uint32_t)(t->y + fxs_rate_pixel(t->shift));
+    const int32_t rate = 1 << t->shift;
+    for (uint32_t n = 0; n < t->count; n++) {
+        if (n + FARTHER < t->left)
+            FXS_PREFETCH(&t->f->splats[slot_of(t->list[n + FARTHER])]);
+        fxs_splat s = t->f->splats[slot_of(t->list[n])];
+        s.u0_q24 += x * (uint32_t)s.ux_q24 + y * (uint32_t)s.uy_q24;
+        s.v0_q24 += y * (uint32_t)s.vy_q24;
+        s.ux_q24 *= rate;          /* below 2^27, as |ux|, |uy| and vy are at most 1.83 */
+        s.uy_q24 *= rate;
+        s.vy_q24 *= rate;
+        s.first_row = (uint16_t)(s.first_row > t->y ? (s.first_row - t->y) >> t->shift : 0);
+        s.last_row = (uint16_t)(s.last_row > t->y ? (s.last_row - t->y) >> t->shift : 0);
+        t->changed[n] = s;
+        t->numbers[n] = n;
+    }
+}
+
+static int trace_stretch(tracer *t, fxs_tile *tile)
+{
+    const int changed = t->shift > 0;
     int open = 1;
+    if (changed)
+        change_splats(t);
     memset(t->trace.median, 0xff, sizeof t->trace.median);
     memset(t->trace.largest, 0xff, sizeof t->trace.largest);
     for (t->first = 0; t->first < t->count && open; t->first = t->end) {
         begin_part(t);
         reset_part(t, tile);
-        t->f->context->config.kernels->trace(&t->f->view, x, y, t->f->splats, t->list, t->codes_q15, t->first, t->end,
-                                             tile,
-                                     &t->trace);
+        t->f->context->config.kernels->trace(&t->f->view, changed ? 0 : t->x, changed ? 0 : t->y,
+                                             changed ? t->changed : t->f->splats, changed ? t->numbers : t->list,
+                                             t->codes_q15, t->first, t->end, tile, &t->trace);
         open = end_part(t, tile);
     }
     if (t->trace.which & FXS_TRACE_MEDIAN)
@@ -125,15 +157,32 @@ static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
     return open;
 }
 
-static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_t rows)
+static void read_limits(tracer *t)
 {
     const fxs_image *occluder = &t->targets->occluder;
+    const int32_t x = t->x + fxs_rate_pixel(t->shift), y = t->y + fxs_rate_pixel(t->shift);
     memset(t->limits, 0xff, sizeof t->limits);
-    for (int32_t row = 0; row < rows && occluder->pixels; row++) {
-        const uint32_t *depths = (const uint32_t *)(const void *)fxs_image_at(occluder, x, y + row, 4);
-        for (int32_t column = 0; column < columns; column++)
-            t->limits[row * FXS_TILE + column] = fxs_depth_key(depths[column], t->bits);
+    for (int32_t row = t->first_row; row < t->end_row && occluder->pixels; row++) {
+        const uint32_t *depths = (const uint32_t *)(const void *)fxs_image_at(occluder, x, y + (row << t->shift), 4);
+        for (int32_t column = 0; column < t->columns; column++)
+            t->limits[row * FXS_TILE + column] = fxs_depth_key(depths[column << t->shift], t->bits);
     }
+}
+
+/* Sets the samples to draw. Of a macro tile, closes the others: they may be outside the band or the picture, or are not
+   needed. */
+static void set_samples(tracer *t, fxs_tile *samples)
+{
+    const fxs_frame *f = t->f;
+    const int32_t side = t->shift ? FXS_RATE_PIXELS : FXS_TILE, first = f->first_row * FXS_TILE - t->y;
+    const int32_t end = fxs_min(f->view.height, f->end_row * FXS_TILE) - t->y;
+    t->columns = fxs_min(side, f->view.width - t->x) >> t->shift;
+    t->first_row = (first > 0 ? first : 0) >> t->shift;
+    t->end_row = fxs_min(side, end) >> t->shift;
+    fxs_tile_clear(samples);
+    for (int32_t i = 0; i < FXS_TILE_PIXELS && t->shift; i++)
+        if (i % FXS_TILE >= t->columns || i / FXS_TILE < t->first_row || i / FXS_TILE >= t->end_row)
+            samples->transmittance_q15[i] = 0;
 }
 
 fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index, const fxs_object_view **object)
@@ -149,26 +198,28 @@ static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **o
                                : fxs_id_of(f->views, f->object_count, f->indices[slot], object);
 }
 
-static void write_row(const tracer *t, const fxs_tile *tile, int32_t x, int32_t y, int32_t columns, int first)
+static void write_row(const tracer *t, const fxs_tile *tile, int32_t row)
 {
     const fxs_targets *targets = t->targets;
+    const int32_t x = t->x, y = t->y + row, columns = t->columns << t->shift, shift = t->shift;
+    const int first = (row >> shift) * FXS_TILE;
     const int16_t *transmittance_q15 = tile->transmittance_q15 + first;
     if (targets->mean_depth.pixels) {
         uint32_t *means = (uint32_t *)(void *)fxs_image_at(&targets->mean_depth, x, y, 4);
         for (int32_t i = 0; i < columns; i++)
-            means[i] = fxs_mean_depth(t->sums[first + i], transmittance_q15[i]);
+            means[i] = fxs_mean_depth(t->sums[first + (i >> shift)], transmittance_q15[i >> shift]);
     }
     if (targets->median_depth.pixels) {
         uint32_t *medians = (uint32_t *)(void *)fxs_image_at(&targets->median_depth, x, y, 4);
         for (int32_t i = 0; i < columns; i++)
-            medians[i] = transmittance_q15[i] >= FXS_HALF_Q15
-                             ? FXS_NOTHING : fxs_depth_of_key(t->f->depths[t->median[first + i]], t->bits);
+            medians[i] = transmittance_q15[i >> shift] >= FXS_HALF_Q15
+                             ? FXS_NOTHING : fxs_depth_of_key(t->f->depths[t->median[first + (i >> shift)]], t->bits);
     }
     if (targets->id.pixels) {
         fxs_id *ids = (fxs_id *)(void *)fxs_image_at(&targets->id, x, y, 8);
         const fxs_object_view *object = t->f->views;
         for (int32_t i = 0; i < columns; i++)
-            ids[i] = id_of(t->f, t->largest[first + i], &object);
+            ids[i] = id_of(t->f, t->largest[first + (i >> shift)], &object);
     }
 }
 
@@ -178,29 +229,33 @@ static unsigned which_of(const fxs_targets *targets, const uint32_t *slots)
            (targets->id.pixels || slots ? FXS_TRACE_ID : 0u) | (targets->occluder.pixels ? FXS_TRACE_END : 0u);
 }
 
-void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots)
+void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, int shift, fxs_tile *samples,
+                    uint32_t *slots)
 {
     tracer t;
-    const fxs_stage_view *view = &f->view;
-    const int32_t columns = fxs_min(FXS_TILE, view->width - x), rows = fxs_min(FXS_TILE, view->height - y);
+    const uint32_t most = shift ? SOME : STRETCH;
     int open = 1;
     t.f = f;
+    t.x = x;
+    t.y = y;
+    t.shift = shift;
     t.targets = f->targets;
     t.bits = fxs_depth_bits(t.targets);
     t.trace.which = which_of(t.targets, slots);
-    fxs_tile_clear(pixels);
-    read_limits(&t, x, y, columns, rows);
+    set_samples(&t, samples);
+    read_limits(&t);
     memset(t.sums, 0, sizeof t.sums);
     memset(t.median, 0xff, sizeof t.median);
     memset(t.largest, 0xff, sizeof t.largest);
     memset(t.trace.weight_q15, 0, sizeof t.trace.weight_q15);
     for (uint32_t done = 0; done < list->count && open; done += t.count) {
         t.list = list->entries + done;
-        t.count = list->count - done < STRETCH ? list->count - done : STRETCH;
-        open = trace_stretch(&t, x, y, pixels);
+        t.left = list->count - done;
+        t.count = t.left < most ? t.left : most;
+        open = trace_stretch(&t, samples);
     }
-    for (int32_t row = 0; row < rows; row++)
-        write_row(&t, pixels, x, y + row, columns, row * FXS_TILE);
+    for (int32_t row = t.first_row << shift; row < t.end_row << shift; row++)
+        write_row(&t, samples, row);
     if (slots)
         memcpy(slots, t.largest, sizeof t.largest);
 }

@@ -126,7 +126,7 @@ two ../knot.ply ../plain.fxs -o out.png'
 options="bg 303030; format ppm; quality 50; fps 12; orbit 4; frames 4; path ../cameras.json; seconds 0.2;
     track 1; write-cameras views.json; shutter 180; aperture 0.5; focus 3; samples 4; alpha; depth d.png;
     depth-kind mean; depth-range 20; ids i.png; pick 30,18; panorama; lens; scissor 0,0,32,18; hash; stats; json;
-    diff diff.png;
+    diff diff.png; gaze 0,0,0,4;
     expect 0123456789abcdef; $shared"
 
 # These change no output by design: how the work is done, limits, and words.
@@ -170,12 +170,12 @@ levels ../levels.fxs --json
 packed ../plain.fxs --json
 two ../knot.ply ../plain.fxs --json
 compare ../tip.ply --compare ../before.json'
-options="orbit 11; frames 11; draw ids; json; compare ../before.json; threads 3; cpu c; max-memory 3M; $shared"
+options="orbit 11; frames 11; draw ids; gaze 0,0,0,4; json; compare ../before.json; threads 3; cpu c; max-memory 3M; $shared"
 "$fixsplat" make-scene landscape --count 300 -o land.ply && "$fixsplat" convert land.ply tip.ply --rotate 90,0,0 --quiet
 "$fixsplat" bench tip.ply --size 64x36 --json >before.json
-# The place of a scene and its profile change times alone.
+# The place of a scene, its profile and a gaze change times alone.
 by_design='backend max-gaussians import-memory' more='--size 64x36'
-elsewhere='auto-up:levels auto-up:packed auto-up:two place:cameras profile:all'
+elsewhere='auto-up:levels auto-up:packed auto-up:two place:cameras profile:all gaze:all'
 mask='s/("[a-z_]*_ms[_a-z]*"): [0-9.]+/\1/g; s/("[a-z]+"): [0-9]+\.[0-9]{3}([,}])/\1\2/g; s/ +[0-9]+\.[0-9]{3}//g
     s/ +[0-9.]+%//'
 try bench

@@ -292,7 +292,8 @@ const command command_bench = {
     "  $ fixsplat bench scene.ply --orbit 120\n"
     "  $ fixsplat bench scene.fxs --budget 500000 --orbit 120\n"
     "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",
-    {{own_rows, 0}, {camera_rows, offsetof(bench_options, frame)}, {world_rows, offsetof(bench_options, frame.world)},
+    {{own_rows, 0}, {gaze_rows, offsetof(bench_options, frame)},
+     {camera_rows, offsetof(bench_options, frame)}, {world_rows, offsetof(bench_options, frame.world)},
      {frame_rows, offsetof(bench_options, frame)}, {level_rows, offsetof(bench_options, frame)},
      {load_rows, offsetof(bench_options, frame.load)}, COMMON_TABLE}
 };

@@ -185,6 +185,7 @@ static const option_rule rules[] = {
     {"up auto-up", "path", "panorama", "its keys have their own up direction"},
     {"bg sh-degree", 0, "output hash expect stats", "it changes colours only"},
     {"alpha", 0, "output hash expect", "it changes the picture only"},
+    {"gaze", 0, "output hash expect depth ids", "it changes pictures only"},
     {"format", 0, "output", 0},
     {"diff", 0, "expect", "a picture"},
     {"depth-kind depth-range", 0, "depth", 0},
@@ -313,6 +314,8 @@ const command command_render = {
     "  $ fixsplat render room.fxs chair.spz --place chair.spz:1,0,2 --place chair.spz:-1,0,2,0,0,1,0 -o room.png\n"
     "  $ fixsplat render scene.ply --ortho 4 --size 1000x1000 -o plan.png --ids ids.png\n"
     "  $ fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 -o eyes.png\n"
+    "  $ fixsplat render scene.ply --stereo 0.063 --size 2064x2208 --gaze 1032,1104,400,800 -o gaze.png\n"
     "  $ fixsplat render scene.ply --panorama --size 4096x2048 -o around.png\n",
-    {{own_rows, 0}, FRAME_TABLES(render_options), POOL_TABLE(render_options), COMMON_TABLE}
+    {{own_rows, 0}, {gaze_rows, offsetof(render_options, frame)}, FRAME_TABLES(render_options),
+     POOL_TABLE(render_options), COMMON_TABLE}
 };

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include <fixsplat/backend.h>
+#include <fixsplat/rates.h>
 #include <fixsplat/internal/fixed.h>
 
 enum { WAIT_NS = 100000000, TRIES = 6 };
@@ -28,6 +29,8 @@ int renderer_open(renderer *r, const frame_options *options)
     r->stereo = options->stereo;
     r->mirrored = options->has_tangents;
     r->max_memory = options->max_memory;
+    r->gazes = options->gazes;
+    memcpy(r->gaze, options->gaze, sizeof r->gaze);
     int devices[DEVICES_MOST];
     choose_devices(options, devices);
     int status = choose_backend(options, devices[0], &r->backend, &how);
@@ -46,6 +49,9 @@ void renderer_close(renderer *r)
     if (r->self)
         r->backend->close(r->self);
     r->self = 0;
+    free(r->rates);
+    r->rates = 0;
+    r->rate_room = 0;
 }
 
 void renderer_forget(renderer *r, const world *w)
@@ -78,6 +84,23 @@ static int make_room(const renderer *r, picture *out, int width, int height)
     out->width = width;
     out->height = height;
     return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
+}
+
+/* Makes the map of rates for the gaze, for one eye. */
+static int look_at(renderer *r, const fxs_camera *camera, fxs_image *rates)
+{
+    const int width = camera->width, height = camera->height;
+    const size_t columns = ((size_t)width + 31) / 32, rows = ((size_t)height + 31) / 32;
+    void *memory = r->rates;
+    const int enough = grow(&memory, &r->rate_room, columns * rows);
+    r->rates = memory;
+    *rates = (fxs_image){memory, (ptrdiff_t)columns};
+    if (!enough)
+        return fail(EXIT_FAILED, "out of memory: rates of %dx%d", width, height);
+    const uint32_t near = (uint32_t)(r->gazes == 4 ? r->gaze[2] : height / 4);
+    fxs_rates_around(rates, width, height, r->gaze[0], r->gaze[1], near,
+                     (uint32_t)(r->gazes == 4 ? r->gaze[3] : height / 2));
+    return 0;
 }
 
 /* Returns the number of fraction bits with which all depths of the world fit into 32 bits. */
@@ -260,8 +283,11 @@ int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs
         make_room(r, out, eyes * request.cameras->width, request.cameras->height))
         return EXIT_FAILED;
     out->depth_bits = choose_depth_bits(w, view);
-    for (int eye = 0; eye < eyes; eye++)
+    for (int eye = 0; eye < eyes; eye++) {
         aim(r, out, eye, &request.targets[eye]);
+        if (r->gazes && look_at(r, request.cameras, &request.targets[eye].rates))
+            return EXIT_FAILED;
+    }
     const int error = world_is_paged(w) ? draw_in_part(r, w, &request, stats, &why)
                                         : r->backend->render(r->self, &request, stats, &why);
     return error ? fail_frame(r, view, error, &why) : world_check(w);

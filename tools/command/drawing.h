@@ -29,6 +29,9 @@ typedef struct renderer {
     int mirrored;                           /* 1: the right eye's field of view mirrors the left one's */
     int has_scissor, scissor[4];            /* part of the picture to draw: x, y, width, height */
     int shows_part;    /* for scenes partly in memory: 1 draws what is loaded; 0 waits until no part is missing */
+    int gazes, gaze[4];                     /* as in frame_options */
+    uint8_t *rates;
+    size_t rate_room;
     int lost;                               /* 1: a missing part of the last picture could not be read */
     fxs_message why_lost;                   /* reason why the part could not be read */
 } renderer;

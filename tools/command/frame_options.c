@@ -78,6 +78,13 @@ static int take_tangents(const option_row *row, void *field, const char *value)
     return options->has_tangents ? 0 : wrong_value(row, value);
 }
 
+static int take_gaze(const option_row *row, void *field, const char *value)
+{
+    frame_options *options = field;
+    options->gazes = strchr(value, ',') && strchr(strchr(value, ',') + 1, ',') ? 4 : 2;
+    return parse_counts(value, options->gazes, 0, FXS_MAX_SIZE, options->gaze) ? 0 : wrong_value(row, value);
+}
+
 static int take_place(const option_row *row, void *field, const char *value)
 {
     world_options *options = field;
@@ -160,6 +167,13 @@ const option_row background_rows[] = {
     {0}
 };
 
+const option_row gaze_rows[] = {
+    {"gaze", "X,Y[,R1,R2]", take_gaze, 0, .expected = "X,Y or X,Y,RADIUS1,RADIUS2, pixels, 0 to 16384", .help =
+     "draw as for a headset that follows the eye: tiles of 32x32 pixels within R1 pixels of pixel X,Y in full, within "
+     "R2 one pixel in 2x2, beyond one in 4x4 (default: 1/4 and 1/2 of the picture's height)"},
+    {0}
+};
+
 const option_row level_rows[] = {
     {.help = "Levels of detail (an .fxs by convert --levels):"},
     {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .help =
@@ -238,6 +252,7 @@ static const option_rule rules[] = {
     {"fov", "ortho tangents", 0, "it gives the size of the picture"},
     {"fov ortho tangents", "panorama", 0, "it looks all around"},
     {"tangents", "ortho", 0, "give one"},
+    {"gaze", "panorama lens scissor", 0, 0},
     {0}
 };
 
@@ -248,6 +263,10 @@ int frame_options_check(const frame_options *options)
         return EXIT_USAGE;
     if (is_given("device") && backend && !(backend->can & FXS_CAN_DEVICES))
         return fail(EXIT_USAGE, "--device is for --backend cuda, not for %s", backend->name);
+    if (options->gazes && options->render.cutoff == FXS_CUTOFF_SQUARE)
+        return fail(EXIT_USAGE, "--gaze does not go with --cutoff square, which depends on the picture's tiles");
+    if (options->gazes && backend && !(backend->can & FXS_CAN_RATES))
+        return fail(EXIT_USAGE, "--backend %s draws all pixels: no --gaze", backend->name);
     if (options->panorama && options->width != 2 * options->height)
         return fail(EXIT_USAGE, "--panorama is twice as wide as high: --size %dx%d is not", options->width,
                     options->height);

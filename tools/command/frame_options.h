@@ -36,6 +36,7 @@ typedef struct frame_options {
     int device_count;
     uint32_t threads;
     size_t max_memory;                      /* most bytes for rendering a frame; 0: no limit */
+    int gazes, gaze[4];                     /* pixel, radii of the rates 1 and 2; gazes: how many are given */
     load_options load;
     world_options world;
 } frame_options;
@@ -44,7 +45,7 @@ typedef struct frame_options {
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 
 /* Further rows below the heading of frame_rows and of load_rows. */
-extern const option_row background_rows[], pool_rows[];
+extern const option_row background_rows[], gaze_rows[], pool_rows[];
 #define POOL_TABLE(options) {pool_rows, offsetof(options, frame.load)}
 #define FRAME_TABLES(options) \
     {camera_rows, offsetof(options, frame)}, {world_rows, offsetof(options, frame.world)}, \

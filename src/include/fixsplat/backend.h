@@ -21,8 +21,9 @@ enum fxs_backend_can {
     FXS_CAN_COMPOSE = 2,           /* accepts an occluder (a picture of depths that hide Gaussians) and a backdrop (a
                                       picture behind the scene), and can write coverage and 16-bit RGBA */
     FXS_CAN_DEVICES = 4,           /* has several devices; each may render on its own thread */
-    FXS_CAN_PART = 8               /* can draw scenes with only a part of their Gaussians in memory
+    FXS_CAN_PART = 8,              /* can draw scenes with only a part of their Gaussians in memory
                                       (fxs_scene.places) */
+    FXS_CAN_RATES = 16             /* accepts a map of rates (fxs_targets.rates) */
 };
 
 /* Options for opening a back end. A field of 0 stands for its default. */

@@ -337,6 +337,12 @@ typedef struct fxs_targets {
                                       the surface adds nothing to the pixel */
     fxs_image backdrop;            /* input picture that replaces the background: RGBA8, alpha ignored. Not allowed for
                                       formats with coverage. May be the colour target if its format is RGBA8 */
+    fxs_image rates;               /* input map of rates, uint8_t for each macro tile of 32x32 pixels, (width + 31) / 32
+                                      a row: 1, 2 or 4. In a macro tile with rate r, the Gaussians at pixel (r / 2, r /
+                                      2) of each block of r x r pixels fill the block: colours, coverage, depths and id.
+                                      A backdrop keeps its own pixels. At the right and lower edge, a rate is halved
+                                      while it does not divide the picture's width and height. Null: 1. Experimental.
+                                      FXS_CUTOFF_SQUARE has no rates (FXS_ERR_TARGET) */
 } fxs_targets;
 
 /* Initialises the targets of a frame: no picture is wanted, and the colour format is RGBA8. */
