@@ -170,7 +170,7 @@ static void random_window(fxs_camera *camera)
     }
 }
 
-static void random_targets(picture *a, picture *b, uint32_t *read)
+static void random_targets(picture *a, picture *b, uint32_t *read, const fxs_image *rates)
 {
     const unsigned without = (unsigned)next();
     const int occluded = between(0, 2) == 0, over = between(0, 2) == 0 && !fxs_is_premultiplied(a->targets.format);
@@ -189,6 +189,7 @@ static void random_targets(picture *a, picture *b, uint32_t *read)
             t->occluder = (fxs_image){read, 4 * (ptrdiff_t)a->width};
         if (over)
             t->backdrop = (fxs_image){read, 4 * (ptrdiff_t)a->width};
+        t->rates = *rates;
     }
 }
 
@@ -223,11 +224,15 @@ static int random_frame(int wild, uint32_t eyes)
     }
     picture a[2], b[2];
     uint32_t *read[2] = {0, 0};
+    uint8_t rates[2][64];
     for (uint32_t eye = 0; eye < eyes; eye++) {
         a[eye] = picture_new(request.cameras->width, request.cameras->height, (enum fxs_format)between(0, 3));
         b[eye] = picture_new(request.cameras->width, request.cameras->height, a[eye].targets.format);
         read[eye] = malloc(4 * (size_t)a[eye].width * (size_t)a[eye].height);
-        random_targets(&a[eye], &b[eye], read[eye]);
+        for (int i = 0; i < 64; i++)
+            rates[eye][i] = (uint8_t)(1 << between(0, 2));
+        const int rated = request.options.cutoff == FXS_CUTOFF_MAHALANOBIS && between(0, 1);
+        random_targets(&a[eye], &b[eye], read[eye], &(fxs_image){rated ? rates[eye] : 0, 8});
     }
     const int same = is_same(&request, a, b);
     for (uint32_t eye = 0; eye < eyes; eye++) {

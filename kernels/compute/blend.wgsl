@@ -63,22 +63,24 @@ fn blend_patch(here: Patch, thread: u32)
         }
         workgroupBarrier();
     }
-    if (place.inside.x) {
-        put_pixel(&p, place.at);
-    }
-    if (place.inside.y) {
-        put_pixel(&q, place.at + APART);
+    for (var i = 0u; i < 1u << (2u * here.shift); i += 1u) {
+        if (place.inside.x) {
+            put_pixel(&p, pixel_of(place.at.x, here.shift, i));
+        }
+        if (place.inside.y) {
+            put_pixel(&q, pixel_of(place.at.y, here.shift, i));
+        }
     }
 }
 
 @compute @workgroup_size(32)
 fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let here = patch_of(group);
-    if (here.tile == NOTHING) {
+    let share = share_of(group);
+    if (share.tile == NOTHING) {
         return;
     }
-    blend_patch(here, thread);
+    blend_patch(patch_of(share, thread), thread);
 }
 
 // Writes the background to tiles with empty lists, 8x8 pixels per workgroup.

@@ -16,7 +16,6 @@ var<workgroup> bound: array<atomic<u32>, 4>;   // ~first column, ~first row, end
 var<workgroup> found: atomic<u32>;
 var<workgroup> near_count: atomic<u32>;
 var<workgroup> near: array<u32, 128>;          // halves of chunks whose bounds contain the tile
-var<workgroup> shared_number: u32;
 
 struct Box {
     first: vec2<u32>,              // range of tiles that contains the splat
@@ -139,15 +138,6 @@ fn bound_slots(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// Returns thread 0's number to all threads.
-fn of_first(thread: u32, number: u32) -> u32
-{
-    if (thread == 0u) {
-        shared_number = number;
-    }
-    return workgroupUniformLoad(&shared_number);
-}
-
 fn bound_has(half: u32, at: vec2<u32>) -> bool
 {
     let range = vec2<u32>(entries[2u * half], entries[2u * half + 1u]);
@@ -229,10 +219,9 @@ fn list_tile(thread: u32, tile: u32, lists: Lists) -> u32
     return count;
 }
 
-fn patch_at(tile: u32, number: u32, list: u32, count: u32) -> Patch
+fn whole_patch(thread: u32, tile: u32, number: u32, list: u32, count: u32) -> Patch
 {
-    let corner = corner_of(tile, number);
-    return Patch(tile, corner.x, corner.y, vec2<u32>(0u, SIDE - 1u), list, count);
+    return patch_at(thread, tile, number, vec2<u32>(0u, SIDE - 1u), list, count);
 }
 
 fn patches() -> u32
@@ -248,7 +237,7 @@ fn finish_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups
     for (var tile = group.x; tile < u32(frame.tiles.x * frame.tiles.y); tile += groups.x) {
         let count = list_tile(thread, tile, lists);
         for (var i = 0u; i < patches(); i += 1u) {
-            blend_patch(patch_at(tile, i, lists.list, count), thread);
+            blend_patch(whole_patch(thread, tile, i, lists.list, count), thread);
             workgroupBarrier();
         }
     }
@@ -262,7 +251,7 @@ fn finish_traced(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroup
     for (var tile = group.x; tile < u32(frame.tiles.x * frame.tiles.y); tile += groups.x) {
         let count = list_tile(thread, tile, lists);
         for (var i = 0u; i < patches(); i += 1u) {
-            trace_patch(patch_at(tile, i, lists.list, count), thread);
+            trace_patch(whole_patch(thread, tile, i, lists.list, count), thread);
             workgroupBarrier();
         }
     }

@@ -15,6 +15,8 @@ var<workgroup> touching: array<atomic<u32>, 2>;
 var<workgroup> open_round: u32;
 var<workgroup> open_pixels: array<atomic<u32>, 2>; // bits of the pixels that are not yet opaque, 8 per row
 
+var<workgroup> shared_number: u32;
+
 struct Pixel {
     transmittance: i32,
     sum: vec3<i32>,
@@ -51,6 +53,18 @@ fn fetch_splat(entry: u32) -> Fetched
     return f;
 }
 
+// Returns a splat relative to the first sample of a patch, in steps of a sample.
+fn relative(f: Fetched, here: Patch) -> Fetched
+{
+    var g = f;
+    let first = (max(f.b.w & 0xffffu, here.y) - here.y) >> here.shift;
+    let last = (max(f.b.w >> 16u, here.y) - here.y) >> here.shift;
+    g.a = vec4<u32>(f.a.x + here.x * f.a.z + here.y * f.a.w, f.a.y + here.y * f.b.x, f.a.zw << vec2<u32>(here.shift));
+    g.b.x = f.b.x << here.shift;
+    g.b.w = first | (last << 16u);
+    return g;
+}
+
 // Returns true if a splat can touch an open pixel, one that is not yet opaque. In a row of pixels, the splat coordinate
 // |u| is smallest at the first or last open pixel, or zero between them.
 fn touch(f: Fetched, here: Patch) -> bool
@@ -58,10 +72,10 @@ fn touch(f: Fetched, here: Patch) -> bool
     let offset_q11 = i32(f.b.y & 0xffffu);
     let limit_q11 = fxs_limit_q11(offset_q11, frame.cut_q11);
     let ux = f.a.z;
-    let first = max(max(f.b.w & 0xffffu, here.y) - here.y, here.rows.x);
-    let last = min(max(f.b.w >> 16u, here.y) - here.y, here.rows.y);
-    var u = f.a.x + here.x * ux + (here.y + first) * f.a.w;
-    var v = f.a.y + (here.y + first) * f.b.x;
+    let first = max(f.b.w & 0xffffu, here.rows.x);
+    let last = min(f.b.w >> 16u, here.rows.y);
+    var u = f.a.x + first * f.a.w;
+    var v = f.a.y + first * f.b.x;
     var touches = false;
     for (var row = first; row <= last; row += 1u) {
         let open = open_of(row);
@@ -151,10 +165,10 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
 }
 
 struct Patch {
-    tile: u32,                     // number of the tile; NOTHING: no pixels to draw
-    x: u32,
+    x: u32,                        // pixel of the first sample
     y: u32,
-    rows: vec2<u32>,               // first and last row of pixels to draw, relative to y
+    shift: u32,                    // log2 of the rate: a sample covers a block of 2^shift x 2^shift pixels
+    rows: vec2<u32>,               // first and last row of samples to draw
     list: u32,
     count: u32,
 }
@@ -167,7 +181,38 @@ fn corner_of(tile: u32, number: u32) -> vec2<u32>
            vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;
 }
 
-fn patch_of(group: vec3<u32>) -> Patch
+// Returns thread 0's number to all threads.
+fn of_first(thread: u32, number: u32) -> u32
+{
+    if (thread == 0u) {
+        shared_number = number;
+    }
+    return workgroupUniformLoad(&shared_number);
+}
+
+// Returns patch `number` of a tile. A tile with a rate above 1 has one patch.
+fn patch_at(thread: u32, tile: u32, number: u32, rows: vec2<u32>, list: u32, count: u32) -> Patch
+{
+    let corner = corner_of(tile, number);
+    var shift = 0u;
+    if (frame.rates != NOTHING) {
+        let macros = (u32(frame.size.x) + 31u) / 32u;
+        shift = of_first(thread, memory[frame.rates + corner.y / 32u * macros + corner.x / 32u]);
+    }
+    if (shift > 0u && any(corner != corner_of(tile, 0u))) {
+        return Patch(u32(frame.size.x), u32(frame.size.y), 0u, rows, 0u, 0u);
+    }
+    let first = corner + vec2<u32>((1u << shift) >> 1u);
+    return Patch(first.x, first.y, shift, rows, list, count);
+}
+
+struct Share {
+    tile: u32,                     // number of the tile; NOTHING: no pixels to draw
+    number: u32,                   // of the patch
+    rows: vec2<u32>,               // first and last row of samples to draw
+}
+
+fn share_of(group: vec3<u32>) -> Share
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
     let halves = frame.tile_bits - 3u;
@@ -176,19 +221,20 @@ fn patch_of(group: vec3<u32>) -> Patch
     let whole = number - min(number, by_rows);
     let patch_number = select(number / SIDE, whole + by_rows / SIDE, number >= by_rows);
     let rows = select(vec2<u32>(number % SIDE), vec2<u32>(0u, SIDE - 1u), number >= by_rows);
-    let tile = tile_at(patch_number >> (2u * halves));
-    if (tile == NOTHING) {
-        return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
-    }
-    let corner = corner_of(tile, patch_number);
-    let count = counts[list_of(tile)];
-    return Patch(tile, corner.x, corner.y, rows, counts[list_of(tile) + 1u] - count, count);
+    return Share(tile_at(patch_number >> (2u * halves)), patch_number, rows);
+}
+
+fn patch_of(share: Share, thread: u32) -> Patch
+{
+    let count = counts[list_of(share.tile)];
+    let list = counts[list_of(share.tile) + 1u] - count;
+    return patch_at(thread, share.tile, share.number, share.rows, list, count);
 }
 
 struct Place {
     column: u32,
     row: u32,
-    at: u32,
+    at: vec2<u32>,                 // numbers of the pixels of the two samples
     inside: vec2<bool>,
 }
 
@@ -198,10 +244,13 @@ fn place_of(here: Patch, thread: u32) -> Place
 {
     let column = thread % APART;
     let row = thread / APART;
-    let x = here.x + vec2<u32>(column, column + APART);
-    return Place(column, row, (here.y + row) * u32(frame.size.x) + here.x + column,
-                 (x < vec2<u32>(u32(frame.size.x))) &
-                     vec2<bool>(here.y + row < u32(frame.size.y) && row >= here.rows.x && row <= here.rows.y));
+    let columns = vec2<u32>(column, column + APART);
+    let x = here.x + (columns << vec2<u32>(here.shift));
+    let y = here.y + (row << here.shift);
+    let side = min(SIDE, 16u >> here.shift);
+    return Place(column, row, y * u32(frame.size.x) + x,
+                 (x < vec2<u32>(u32(frame.size.x))) & (columns < vec2<u32>(side)) &
+                     vec2<bool>(y < u32(frame.size.y) && row < side && row >= here.rows.x && row <= here.rows.y));
 }
 
 fn bit_of(place: Place, second: bool) -> u32
@@ -231,10 +280,10 @@ fn close_pixel(place: Place, second: bool)
     atomicAnd(&open_pixels[place.row / 4u], ~bit_of(place, second));
 }
 
-fn put_splat(here: Patch, thread: u32, f: Fetched)
+fn put_splat(thread: u32, f: Fetched)
 {
     let limit = fxs_limit_q11(i32(f.b.y & 0xffffu), frame.cut_q11);
-    shapes[thread] = vec4<u32>(f.a.x + here.x * f.a.z + here.y * f.a.w, f.a.y + here.y * f.b.x, f.a.zw);
+    shapes[thread] = f.a;
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
@@ -243,10 +292,18 @@ fn place_splat(here: Patch, thread: u32, f: Fetched, round: u32)
     if ((f.entry & CUT_OFF) != 0u) {
         return;
     }
-    put_splat(here, thread, f);
-    if (touch(f, here)) {
+    let g = relative(f, here);
+    put_splat(thread, g);
+    if (touch(g, here)) {
         atomicOr(&touching[round % 2u], 1u << thread);
     }
+}
+
+// Returns the number of pixel i of the block of a sample, whose own pixel is `at`.
+fn pixel_of(at: u32, shift: u32, i: u32) -> u32
+{
+    let width = u32(frame.size.x);
+    return at - ((1u << shift) >> 1u) * (width + 1u) + (i >> shift) * width + (i & ((1u << shift) - 1u));
 }
 
 fn put_pixel(p: ptr<function, Pixel>, at: u32)

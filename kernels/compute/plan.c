@@ -4,6 +4,7 @@
 #include "src/core/memory.h"
 #include "src/core/stereo.h"
 #include "src/core/targets.h"
+#include "src/core/tile_rates.h"
 
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4,
        FIRST_MERGES = 8 };
@@ -137,7 +138,7 @@ static int check_targets(const fxs_targets *t, const fxs_camera *camera)
 {
     const int error = fxs_targets_check(t, camera->width, camera->height);
     return error ? error
-           : t->format > FXS_FORMAT_RGBA16_COVERAGE || t->rates.pixels ? FXS_ERR_UNSUPPORTED
+           : t->format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED
            : t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels
                ? 0 : FXS_ERR_TARGET;
 }
@@ -149,6 +150,7 @@ static int place_objects(fxs_plan *p, uint32_t eye)
     uint32_t chunks = 0;
     int error = fxs_view_init(&p->views[eye], &r->cameras[eye], &r->options);
     error = error ? error : check_targets(&r->targets[eye], &r->cameras[eye]);
+    error = error ? error : fxs_rates_check(&r->targets[eye].rates, &p->views[eye]);
     for (uint32_t i = 0; i < r->count && !error; i++) {
         fxs_object object;
         error = fxs_object_read(&object, r->objects, i);
@@ -364,11 +366,14 @@ static uint32_t uniforms_bytes(const fxs_plan *p)
 }
 
 /* Returns log2 of a tile's side. Tiles have 8x8 pixels if Gaussians outnumber pixels and are hence small, else
-   16x16. */
+   16x16. A frame with rates has 16x16, so that a tile with rate 2 is one patch of 8x8 samples. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const int boxes_have_room = pixels < (uint64_t)FXS_MAX_SIZE * FXS_MAX_SIZE;  /* see LARGE_BOX */
-    return boxes_have_room && slots_of(p) > pixels && p->views->cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
+    int large = !boxes_have_room || p->views->cutoff == FXS_CUTOFF_SQUARE || r->whole_tiles;
+    for (uint32_t eye = 0; eye < p->request->eyes; eye++)
+        large |= p->request->targets[eye].rates.pixels != 0;
+    return slots_of(p) > pixels && !large ? 3 : 4;
 }
 
 static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye, uint64_t pixels, uint64_t *words)
@@ -391,6 +396,11 @@ static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye, u
     f->id = plane_at(&picture, &t->id, 2 * pixels);
     p->read_words[eye] = picture - p->read_at[eye];
     *words = picture;
+}
+
+static uint64_t macros_of(const fxs_plan *p)
+{
+    return (uint64_t)fxs_macros(p->views->tiles_x) * fxs_macros(p->views->tiles_y);
 }
 
 static uint32_t at_most(uint32_t room, uint32_t most)
@@ -421,6 +431,10 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->scratch = r->pages * FXS_COMPUTE_PAGE;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
     f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)p->places) : 0;
+    for (uint32_t i = 0; i < p->request->eyes; i++) {      /* the table is the same in the memory of both eyes */
+        const uint32_t rates = plane_at(&words, &p->request->targets[i].rates, macros_of(p));
+        f->rates = i == eye ? rates : f->rates;
+    }
     f->ranks = words_at(&words, p->places / 32 + 1);
     f->visible = words_at(&words, p->places);
     f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
@@ -501,6 +515,14 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
     return 4 * (size_t)(p->frames->ranks - p->frames->spans_at);
 }
 
+static void put_rates(const fxs_plan *p, uint32_t eye, uint32_t *shift)
+{
+    const int32_t width = p->views[eye].width, height = p->views[eye].height, side = FXS_RATE_PIXELS;
+    for (int32_t y = 0; y < height; y += side)
+        for (int32_t x = 0; x < width; x += side)
+            *shift++ = (uint32_t)fxs_rate_shift(&p->request->targets[eye].rates, width, height, x, y);
+}
+
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = p->frames;
@@ -520,6 +542,9 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
         words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
         words[2] = p->drawn[i].chunk;
     }
+    for (uint32_t eye = 0; eye < p->request->eyes; eye++)
+        if (p->frames[eye].rates != FXS_NOTHING)
+            put_rates(p, eye, to + (p->frames[eye].rates - f->spans_at));
 }
 
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {

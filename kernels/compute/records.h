@@ -41,7 +41,7 @@ typedef struct fxs_compute_frame {
     uint32_t format;
     int32_t background_q13[4];
     int32_t depth_bits;
-    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop, scratch, squares;
+    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop, scratch, squares, rates;
 } fxs_compute_frame;
 
 typedef struct fxs_compute_object {

@@ -77,6 +77,7 @@ struct Frame {
     backdrop: u32,
     scratch: u32,                  // length of `entries`, for the tiles of a frame that does not fit
     squares: u32,                  // of square splats: offset of the range of tiles of each slot
+    rates: u32,                    // offset of log2 of each macro tile's rate; NOTHING: all rates are 1
 }
 
 struct Object {

@@ -138,8 +138,8 @@ fn trace_patch(here: Patch, thread: u32)
     let place = place_of(here, thread);
     var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside.x), vec3<i32>(0));
     var q = Pixel(select(0, FXS_CLEAR_Q15, place.inside.y), vec3<i32>(0));
-    var s = traced_at(place.inside.x, place.at);
-    var t = traced_at(place.inside.y, place.at + APART);
+    var s = traced_at(place.inside.x, place.at.x);
+    var t = traced_at(place.inside.y, place.at.y);
     var open = place.inside;
     var fetched = fetch_splat(fetch_entry(here, lane));
     var depth = depth_of(fetched.entry);
@@ -178,20 +178,22 @@ fn trace_patch(here: Patch, thread: u32)
         }
         workgroupBarrier();
     }
-    if (place.inside.x) {
-        put_traced(&p, &s, place.at);
-    }
-    if (place.inside.y) {
-        put_traced(&q, &t, place.at + APART);
+    for (var i = 0u; i < 1u << (2u * here.shift); i += 1u) {
+        if (place.inside.x) {
+            put_traced(&p, &s, pixel_of(place.at.x, here.shift, i));
+        }
+        if (place.inside.y) {
+            put_traced(&q, &t, pixel_of(place.at.y, here.shift, i));
+        }
     }
 }
 
 @compute @workgroup_size(32)
 fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let here = patch_of(group);
-    if (here.tile == NOTHING) {
+    let share = share_of(group);
+    if (share.tile == NOTHING) {
         return;
     }
-    trace_patch(here, thread);
+    trace_patch(patch_of(share, thread), thread);
 }

@@ -227,7 +227,7 @@ static const char *version(const void *self, enum fxs_stage stage)
 
 const fxs_backend fxs_backend_gles_compute = {
     .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1",
-    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_PART, .device = device_name, .open = open_device,
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_PART | FXS_CAN_RATES, .device = device_name, .open = open_device,
     .render = render, .forget = forget,
     .version = version, .nanoseconds = nanoseconds, .close = close_device
 };
