@@ -32,8 +32,8 @@ uint64_t fxs_mirror_place_bytes(const fxs_scene *scene);
 /* Returns the bytes of memory that a mirror of `room` places takes besides the struct. */
 uint64_t fxs_mirror_bytes(const fxs_scene *scene, uint32_t room);
 
-/* Returns the usual size of a pool in bytes: for two pictures and the coarsest chunks, or without a budget for the whole
-   scene. */
+/* Returns the usual size of a pool in bytes: for two pictures and the coarsest chunks, or without a budget for the
+   whole scene. */
 uint64_t fxs_mirror_usual_bytes(const fxs_scene *scene, uint32_t budget);
 
 /* Makes a mirror of a scene, with an empty pool of `room` places (fxs_places_room). `memory` is aligned to 4. The
