@@ -12,7 +12,7 @@ MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
 # Header files to install: CORE_HEADERS for the library libfixsplat-core.a (the renderer alone), HEADERS for libfixsplat
 # (all features).
-CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h backend.h \
+CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h backend.h pace.h \
     $(addprefix internal/,packed.h stage.h pixel.h fixed.h kernels.h))
 PUBLIC_HEADERS := $(wildcard src/include/fixsplat/*.h)
 INTERNAL_HEADERS := $(wildcard src/include/fixsplat/internal/*.h)

@@ -29,7 +29,7 @@ tools           public
 '
 
 public='
-src/core      fixsplat rates packed parts stage pixel fixed declarations
+src/core      fixsplat pace rates packed parts stage pixel fixed declarations
 src/base      allocator message scene system output
 src/gaussian  pack start
 src/camera    camera view_more
