@@ -244,6 +244,7 @@ void viewer_install(viewer *v)
     l->path = 0;
     v->ends = v->installing = v->cropped = v->lost = 0;
     v->gaussians = v->missing = 0;
+    fxs_pace_init(&v->pace);
     if (world_is_paged(&v->world) && !v->options.render.budget)
         v->options.render.budget = viewer_budget_most(v);
     v->film = v->film == FILM_TAKEN ? FILM_NONE : v->film;
@@ -401,14 +402,15 @@ static void toggle_levels(viewer *v, int key)
     v->changed = 1;
 }
 
-/* Adapts the budget (Gaussians per frame) to the time of the last frame. It changes by a factor of 0.8 to 1.25, and
-   grows only if it limits the frame. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
 {
-    const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
-    const double change = fmin(fmax(wanted / (double)(nanoseconds ? nanoseconds : 1), 0.8), 1.25);
-    if (has_levels(&v->world) && (change < 0.95 || (change > 1.05 && drawn > budget / 2)))
-        set_budget(v, fmin(budget, change < 1 ? fmax(drawn, BUDGET_LEAST) : budget) * change);
+    fxs_pace *p = &v->pace;
+    p->frame_nanoseconds = (uint32_t)(1e9 / v->rate_wanted);
+    p->budget_least = BUDGET_LEAST;
+    p->budget_most = viewer_budget_most(v);
+    p->budget = (uint32_t)budget_of(v);                 /* the keys change it too */
+    if (has_levels(&v->world) && fxs_pace_step(p, nanoseconds, drawn, p->number) > 0)
+        set_budget(v, p->budget);
 }
 
 static void toggle_graph(viewer *v, int key) { (void)key; v->graph = !v->graph; }

@@ -8,6 +8,7 @@
 #include "port/window/worker.h"
 #include "tools/command/drawing.h"
 #include <fixsplat/internal/edits.h>
+#include <fixsplat/pace.h>
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };
@@ -129,6 +130,7 @@ struct viewer {
     int arrived;                            /* 1: missing parts of the scene were loaded; set by another thread */
     int lost;
     double rate_wanted;                     /* wanted frames per second; 0: fixed budget of Gaussians */
+    fxs_pace pace;                          /* of frames while the camera moves, since the scene was shown */
     uint64_t slider;                        /* time when the budget slider disappears in nanoseconds; 0: hidden */
     char note[256];
 };
@@ -217,6 +219,7 @@ void viewer_install(viewer *v);
 int has_levels(const world *w);
 uint32_t viewer_budget_most(const viewer *v);
 
+/* Adapts the budget (Gaussians per frame) to the time of a frame that was drawn with the present budget. */
 void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn);
 
 /* Projects a point to window pixels, with the view of the last frame. Returns 0 for a point behind the camera. */

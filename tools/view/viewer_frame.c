@@ -196,7 +196,7 @@ static void take_frame(viewer *v, request *r)
     v->gaussians = r->stats.drawn;
     v->missing = r->stats.missing;
     fxs_frame_times_add(&v->times, &r->stats);
-    if (v->rate_wanted > 0 && r->moves)
+    if (v->rate_wanted > 0 && r->moves && r->render.budget == v->options.render.budget)
         viewer_follow_rate(v, r->stats.frame_nanoseconds, r->stats.drawn);
     if (v->renderer.lost && !v->lost++)
         tell(v, v->renderer.why_lost.text);

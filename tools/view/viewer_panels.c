@@ -335,6 +335,8 @@ static void add_rate(panels *p, const viewer *v)
     if (v->path && has_levels(&v->world))
         used += snprintf(text + used, sizeof text - (size_t)used, ", %.3g of %.3g million Gaussians",
                          v->gaussians * 1e-6, v->world.gaussians * 1e-6);
+    if (v->rate_wanted > 0)
+        used += snprintf(text + used, sizeof text - (size_t)used, ", %s", fxs_pace_why(v->pace.reason));
     if (v->missing)
         snprintf(text + used, sizeof text - (size_t)used, ", %" PRIu32 " chunks are missing", v->missing);
     add_words(p, TOP_RIGHT, text);
