@@ -33,7 +33,7 @@ flags_of = $(foreach kind,$(KINDS),$(if $(filter $(FILES_$(kind)),$(1)),$(FLAGS_
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 CORE := $(wildcard $(SOURCES_CORE) $(KERNELS_$(KERNEL_FOLDER)))
-DEVICES := $(call with,GLES,$(SOURCES_GLES)) $(call with,CUDA,$(SOURCES_CUDA))
+DEVICES := $(call with,GLES,$(SOURCES_GLES)) $(call with,VULKAN,$(SOURCES_VULKAN)) $(call with,CUDA,$(SOURCES_CUDA))
 LIBRARY := $(wildcard $(SOURCES_LIBRARY) $(SOURCES_$(SYSTEM)) $(SOURCES_PORT) $(THREADED_$(SYSTEM)) \
                       $(STAGES_$(KERNEL_FOLDER)))
 LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,$(SOURCES_EGL)) $(call with,OSMESA,$(SOURCES_OSMESA)))
@@ -113,6 +113,7 @@ $(B)/%.o: %.cu $(B)/commands/nvcc
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard $(SOURCES_GLES))): $(B)/with/GLES
+$(call objects,$(wildcard $(SOURCES_VULKAN))): $(B)/with/VULKAN
 $(call objects,$(SOURCES_EGL)): $(B)/with/EGL
 $(call objects,$(SOURCES_OSMESA)): $(B)/with/OSMESA
 
@@ -121,12 +122,19 @@ $(B)/kernels/compute/shaders.h: $(wildcard $(SHADERS_compute))
 $(B)/kernels/%/shaders.h: tools/scripts/shaders.sh
 	@mkdir -p $(@D)
 	@sh $< $(filter-out $<,$^) >$@
+$(B)/kernels/vulkan/shaders.h: tools/scripts/vulkan_shaders.sh $(wildcard $(SHADERS_vulkan))
+	@mkdir -p $(@D)
+	@sh $< -c $(filter-out $<,$^) >$@
+$(B)/kernels/vulkan/vk_device.o: $(B)/kernels/vulkan/shaders.h
+$(B)/kernels/vulkan/vk_device.o: INCLUDES += -I$(@D)
 WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
 $(WITH_SHADERS): INCLUDES += -I$(@D)
 
-$(B)/declarations.c: $(HEADERS) tools/scripts/declarations.sh $(B)/commands/compile
-	@CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/scripts/declarations.sh -c $(HEADERS) >$@
+# vulkan.h is left out, because a build may lack the headers of Vulkan.
+DECLARED := $(filter-out %/vulkan.h,$(HEADERS))
+$(B)/declarations.c: $(DECLARED) tools/scripts/declarations.sh $(B)/commands/compile
+	@CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/scripts/declarations.sh -c $(DECLARED) >$@
 
 $(B)/with/%: ;
 FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools/* tests tests/gpu

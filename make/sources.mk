@@ -19,6 +19,7 @@ THREADED_win32 := port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
 STAGES_x86 := kernels/fit/fit_sse41.c kernels/fit/fit_avx2.c kernels/fit/fit_avx512.c kernels/pack/*_avx2.c
 STAGES_arm := kernels/fit/fit_neon.c
 SOURCES_GLES := kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c
+SOURCES_VULKAN := kernels/vulkan/*.c port/vulkan/*.c
 SOURCES_CUDA := kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu
 SOURCES_EGL := port/gl/egl.c
 SOURCES_OSMESA := port/gl/osmesa.c
@@ -28,6 +29,8 @@ SOURCES_OSMESA := port/gl/osmesa.c
 SHADERS_gles := src/include/fixsplat/internal/pixel.h kernels/gl/*.vert kernels/gles/*.vert kernels/gl/*.frag kernels/gles/*.frag
 SHADERS_compute := kernels/compute/generated/*.comp kernels/compute/*.frag kernels/compute/*.glsl \
                    kernels/gl/*.vert kernels/gl/*.frag
+# tools/scripts/vulkan_shaders.sh -c turns these into kernels/vulkan/shaders.h.
+SHADERS_vulkan := kernels/vulkan/generated/*.spv
 
 # Source files of the command fixsplat. The separate programs for the window and for the web server contain them too,
 # except main.c.
@@ -99,8 +102,9 @@ LIBRARY_CURL := curl/curl.h -ldl
 LIBRARY_GLES := GLES3/gl3.h -ldl
 LIBRARY_EGL := EGL/egl.h
 LIBRARY_OSMESA := GL/osmesa.h
+LIBRARY_VULKAN := vulkan/vulkan_core.h -ldl
 
-LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL
+LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES VULKAN CURL
 LINKED_VIEW := TTF SDL
 LINKED_WEB := MICROHTTPD QRENCODE
 SOCKETS_win32 := -lws2_32 -liphlpapi

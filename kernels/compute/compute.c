@@ -512,8 +512,7 @@ static int put_plane(const fxs_compute *c, uint32_t eye, const fxs_image *image,
     unsigned char *to = map(c, eye, FXS_COMPUTE_MEMORY, 4 * (uint64_t)at, row * (uint64_t)view->height);
     if (!to)
         return failure(c, why);
-    for (int32_t y = 0; y < view->height; y++)
-        memcpy(to + (uint64_t)y * row, fxs_image_at(image, 0, y, 4), row);
+    fxs_plan_put_plane(&c->plan, image, to);
     return unmap(c, why);
 }
 
@@ -608,46 +607,6 @@ static GLintptr copy_status(const fxs_compute *c, GLuint buffer)
     return to;
 }
 
-/* Copies one plane of a finished picture, such as colours or depths, to an image with `bytes` bytes per pixel. The
-   plane has one or two 32-bit words per pixel. */
-static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
-{
-    const size_t width = (size_t)view->width;
-    if (!to->pixels)
-        return;
-    for (int32_t y = 0; y < view->height; y++) {
-        unsigned char *row = fxs_image_at(to, 0, y, bytes);
-        const unsigned char *from = (const unsigned char *)(picture + at) + (size_t)y * width * (bytes > 4 ? 8 : 4);
-        if (bytes >= 4)
-            memcpy(row, from, width * (size_t)bytes);
-        else
-            for (size_t x = 0; x < width; x++)
-                memcpy(row + x * (size_t)bytes, from + 4 * x, (size_t)bytes);
-    }
-}
-
-static void count(fxs_stats *stats, const uint32_t *status, uint32_t eyes)
-{
-    for (uint32_t eye = 0; eye < eyes; eye++, status += FXS_COMPUTE_STATUS) {
-        stats->visible += status[FXS_COMPUTE_VISIBLE];
-        stats->entries += (uint64_t)status[FXS_COMPUTE_ENTRY_COUNT + 1] << 32 | status[FXS_COMPUTE_ENTRY_COUNT];
-    }
-}
-
-/* Copies the finished pictures of an eye from `picture` to the request's images. */
-static void copy_planes(const fxs_compute *c, uint32_t eye, const uint32_t *picture)
-{
-    const fxs_targets *t = &c->plan.request->targets[eye];
-    const fxs_stage_view *view = &c->plan.views[eye];
-    const fxs_compute_frame *f = &c->plan.frames[eye];
-    const uint64_t first = c->plan.read_at[eye];
-    copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
-    copy_plane(view, &t->coverage, 1, picture, f->coverage - first);
-    copy_plane(view, &t->mean_depth, 4, picture, f->mean_depth - first);
-    copy_plane(view, &t->median_depth, 4, picture, f->median_depth - first);
-    copy_plane(view, &t->id, 8, picture, f->id - first);
-}
-
 /* Waits for the frame, and copies its pixels to the request's targets. */
 static int read_back(fxs_compute *c, fxs_stats *stats, fxs_message *why)
 {
@@ -661,12 +620,9 @@ static int read_back(fxs_compute *c, fxs_stats *stats, fxs_message *why)
     if (error)
         return error;
     const int result = fxs_plan_look(&c->rooms, from, eyes, why);
-    count(stats, from, eyes);
-    const uint32_t *picture = from + eyes * FXS_COMPUTE_STATUS;
-    for (uint32_t eye = 0; eye < eyes && !result; eye++) {
-        copy_planes(c, eye, picture);
-        picture += c->plan.read_words[eye];
-    }
+    fxs_plan_count(stats, from, eyes);
+    if (!result)
+        fxs_plan_take_pictures(&c->plan, from + eyes * FXS_COMPUTE_STATUS);
     const fxs_message first = *why;
     error = unmap(c, why);
     error = error ? error : fxs_compute_check(c, why);
@@ -686,7 +642,7 @@ static int look_at_flight(fxs_compute *c, uint32_t i, fxs_message *why)
     if (!status)
         return failure(c, why);
     const int error = fxs_plan_look(&c->rooms, status, flight->eyes, why);
-    count(&flight->stats, status, flight->eyes);
+    fxs_plan_count(&flight->stats, status, flight->eyes);
     c->stats = flight->stats;
     return c->gl.UnmapBuffer(GL_COPY_WRITE_BUFFER) ? error : failure(c, why);
 }
@@ -719,11 +675,7 @@ static int take_off(fxs_compute *c, const fxs_stats *stats, fxs_message *why)
 
 static void fill_stats(const fxs_compute *c, fxs_stats *stats)
 {
-    memset(stats, 0, sizeof *stats);
-    stats->gaussians = (uint32_t)c->plan.gaussians;
-    stats->drawn = c->plan.places * FXS_CHUNK;
-    stats->missing = c->plan.missing;
-    stats->bands = stats->runs = c->plan.request->eyes;
+    fxs_plan_stats(&c->plan, stats);
     for (uint32_t eye = 0; eye < c->plan.request->eyes; eye++) {
         const uint64_t *bytes = c->bytes[eye];
         stats->memory.splats += (size_t)(bytes[FXS_COMPUTE_MEMORY] + bytes[FXS_COMPUTE_SPLATS]);

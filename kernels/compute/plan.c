@@ -711,3 +711,59 @@ int fxs_plan_look(fxs_plan_rooms *r, const uint32_t *status, uint32_t eyes, fxs_
     r->merges = merges < r->merges ? r->merges - 1 : merges < FXS_PLAN_MERGES ? merges : FXS_PLAN_MERGES;
     return used[FXS_COMPUTE_DAMAGED] ? said(why, FXS_ERR_SCENE) : 0;
 }
+
+void fxs_plan_put_plane(const fxs_plan *p, const fxs_image *image, void *to)
+{
+    const size_t row = 4 * (size_t)p->views->width;
+    for (int32_t y = 0; y < p->views->height; y++)
+        memcpy((unsigned char *)to + (size_t)y * row, fxs_image_at(image, 0, y, 4), row);
+}
+
+/* Copies one plane of a finished picture, such as colours or depths, to an image with `bytes` bytes per pixel. The
+   plane has one or two 32-bit words per pixel. */
+static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
+{
+    const size_t width = (size_t)view->width;
+    if (!to->pixels)
+        return;
+    for (int32_t y = 0; y < view->height; y++) {
+        unsigned char *row = fxs_image_at(to, 0, y, bytes);
+        const unsigned char *from = (const unsigned char *)(picture + at) + (size_t)y * width * (bytes > 4 ? 8 : 4);
+        if (bytes >= 4)
+            memcpy(row, from, width * (size_t)bytes);
+        else
+            for (size_t x = 0; x < width; x++)
+                memcpy(row + x * (size_t)bytes, from + 4 * x, (size_t)bytes);
+    }
+}
+
+void fxs_plan_take_pictures(const fxs_plan *p, const uint32_t *picture)
+{
+    for (uint32_t eye = 0; eye < p->request->eyes; picture += p->read_words[eye++]) {
+        const fxs_targets *t = &p->request->targets[eye];
+        const fxs_compute_frame *f = &p->frames[eye];
+        const uint64_t first = p->read_at[eye];
+        copy_plane(&p->views[eye], &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
+        copy_plane(&p->views[eye], &t->coverage, 1, picture, f->coverage - first);
+        copy_plane(&p->views[eye], &t->mean_depth, 4, picture, f->mean_depth - first);
+        copy_plane(&p->views[eye], &t->median_depth, 4, picture, f->median_depth - first);
+        copy_plane(&p->views[eye], &t->id, 8, picture, f->id - first);
+    }
+}
+
+void fxs_plan_stats(const fxs_plan *p, fxs_stats *stats)
+{
+    memset(stats, 0, sizeof *stats);
+    stats->gaussians = (uint32_t)p->gaussians;
+    stats->drawn = p->places * FXS_CHUNK;
+    stats->missing = p->missing;
+    stats->bands = stats->runs = p->request->eyes;
+}
+
+void fxs_plan_count(fxs_stats *stats, const uint32_t *status, uint32_t eyes)
+{
+    for (uint32_t eye = 0; eye < eyes; eye++, status += FXS_COMPUTE_STATUS) {
+        stats->visible += status[FXS_COMPUTE_VISIBLE];
+        stats->entries += (uint64_t)status[FXS_COMPUTE_ENTRY_COUNT + 1] << 32 | status[FXS_COMPUTE_ENTRY_COUNT];
+    }
+}

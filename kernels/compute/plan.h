@@ -80,6 +80,17 @@ void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
    Enlarges the capacities for later frames. */
 int fxs_plan_look(fxs_plan_rooms *rooms, const uint32_t *status, uint32_t eyes, fxs_message *why);
 
+/* Copies an image of the host, an occluder or a backdrop, to the words of its plane. */
+void fxs_plan_put_plane(const fxs_plan *plan, const fxs_image *image, void *to);
+
+/* Copies the finished pictures, plan->read_words[eye] words each, to the request's images. */
+void fxs_plan_take_pictures(const fxs_plan *plan, const uint32_t *pictures);
+
+/* Fills in the statistics of a frame, except for memory and times. fxs_plan_count adds what the statuses of the eyes
+   tell, when the frame has finished. */
+void fxs_plan_stats(const fxs_plan *plan, fxs_stats *stats);
+void fxs_plan_count(fxs_stats *stats, const uint32_t *status, uint32_t eyes);
+
 typedef struct fxs_piece {
     const void *from;
     uint64_t bytes, at;

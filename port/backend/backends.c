@@ -6,7 +6,8 @@
 const fxs_backend *fxs_backend_at(int index)
 {
     static const fxs_backend *const all[] = {&fxs_backend_cpu,          &fxs_backend_gles,   &fxs_backend_gles_fetch,
-                                             &fxs_backend_gles_compute, &fxs_backend_osmesa, &fxs_backend_cuda};
+                                             &fxs_backend_gles_compute, &fxs_backend_osmesa, &fxs_backend_vulkan,
+                                             &fxs_backend_cuda};
     return index >= 0 && index < (int)(sizeof all / sizeof *all) ? all[index] : 0;
 }
 

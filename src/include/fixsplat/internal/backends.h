@@ -10,7 +10,7 @@ extern "C" {
 
 FXS_EXPERIMENTAL extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch,
     fxs_backend_gles_compute,
-                         fxs_backend_osmesa, fxs_backend_cuda;
+                         fxs_backend_osmesa, fxs_backend_vulkan, fxs_backend_cuda;
 
 #ifdef __cplusplus
 }

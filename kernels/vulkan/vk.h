@@ -1,0 +1,113 @@
+/* Internal declarations of the Vulkan back end.
+ *
+ * A frame takes a slot, with its uniforms, table of places and status, until its last command has written its serial
+ * number behind the status. The large buffers are parts of one block, which all frames share: they run in the order of
+ * submission to one queue. A block that is replaced is retired, and freed after the last frame that may use it. */
+#ifndef FXS_VK_H
+#define FXS_VK_H
+
+#include <fixsplat/vulkan.h>
+#include "kernels/compute/plan.h"
+
+/* Lists of the functions of an instance and of a device that the back end calls: F(name without vk). */
+#define FXS_VK_INSTANCE_FUNCTIONS(F) \
+    F(GetPhysicalDeviceMemoryProperties) F(GetPhysicalDeviceProperties2) F(GetPhysicalDeviceQueueFamilyProperties)
+#define FXS_VK_FUNCTIONS(F) \
+    F(AllocateCommandBuffers) F(AllocateDescriptorSets) F(AllocateMemory) F(BeginCommandBuffer) F(BindBufferMemory) \
+    F(CmdBindDescriptorSets) F(CmdBindPipeline) F(CmdCopyBuffer) F(CmdDispatch) F(CmdDispatchIndirect) \
+    F(CmdFillBuffer) F(CmdPipelineBarrier) F(CmdResetQueryPool) F(CmdWriteTimestamp) F(CreateBuffer) \
+    F(CreateCommandPool) F(CreateComputePipelines) F(CreateDescriptorPool) F(CreateDescriptorSetLayout) \
+    F(CreateFence) F(CreatePipelineCache) F(CreatePipelineLayout) F(CreateQueryPool) F(CreateShaderModule) \
+    F(DestroyBuffer) F(DestroyCommandPool) F(DestroyDescriptorPool) F(DestroyDescriptorSetLayout) F(DestroyFence) \
+    F(DestroyPipeline) F(DestroyPipelineCache) F(DestroyPipelineLayout) F(DestroyQueryPool) F(DestroyShaderModule) \
+    F(EndCommandBuffer) F(FreeCommandBuffers) F(FreeMemory) F(GetBufferMemoryRequirements) F(GetPipelineCacheData) F(GetQueryPoolResults) \
+    F(MapMemory) F(QueueSubmit) F(QueueWaitIdle) F(ResetFences) F(UpdateDescriptorSets) F(WaitForFences)
+#define FXS_VK_MEMBER(name) PFN_vk##name name;
+typedef struct fxs_vk_functions {
+    FXS_VK_INSTANCE_FUNCTIONS(FXS_VK_MEMBER)
+    FXS_VK_FUNCTIONS(FXS_VK_MEMBER)
+} fxs_vk_functions;
+
+/* Kinds of memory: on the device; written by the host; read by the host. */
+enum fxs_vk_kind { FXS_VK_DEVICE, FXS_VK_UP, FXS_VK_DOWN };
+
+typedef struct fxs_vk_block {
+    struct fxs_vk_block *next;     /* in the list of retired blocks */
+    VkBuffer buffer;
+    fxs_vulkan_memory memory;
+    enum fxs_vk_kind kind;
+    uint64_t bytes, serial;        /* serial: number of the last frame that may use a retired block */
+} fxs_vk_block;
+
+enum { FXS_VK_ALIGNED = 256, FXS_VK_SLOTS = 8, FXS_VK_PARTS = 64, FXS_VK_SERIAL = FXS_COMPUTE_STATUS, FXS_VK_PICTURE = 32 };
+
+typedef struct fxs_vk_scene {
+    struct fxs_vk_scene *next;
+    const fxs_scene *key;
+    fxs_scene here;
+    fxs_vk_block *heads, *parts[FXS_VK_PARTS];
+    uint32_t part_chunks;
+} fxs_vk_scene;
+
+typedef struct fxs_vk_slot {
+    uint64_t serial;               /* number of the frame that is in flight; 0: none */
+    fxs_plan plan;
+    fxs_vk_block *up;              /* uniforms, table of places, planes of the host's images */
+    fxs_vk_block *down;            /* status, serial number, finished picture (at word FXS_VK_PICTURE) */
+    int result;                    /* of fxs_plan_look, after the frame has ended */
+    fxs_message why;
+    VkDescriptorPool pool;
+    VkDescriptorSet *sets;
+    uint32_t set_count;
+    VkCommandBuffer commands;
+    VkFence fence;
+} fxs_vk_slot;
+
+struct fxs_vulkan {
+    fxs_vk_functions vk;
+    fxs_vulkan_options options;
+    VkPhysicalDeviceMemoryProperties memories;
+    char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
+    uint64_t most_allocated;       /* largest allocation of memory in bytes */
+    uint64_t timestamp_mask;
+    double timestamp_nanoseconds;
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout layout;
+    VkPipelineCache cache;
+    VkPipeline programs[FXS_COMPUTE_PROGRAMS];
+    VkCommandPool commands;
+    VkQueryPool queries;
+    fxs_vk_slot slots[FXS_VK_SLOTS];
+    fxs_vk_block *frame, *retired;
+    uint64_t at[FXS_COMPUTE_BUFFERS];      /* offsets in `frame` */
+    fxs_vk_scene *scenes;
+    fxs_plan_rooms rooms;
+    uint64_t serial, taken, nanoseconds;
+    void *memory;                  /* host memory of a plan */
+    size_t memory_bytes;
+};
+
+/* Returns 0 for VK_SUCCESS, or the error with its message. */
+int fxs_vk_said(VkResult result, fxs_message *why);
+
+/* Blocks. fxs_vk_reserve replaces *block by one of at least `bytes` bytes, if it is smaller. fxs_vk_retire frees a
+   block when the frames in flight have ended; null is allowed. fxs_vk_collect looks which frames have ended. */
+int fxs_vk_reserve(fxs_vulkan *v, fxs_vk_block **block, enum fxs_vk_kind kind, uint64_t bytes, fxs_message *why);
+void fxs_vk_retire(fxs_vulkan *v, fxs_vk_block **block);
+void fxs_vk_collect(fxs_vulkan *v);
+
+/* Waits for the queue, and frees the slots and large buffers that no frame uses: after a failure, and at the end. */
+void fxs_vk_give_back(fxs_vulkan *v);
+
+/* Takes a free slot; fxs_vk_begin begins its command buffer, and fxs_vk_run submits that and waits. */
+int fxs_vk_take_slot(fxs_vulkan *v, fxs_vk_slot **slot, fxs_message *why);
+int fxs_vk_begin(fxs_vulkan *v, fxs_vk_slot *slot, fxs_message *why);
+int fxs_vk_run(fxs_vulkan *v, fxs_vk_slot *slot, fxs_message *why);
+
+/* Makes later commands of the stages `to` wait for all commands of the stages `from`. */
+void fxs_vk_barrier(const fxs_vulkan *v, VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to);
+
+/* Finds the copy of a scene; null: none. */
+fxs_vk_scene *fxs_vk_find(const fxs_vulkan *v, const fxs_scene *scene);
+
+#endif
