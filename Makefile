@@ -19,12 +19,13 @@ INTERNAL_HEADERS := $(wildcard src/include/fixsplat/internal/*.h)
 HEADERS := $(PUBLIC_HEADERS) $(INTERNAL_HEADERS)
 
 PACKAGES := libcjson-dev libexpat1-dev libstb-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libheif-dev \
-            libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libvulkan-dev libsdl2-dev libsdl2-ttf-dev \
-            fonts-dejavu-core libmicrohttpd-dev libqrencode-dev libcurl4-openssl-dev \
+            libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libvulkan-dev libsdl2-dev \
+            libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev libqrencode-dev libcurl4-openssl-dev \
             help2man
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
-                 libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers vulkan-validationlayers spirv-tools xvfb xdotool gcc-s390x-linux-gnu \
+                 libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers \
+                 vulkan-validationlayers spirv-tools xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
                  libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl zbar-tools ffmpeg librsvg2-bin \

@@ -1,14 +1,6 @@
 /* Compares the compute back end on a GPU with the CPU renderer: stages, random frames, real scenes, long lists and
    small buffers. Fake OpenGL functions simulate device failures. */
-#include <math.h>
-#include <string.h>
-
-#include <fixsplat/camera.h>
 #include "check.h"
-#include "one_scene.h"
-#include "random_tree.h"
-#include "random_world.h"
-#include "tree_scene.h"
 
 #if !defined(FXS_WITH_GLES) || !defined(FXS_WITH_EGL)
 static void compute(void)
@@ -27,14 +19,11 @@ int main(void)
 #include <fixsplat/internal/gl_contexts.h>
 #include "kernels/compute/gl31.h"
 #include "losing_gl.h"
+#include "device_frames.h"
 #include "src/core/mirror.h"
-
-enum { SCENES = 2, OBJECTS = 4 };
 
 static void *egl;
 static fxs_compute *device;
-static uint64_t part_bytes;   /* largest number of bytes of a scene in an upload to the GPU; 0: no limit */
-static fxs_message why;
 
 static struct fake {
     const char *name;
@@ -64,17 +53,6 @@ static void close_compute(fxs_compute *c)
     fxs_compute_destroy(c);
 }
 
-static int render_there(const fxs_request *request, fxs_stats *stats)
-{
-    fxs_context context;
-    fxs_context_init(&context, 0);
-    const size_t bytes = fxs_request_bytes(&context, request, 0);
-    void *memory = check_aligned(bytes);
-    const int error = fxs_render(&context, request, memory, bytes, stats);
-    free(memory);
-    return error;
-}
-
 static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stats)
 {
     fxs_compute_scene copies[OBJECTS] = {{.key = 0}};
@@ -96,183 +74,9 @@ static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stat
     return error;
 }
 
-static int is_equal(const picture *a, const picture *b)
+static int render_on_device(const fxs_request *request, fxs_stats *stats)
 {
-    size_t first = a->bytes, differing = 0;
-    for (size_t i = 0; i < a->bytes; i++)
-        if (a->block[i] != b->block[i]) {
-            first = first < i ? first : i;
-            differing++;
-        }
-    if (differing)
-        printf("  %zu of %zu bytes differ, from %zu on: %d, not %d\n", differing, a->bytes, first, b->block[first],
-               a->block[first]);
-    return !differing;
-}
-
-/* Compares the pictures of each eye; a and b have as many elements as the request has eyes. */
-static int is_same(fxs_request *request, picture *a, picture *b)
-{
-    fxs_stats of_a, of_b;
-    for (uint32_t eye = 0; eye < request->eyes; eye++)
-        request->targets[eye] = a[eye].targets;
-    const int error_a = render_there(request, &of_a);
-    for (uint32_t eye = 0; eye < request->eyes; eye++)
-        request->targets[eye] = b[eye].targets;
-    const int error_b = render_by(device, request, &of_b);
-    if (error_a || error_b) {
-        printf("  %d, %d: %s\n", error_a, error_b, error_b ? why.text : "");
-        return error_a == error_b;
-    }
-    return CHECK(of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
-           CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b) && (request->eyes == 1 || is_equal(&a[1], &b[1]));
-}
-
-static void random_crops(fxs_object *object, fxs_crop crops[2])
-{
-    object->crops = crops;
-    object->crop_count = (uint32_t)between(0, 2);
-    for (int i = 0; i < 2; i++) {
-        crops[i].outside = between(0, 1);
-        for (int k = 0; k < 3; k++) {
-            crops[i].low_q32[k] = (int64_t)between(-4194304, 0) * 4096;
-            crops[i].high_q32[k] = (int64_t)between(0, 4194304) * 4096;
-        }
-    }
-}
-
-static void random_object(fxs_object *object, const fxs_scene *scene, fxs_crop crops[2])
-{
-    fxs_camera turned;
-    fxs_object_init(object, scene);
-    object->id = (uint32_t)next();
-    if (between(0, 2) == 0)
-        return;
-    random_camera(&turned);
-    memcpy(object->rotation_q30, turned.rotation_q30, sizeof object->rotation_q30);
-    object->scale_q32 = between(0, 1) ? FXS_ONE_Q32 : (int64_t)between(1 << 20, 1 << 27) * 64;
-    object->opacity_q16 = (uint32_t)between(1, 65536);
-    object->visible = between(0, 7) != 0;
-    for (int i = 0; i < 3; i++) {
-        object->translation_q32[i] = (int64_t)between(-1048576, 1048576) * 4096;
-        object->tint_q13[i] = between(0, 1) ? 8192 : (uint32_t)between(0, 32768);
-    }
-    random_crops(object, crops);
-}
-
-static void random_window(fxs_camera *camera)
-{
-    if (between(0, 3) == 0) {
-        camera->whole_x = between(0, 50);
-        camera->whole_y = between(0, 50);
-        camera->whole_width = camera->width + camera->whole_x + between(0, 50);
-        camera->whole_height = camera->height + camera->whole_y + between(0, 50);
-    }
-}
-
-static void random_targets(picture *a, picture *b, uint32_t *read, const fxs_image *rates)
-{
-    const unsigned without = (unsigned)next();
-    const int occluded = between(0, 2) == 0, over = between(0, 2) == 0 && !fxs_is_premultiplied(a->targets.format);
-    const size_t pixels = (size_t)a->width * (size_t)a->height;
-    picture *const both[] = {a, b};
-    for (size_t i = 0; i < pixels; i++)
-        read[i] = between(0, 9) ? (uint32_t)between(0, 1 << 20) : FXS_NOTHING;
-    for (int i = 0; i < 2; i++) {
-        fxs_targets *t = &both[i]->targets;
-        fxs_image *const images[] = {&t->coverage, &t->mean_depth, &t->median_depth, &t->id};
-        for (int k = 0; k < 4; k++)
-            if (without >> k & 1 || without >> 5 & 1)
-                images[k]->pixels = 0;
-        t->depth_bits = without >> 6 & 1 ? 0 : (int)(without >> 7 & 15) + 1;
-        if (occluded)
-            t->occluder = (fxs_image){read, 4 * (ptrdiff_t)a->width};
-        if (over)
-            t->backdrop = (fxs_image){read, 4 * (ptrdiff_t)a->width};
-        t->rates = *rates;
-    }
-}
-
-static int random_frame(int wild, uint32_t eyes)
-{
-    packed_scene packed[SCENES];
-    fxs_scene scenes[SCENES];
-    fxs_object objects[OBJECTS];
-    fxs_crop crops[OBJECTS][2];
-    fxs_request request;
-    const uint32_t count = (uint32_t)between(1, OBJECTS);
-    for (int i = 0; i < SCENES; i++) {
-        packed[i] = i || eyes == 1 ? random_scene((enum fxs_profile)between(0, 2), 1500)
-                                   : random_tree((enum fxs_profile)between(0, 2), (uint32_t)between(2, 12), 0, 0);
-        if (wild)
-            fill_wild(&packed[i]);
-        if (!CHECK(!fxs_scene_open(&scenes[i], packed[i].data, packed[i].bytes)))
-            return 0;
-    }
-    for (uint32_t i = 0; i < count; i++)
-        random_object(&objects[i], &scenes[between(0, SCENES - 1)], crops[i]);
-    fxs_request_init(&request, objects, count);
-    random_view(request.cameras, &request.options);
-    random_near(request.cameras);
-    random_window(request.cameras);
-    if (wild)
-        request.cameras->fx_q12 = between(1, INT32_MAX) >> between(0, 20), request.cameras->fx_q12 |= 1;
-    if (eyes == 2) {
-        request.eyes = 2;
-        request.options.budget = between(0, 2) ? (uint32_t)between(1, 12 * FXS_CHUNK) : 0;
-        random_other_eye(request.cameras);
-    }
-    picture a[2], b[2];
-    uint32_t *read[2] = {0, 0};
-    uint8_t rates[2][64];
-    for (uint32_t eye = 0; eye < eyes; eye++) {
-        a[eye] = picture_new(request.cameras->width, request.cameras->height, (enum fxs_format)between(0, 3));
-        b[eye] = picture_new(request.cameras->width, request.cameras->height, a[eye].targets.format);
-        read[eye] = malloc(4 * (size_t)a[eye].width * (size_t)a[eye].height);
-        for (int i = 0; i < 64; i++)
-            rates[eye][i] = (uint8_t)(1 << between(0, 2));
-        const int rated = request.options.cutoff == FXS_CUTOFF_MAHALANOBIS && between(0, 1);
-        random_targets(&a[eye], &b[eye], read[eye], &(fxs_image){rated ? rates[eye] : 0, 8});
-    }
-    const int same = is_same(&request, a, b);
-    for (uint32_t eye = 0; eye < eyes; eye++) {
-        free(read[eye]);
-        picture_free(&a[eye]);
-        picture_free(&b[eye]);
-    }
-    for (int i = 0; i < SCENES; i++)
-        free(packed[i].data);
-    return same;
-}
-
-static void random_frames(void)
-{
-    state = 20261;
-    for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(0, 1))) {
-            printf("  frame %d\n", i);
-            return;
-        }
-}
-
-static void random_eyes(void)
-{
-    state = 20265;
-    for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(0, 2))) {
-            printf("  frame %d\n", i);
-            return;
-        }
-}
-
-static void wild_frames(void)
-{
-    state = 20262;
-    for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(1, 1))) {
-            printf("  frame %d\n", i);
-            return;
-        }
+    return render_by(device, request, stats);
 }
 
 static void *read_words(int buffer, uint64_t first, uint64_t count)
@@ -387,62 +191,6 @@ static void stages(void)
     }
 }
 
-static int look_at(fxs_camera *camera, int width, int height, double distance)
-{
-    const double eye[3] = {0.9, -2.6, -distance}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
-    fxs_view view;
-    return CHECK(!fxs_view_look_at(&view, eye, look, up, &(fxs_picture){40, width, height}, &why) &&
-                 !fxs_camera_from_view(camera, &view, &why));
-}
-
-static void compare_scene(const fxs_scene *scene, int width, int height, double distance, uint32_t budget)
-{
-    const fxs_object object = one_object(scene);
-    fxs_request request;
-    fxs_request_init(&request, &object, 1);
-    request.options.budget = budget;
-    if (!look_at(request.cameras, width, height, distance))
-        return;
-    /* traced 1: tests the shader trace_tiles, which writes depths and ids; 0: tests the shader blend_tiles */
-    for (int traced = 0; traced < 2; traced++) {
-        picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
-        if (!traced) {
-            const fxs_image none = {0, 0};
-            a.targets.mean_depth = a.targets.median_depth = a.targets.id = none;
-            b.targets.mean_depth = b.targets.median_depth = b.targets.id = none;
-        }
-        if (!CHECK(is_same(&request, &a, &b)))
-            printf("  %d x %d, traced %d\n", width, height, traced);
-        picture_free(&a);
-        picture_free(&b);
-    }
-}
-
-static void sizes(void)
-{
-    part p;
-    if (!part_make(&p, "knot", 30000))
-        return;
-    const int all[][2] = {{1, 1}, {16, 16}, {15, 17}, {33, 31}, {100, 75}, {1279, 719}, {4096, 40}, {40, 4096}};
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        compare_scene(&p.scene, all[i][0], all[i][1], 12.8, 0);
-    part_free(&p);
-}
-
-static void veils(void)
-{
-    state = 20264;
-    packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
-    fxs_scene scene;
-    for (uint32_t c = 0; c < packed.header->chunk_count; c++) {
-        packed.chunks[c].scale_q16 = 4 << 16;
-        packed.chunks[c].scale_step_q24 = 0;
-    }
-    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-    compare_scene(&scene, 640, 480, 40, 0);
-    free(packed.data);
-}
-
 /* Returns 1 if the shader `finish` drew the last frame, because the frame's lists did not fit. */
 static int is_finished_late(void)
 {
@@ -480,42 +228,6 @@ static void frames_that_do_not_fit(void)
         CHECK(!is_finished_late());
     }
     part_free(&p);
-}
-
-static void captured_scenes(void)
-{
-    static const char *const names[] = {"snowmiku/snowmiku.ply", "skull/skull.sog",
-                                        "kitchen-marble/kitchen-marble.spz"};
-    int there = 0;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        part p;
-        if (part_load(&p, names[i])) {
-            there++;
-            compare_scene(&p.scene, 320, 180, 4, 0);
-            compare_scene(&p.scene, 320, 180, 0.5, 0);
-        }
-        part_free(&p);
-    }
-    if (!there)
-        SKIP("the captured scenes are not here");
-}
-
-static void parts_and_levels(void)
-{
-    for (int profile = 0; profile < 3; profile++) {
-        fxs_packed_scene packed;
-        fxs_scene scene;
-        if (!CHECK(pack_tree("knot", (enum fxs_profile)profile, &packed, &scene)))
-            return;
-        for (int i = 0; i < 2; i++) {
-            part_bytes = i ? 160000 : 0;
-            compare_scene(&scene, 200, 150, 12.8, 0);
-            compare_scene(&scene, 200, 150, 12.8, 5000);
-            compare_scene(&scene, 200, 150, 2, 20000);
-        }
-        part_bytes = 0;
-        fxs_packed_scene_free(&packed);
-    }
 }
 
 /* A scene in parts: `part` has some chunks in memory, `shown` those that the device had before the last frame. */
@@ -990,14 +702,8 @@ int main(void)
         return check_report();
     }
     RUN(stages);
-    RUN(random_frames);
-    RUN(random_eyes);
-    RUN(wild_frames);
-    RUN(sizes);
-    RUN(veils);
+    device_frames();
     RUN(frames_that_do_not_fit);
-    RUN(captured_scenes);
-    RUN(parts_and_levels);
     RUN(streams);
     RUN(streams_lose);
     RUN(streams_refused);

@@ -11,7 +11,8 @@
 
 /* Lists of the functions of an instance and of a device that the back end calls: F(name without vk). */
 #define FXS_VK_INSTANCE_FUNCTIONS(F) \
-    F(GetPhysicalDeviceMemoryProperties) F(GetPhysicalDeviceProperties2) F(GetPhysicalDeviceQueueFamilyProperties)
+    F(GetPhysicalDeviceMemoryProperties) F(GetPhysicalDeviceProperties2) \
+    F(GetPhysicalDeviceQueueFamilyProperties)
 #define FXS_VK_FUNCTIONS(F) \
     F(AllocateCommandBuffers) F(AllocateDescriptorSets) F(AllocateMemory) F(BeginCommandBuffer) F(BindBufferMemory) \
     F(CmdBindDescriptorSets) F(CmdBindPipeline) F(CmdCopyBuffer) F(CmdDispatch) F(CmdDispatchIndirect) \
@@ -20,8 +21,9 @@
     F(CreateFence) F(CreatePipelineCache) F(CreatePipelineLayout) F(CreateQueryPool) F(CreateShaderModule) \
     F(DestroyBuffer) F(DestroyCommandPool) F(DestroyDescriptorPool) F(DestroyDescriptorSetLayout) F(DestroyFence) \
     F(DestroyPipeline) F(DestroyPipelineCache) F(DestroyPipelineLayout) F(DestroyQueryPool) F(DestroyShaderModule) \
-    F(EndCommandBuffer) F(FreeCommandBuffers) F(FreeMemory) F(GetBufferMemoryRequirements) F(GetPipelineCacheData) F(GetQueryPoolResults) \
-    F(MapMemory) F(QueueSubmit) F(QueueWaitIdle) F(ResetFences) F(UpdateDescriptorSets) F(WaitForFences)
+    F(EndCommandBuffer) F(FreeCommandBuffers) F(FreeMemory) F(GetBufferMemoryRequirements) F(GetPipelineCacheData) \
+    F(GetQueryPoolResults) F(MapMemory) F(QueueSubmit) F(QueueWaitIdle) F(ResetFences) F(UpdateDescriptorSets) \
+    F(WaitForFences)
 #define FXS_VK_MEMBER(name) PFN_vk##name name;
 typedef struct fxs_vk_functions {
     FXS_VK_INSTANCE_FUNCTIONS(FXS_VK_MEMBER)
@@ -39,7 +41,8 @@ typedef struct fxs_vk_block {
     uint64_t bytes, serial;        /* serial: number of the last frame that may use a retired block */
 } fxs_vk_block;
 
-enum { FXS_VK_ALIGNED = 256, FXS_VK_SLOTS = 8, FXS_VK_PARTS = 64, FXS_VK_SERIAL = FXS_COMPUTE_STATUS, FXS_VK_PICTURE = 32 };
+enum { FXS_VK_ALIGNED = 256, FXS_VK_SLOTS = 8, FXS_VK_PARTS = 64, FXS_VK_SERIAL = FXS_COMPUTE_STATUS,
+       FXS_VK_PICTURE = 32 };
 
 typedef struct fxs_vk_scene {
     struct fxs_vk_scene *next;

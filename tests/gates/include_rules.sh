@@ -20,11 +20,12 @@ kernels/simd    kernels/simd/lanes kernels src/core
 kernels/gl      src/core
 kernels/gles    kernels/gl src/core
 kernels/compute kernels/gl src/core
+kernels/vulkan  kernels/compute src/core
 kernels/cuda    src/core
 kernels/fit     src/fit kernels/cuda
 kernels/pack    src/pack
 kernels         kernels/simd/lanes src/core
-port            src kernels/gl kernels/gles kernels/compute kernels/cuda kernels/fit kernels
+port            src kernels/gl kernels/gles kernels/compute kernels/vulkan kernels/cuda kernels/fit kernels
 tools           public
 '
 
@@ -39,6 +40,7 @@ src/fit       fit fit_more
 kernels       kernels
 kernels/gl    gl gl_contexts
 kernels/cuda  cuda
+kernels/vulkan  vulkan
 port/posix    pager pager_more
 port/backend  backend backends renderer
 port/board    board
@@ -112,8 +114,9 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
             if (folder == "src/core" && !plain && !($1 == "src/core/memory.h" && $3 == "string.h") ||
                 folder ~ /^kernels\/simd\/lanes/ && !plain ||
                 folder ~ /^kernels(\/simd|$)/ && !plain && !isa ||
-                folder ~ /^src/ && $3 ~ /^(unistd|fcntl|pthread|signal|sched|dirent|sys\/.*|cuda.*|GL.*|EGL.*)(\.h)?$/ ||
-                folder ~ /^tools/ && $3 ~ /^(cuda|GL|EGL)/)
+                folder ~ /^src/ && $3 ~ /^(unistd|fcntl|pthread|signal|sched|dirent|sys\/.*|cuda.*|GL.*|EGL.*|vulkan.*)(\.h)?$/ ||
+                folder ~ /^(kernels|port)/ && folder !~ /^(kernels|port)\/vulkan/ && $3 ~ /^vulkan\// ||
+                folder ~ /^tools/ && $3 ~ /^(cuda|GL|EGL|vulkan)/)
                 says("includes <" $3 ">")
         } else if ($3 ~ /\//) {
             if (folder ~ /^tools/)
@@ -136,7 +139,7 @@ twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name package.
 # Code in src/core and kernels must not allocate memory or print, except in GPU back ends, fitting and packing. Code in
 # src must not open files or start threads.
 calls='(^|[^A-Za-z0-9_>.])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
-calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack|gles/gles\.c|compute/compute\.c)' | cut -d: -f1,2 |
+calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -Ev '^kernels/(fit|pack|vulkan|gles/gles\.c|compute/compute\.c)' | cut -d: -f1,2 |
     tr '\n' ' ')
 [ -z "$calling" ] || faults="$faults allocates or prints: $calling"
 calls='(^|[^A-Za-z0-9_>.])(fopen|open|creat|rename|unlink|stat|lstat|realpath|mmap|pthread_create|fork|system)[ \t]*\('

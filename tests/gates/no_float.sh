@@ -26,7 +26,7 @@ build() {
 
 type='(float|double|long double|_Float[0-9]*|__fp16|float(16|32|64)(x[0-9]+)?(x[0-9]+)?_t)'
 number='([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+[eE][-+]?[0-9]+)'
-text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kernels/cuda -o -path kernels/gles -o -path kernels/fit -o -path kernels/pack \) -prune -o -type f \
+text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kernels/cuda -o -path kernels/gles -o -path kernels/vulkan -o -path kernels/fit -o -path kernels/pack \) -prune -o -type f \
     \( -name '*.[ch]' -o -name '*.inc' \) -print; } | xargs awk -f tests/gates/strip_comments.awk |
     grep -v '^[^:]*:[0-9]*:[ \t]*#[ \t]*include' |
     grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')

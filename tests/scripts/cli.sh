@@ -451,7 +451,7 @@ fi
 # ---- Back ends -------------------------------------------------------------------------------------------------------
 
 succeeds "info --backends" info --backends
-for backend in gles gles-fetch gles-compute osmesa; do
+for backend in gles gles-fetch gles-compute osmesa vulkan; do
     reason=$("$fixsplat" info --backends | sed -n "s/^$backend  *not here: //p")
     if [ "$reason" ]; then
         skip "--backend $backend" "$reason"
@@ -460,22 +460,24 @@ for backend in gles gles-fetch gles-compute osmesa; do
         succeeds "bench --backend $backend" bench knot.ply $small --backend $backend --json
         check "bench --backend $backend: said" grep -q "\"backend\": \"$backend\"" logs/out
     fi
-    [ "$backend$reason" = gles-compute ] || continue
+    case $backend$reason in gles-compute | vulkan) ;; *) continue ;; esac
     for more in '' '--tangents -1.38,1.19,1.0,-1.2' --alpha; do
-        check "one hash with --stereo $more --backend gles-compute" equal \
-            "$(hash_of knot.ply $small --stereo 0.1 $more --backend gles-compute)" \
+        check "one hash with --stereo $more --backend $backend" equal \
+            "$(hash_of knot.ply $small --stereo 0.1 $more --backend $backend)" \
             "$(hash_of knot.ply $small --stereo 0.1 $more)"
     done
-    check "one hash with --ortho --backend gles-compute" equal \
-        "$(hash_of knot.ply --size 160x120 --ortho 4 --backend gles-compute)" \
+    check "one hash with --ortho --backend $backend" equal \
+        "$(hash_of knot.ply --size 160x120 --ortho 4 --backend $backend)" \
         "$(hash_of knot.ply --size 160x120 --ortho 4)"
 done
-export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
+export __EGL_VENDOR_LIBRARY_FILENAMES=none VK_ICD_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
 fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
 fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|built)" render knot.ply $small --hash \
     --backend gles-compute
+fails "--backend vulkan without a driver" 1 "--backend vulkan: (no|built)" \
+    render knot.ply $small --hash --backend vulkan
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
-unset __EGL_VENDOR_LIBRARY_FILENAMES
+unset __EGL_VENDOR_LIBRARY_FILENAMES VK_ICD_FILENAMES
 MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # makes Mesa hide a part of OpenGL ES 3.1
 if "$fixsplat" info --backends | grep -q '^gles  *here: llvmpipe'; then
     fails "--backend gles-compute of OpenGL ES 3.0" 1 \

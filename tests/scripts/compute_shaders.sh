@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that the GLSL shaders in kernels/compute/generated match their WGSL sources, and that the WGSL compiles in
-# Chromium.
+# Checks that the GLSL shaders in kernels/compute/generated match their WGSL sources, that the SPIR-V in
+# kernels/vulkan/generated matches them, and that the WGSL compiles in Chromium.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}
@@ -14,6 +14,20 @@ same_text() {
     done
 }
 
+same_spirv() {
+    for file in "$work"/*.spv kernels/vulkan/generated/*.spv; do
+        cmp -s "$work/${file##*/}" "kernels/vulkan/generated/${file##*/}" ||
+            { echo "${file##*/} is old: sh tools/scripts/vulkan_shaders.sh kernels/vulkan/generated"; return 1; }
+        spirv-val --target-env vulkan1.1 "$file" || return 1
+    done
+}
+
+if have glslangValidator && have spirv-opt; then
+    check "the SPIR-V is made" sh tools/scripts/vulkan_shaders.sh "$work"
+    check "kernels/vulkan/generated has it" same_spirv
+else
+    skip "SPIR-V" "not here: glslangValidator or spirv-opt (make setup test)"
+fi
 if ! have node || [ ! -d "$modules/naga-wasm" ]; then
     skip "compute shaders" "not here: node or naga-wasm (make setup test)"
     finish

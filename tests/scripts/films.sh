@@ -383,7 +383,7 @@ check "--focus auto: the depth in the middle" equal "$(hash_of $lens)" "$(hash_o
 check "--aperture: a lens of almost no size" equal "$(hash_of $lens --aperture 1e-9)" "$(hash_of knot.ply $small)"
 check "--aperture and --shutter" differ "$(hash_of $turn --aperture 0.6)" "$(hash_of $turn --aperture 0.6 --shutter 90)"
 check "--aperture --alpha" differ "$(hash_of $lens --alpha)" "$(hash_of $lens)"
-for backend in gles gles-compute; do
+for backend in gles gles-compute vulkan; do
     run render $lens --backend $backend --hash
     [ $status = 0 ] || { skip "--aperture --backend $backend" "$(cat logs/err)"; continue; }
     check "--aperture --backend $backend" equal "$(cat logs/out)" "$(hash_of $lens)"
@@ -476,7 +476,7 @@ for place in '0 0 200 150' '64 32 64 64' '71 39 55 41' '199 149 1 1'; do
     check "--scissor $place: the pixels" cmp part.raw wanted.raw
     check "--scissor $place: the ids" cmp part-ids.raw wanted-ids.raw
 done
-for backend in gles gles-fetch gles-compute osmesa cuda; do
+for backend in gles gles-fetch gles-compute osmesa vulkan cuda; do
     run render $whole --scissor 71,39,55,41 --backend $backend -o other.raw
     if [ $status = 0 ]; then
         part whole.raw 200 4 71 39 55 41 >wanted.raw

@@ -147,16 +147,16 @@ const option_row frame_rows[] = {
      "number of threads, 1 to 64 (default: one per processor); the picture does not depend on it"},
     {"max-memory", "BYTES", BYTES(max_memory), .help =
      "limit of a frame's working memory, also as 64K, 3M, 2G (default: none). A larger frame is rendered in bands, "
-     "with the same picture. With cuda: device memory, with the part of the scene that fits; with gles-compute: device "
-     "memory, with the whole scene"},
+     "with the same picture. With cuda: device memory, with the part of the scene that fits; with gles-compute "
+     "and vulkan: device memory, with the whole scene"},
     {"cpu", "LIST", TEXT(cpu), .help =
      "instruction sets to use: all (default), c for none, or a list out of sse41,avx2,avx512,neon"},
     {"backend", "NAME", TEXT(backend), .basic = 1, .help =
-     "renderer: cpu, cuda, gles, gles-fetch, gles-compute or osmesa, all with the same bytes; auto (default) is cpu. "
-     "fixsplat help backends describes them"},
+     "renderer: cpu, cuda, gles, gles-fetch, gles-compute, osmesa or vulkan, all with the same bytes; auto (default) "
+     "is cpu. fixsplat help backends describes them"},
     {"device", "LIST", take_devices, 0, .help =
-     "GPUs of --backend cuda: numbers from 0, separated by commas, or all (default 0). render --view all shares its "
-     "views among them; other commands use the first"},
+     "GPUs of --backend cuda or vulkan: numbers from 0, separated by commas, or all (default 0). render --view all "
+     "shares its views among them; other commands use the first"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
      "how a scene that is not an .fxs is packed: default, compact or small"},
     {0}

@@ -1,0 +1,302 @@
+/* Compares the Vulkan back end with the CPU renderer: random frames, real scenes, long lists and small buffers, with
+   the validation layer and its synchronisation validation on, where any message is a failure. Fake functions of Vulkan
+   simulate device failures. */
+#include "check.h"
+
+#ifndef FXS_WITH_VULKAN
+static void vulkan(void)
+{
+    SKIP("built without the headers of Vulkan");
+}
+
+int main(void)
+{
+    RUN(vulkan);
+    return check_report();
+}
+#else
+
+#include "device_frames.h"
+#include "losing_vulkan.h"
+#include "port/vulkan/vulkan_device.h"
+
+static fxs_vulkan_device own;
+static fxs_vulkan *device;
+
+static int upload(fxs_vulkan *v, const fxs_scene *scene)
+{
+    const uint64_t most = v->rooms.most;
+    v->rooms.most = part_bytes ? part_bytes : most;
+    const int error = fxs_vulkan_upload(v, scene, &why);
+    v->rooms.most = most;
+    return error;
+}
+
+static int render_by(fxs_vulkan *v, const fxs_request *request, fxs_stats *stats)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < request->count && !error; i++)
+        error = upload(v, request->objects[i].scene);
+    error = error ? error : fxs_vulkan_render(v, request, stats, &why);
+    for (uint32_t i = 0; i < request->count; i++)
+        fxs_vulkan_drop(v, request->objects[i].scene);
+    return error;
+}
+
+static int render_on_device(const fxs_request *request, fxs_stats *stats)
+{
+    return render_by(device, request, stats);
+}
+
+/* A request for the procedural scene "knot", and its picture by the processor. */
+typedef struct knot {
+    part part;
+    fxs_object object;
+    fxs_request request;
+    picture wanted, drawn;
+} knot;
+
+static int knot_make(knot *k)
+{
+    if (!part_make(&k->part, "knot", 3000))
+        return 0;
+    k->object = one_object(&k->part.scene);
+    fxs_request_init(&k->request, &k->object, 1);
+    k->wanted = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    k->drawn = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    k->request.targets[0] = k->wanted.targets;
+    const int good = look_at(k->request.cameras, 100, 80, 12.8) && CHECK(!render_there(&k->request, 0));
+    k->request.targets[0] = k->drawn.targets;
+    return good;
+}
+
+static void knot_free(knot *k)
+{
+    picture_free(&k->wanted);
+    picture_free(&k->drawn);
+    part_free(&k->part);
+}
+
+/* Opens a device and a back end, with one function of Vulkan missing. */
+static int open_all(fxs_vulkan_device *d, fxs_vulkan **v, const char *without)
+{
+    *v = 0;
+    missing = without;
+    int error = fxs_vulkan_find_device(d, losing_load, 0, &why);
+    error = error ? error : fxs_vulkan_open_device(d, &why);
+    error = error ? error : fxs_vulkan_create(v, &d->options, &why);
+    missing = 0;
+    return error;
+}
+
+static void close_all(fxs_vulkan_device *d, fxs_vulkan *v)
+{
+    fxs_vulkan_destroy(v);
+    fxs_vulkan_close_device(d);
+}
+
+static int is_loss(int error)
+{
+    return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
+}
+
+static const VkResult losses[] = {VK_ERROR_DEVICE_LOST, VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY};
+
+/* Ends the simulated loss. Returns the number of calls of Vulkan that were made since lose_at(LONG_MAX - 1). */
+static long calls_made(void)
+{
+    const long calls = LONG_MAX - 1 - calls_left;
+    calls_left = LONG_MAX;
+    return calls;
+}
+
+static void opening_fails(void)
+{
+    fxs_vulkan_device d;
+    fxs_vulkan *v;
+    CHECK(open_all(&d, &v, "vkCmdDispatchIndirect") == FXS_ERR_UNSUPPORTED && !v);
+    CHECK(!strcmp(why.text, "no Vulkan 1.1: no function vkCmdDispatchIndirect"));
+    close_all(&d, v);
+    CHECK(open_all(&d, &v, "vkGetPhysicalDeviceProperties2") == FXS_ERR_UNSUPPORTED);
+    close_all(&d, v);
+    lose_at(LONG_MAX - 1, VK_SUCCESS);
+    CHECK(!open_all(&d, &v, 0));
+    const long calls = calls_made();
+    close_all(&d, v);
+    CHECK(calls > FXS_COMPUTE_PROGRAMS + 8);
+    for (int k = 0; k < 3; k++)
+        for (long n = 0; n < calls && !check_faults; n += 1 + n / 8) {
+            why.text[0] = 0;
+            lose_at(n, losses[k]);
+            const int error = open_all(&d, &v, 0);
+            calls_left = LONG_MAX;
+            if (!CHECK(is_loss(error) && why.text[0] && !v))
+                printf("  call %ld: %d, %s\n", n, error, why.text);
+            close_all(&d, v);
+        }
+    fxs_vulkan_options none;
+    fxs_vulkan_options_init(&none);
+    CHECK(fxs_vulkan_create(&v, &none, &why) == FXS_ERR_ARGUMENT && !v);
+    CHECK(fxs_vulkan_find_device(&d, losing_load, 99, &why) == FXS_ERR_DEVICE);
+    CHECK(!strncmp(why.text, "there is no device 99: the last is ", 35));
+}
+
+/* Each call of Vulkan in an upload and a frame fails once: an error or the complete picture, and the next frame is
+   right. */
+static void frames_lose(void)
+{
+    knot k;
+    fxs_vulkan_device d;
+    fxs_vulkan *v;
+    if (!knot_make(&k) || !CHECK(!open_all(&d, &v, 0)))
+        return;
+    uint32_t *occluder = calloc(100 * 80, 4);
+    k.request.targets->occluder = (fxs_image){occluder, 400};
+    CHECK(!fxs_vulkan_render(v, &k.request, 0, &why));
+    k.request.targets->occluder.pixels = 0;
+    fxs_vulkan_drop(v, &k.part.scene);
+    fxs_vk_give_back(v);
+    lose_at(LONG_MAX - 1, VK_SUCCESS);
+    CHECK(!fxs_vulkan_render(v, &k.request, 0, &why));
+    const long calls = calls_made();
+    CHECK(calls > 30 && is_equal(&k.wanted, &k.drawn));
+    long fails = 0;
+    for (int i = 0; i < 3; i++)
+        for (long n = 0; n < calls && !check_faults; n++) {
+            fxs_vulkan_drop(v, &k.part.scene);
+            fxs_vk_give_back(v);
+            CHECK(v->taken == 0);
+            picture_clear(&k.drawn);
+            why.text[0] = 0;
+            lose_at(n, losses[i]);
+            const int error = fxs_vulkan_render(v, &k.request, 0, &why);
+            calls_left = LONG_MAX;
+            fails += error != 0;
+            if (!CHECK(error ? is_loss(error) && why.text[0] : is_equal(&k.wanted, &k.drawn)))
+                printf("  call %ld of %ld: %d, %s\n", n, calls, error, why.text);
+            picture_clear(&k.drawn);
+            CHECK(!fxs_vulkan_render(v, &k.request, 0, &why) && is_equal(&k.wanted, &k.drawn));
+        }
+    CHECK(fails > 2 * calls);
+    close_all(&d, v);
+    free(occluder);
+    knot_free(&k);
+}
+
+static int yes(void *argument)
+{
+    (void)argument;
+    return 1;
+}
+
+static void refusals(void)
+{
+    knot k;
+    if (!knot_make(&k))
+        return;
+    fxs_request *r = &k.request;
+    const fxs_targets good = *r->targets;
+    const uint64_t most = device->rooms.most;
+    device->rooms.most = 30000;            /* storage buffers that are too small for a frame */
+    part_bytes = most;
+    CHECK(render_by(device, r, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
+    device->rooms.most = most;
+    CHECK(!render_by(device, r, 0) && is_equal(&k.wanted, &k.drawn));
+    const uint64_t frame = device->taken;
+    fxs_vk_give_back(device);
+    fxs_vulkan_limit(device, frame);       /* leaves nothing for the scene */
+    CHECK(render_by(device, r, 0) == FXS_ERR_MEMORY && why.bytes_needed > frame);
+    CHECK(!strcmp(why.text, "the device memory allowed is too small"));
+    fxs_vulkan_limit(device, 1000);
+    CHECK(render_by(device, r, 0) == FXS_ERR_MEMORY && device->taken == 0);
+    fxs_vulkan_limit(device, 0);
+    part_bytes = 1000;                     /* less than a chunk (256 Gaussians) has */
+    CHECK(render_by(device, r, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
+    part_bytes = 0;
+    r->options.stop.call = yes;
+    CHECK(render_by(device, r, 0) == FXS_ERR_STOPPED);
+    r->options.stop.call = 0;
+    r->options.sh_degree = 4;
+    CHECK(render_by(device, r, 0) == FXS_ERR_ARGUMENT);
+    r->options.sh_degree = 3;
+    r->targets->format = FXS_FORMAT_BGRA8;
+    CHECK(render_by(device, r, 0) == FXS_ERR_UNSUPPORTED);
+    fxs_targets_init(r->targets);
+    CHECK(render_by(device, r, 0) == FXS_ERR_TARGET);
+    *r->targets = good;
+    r->eyes = 3;
+    CHECK(render_by(device, r, 0) == FXS_ERR_ARGUMENT);
+    r->eyes = 1;
+    /* puts an invalid value into the field step_shift of the first chunk header */
+    ((unsigned char *)k.part.packed.data)[192 + 74] = 77;
+    CHECK(render_by(device, r, 0) == FXS_ERR_SCENE);
+    knot_free(&k);
+}
+
+static void count_wait(void *argument, const fxs_step *step)
+{
+    *(unsigned *)argument += step->waits;
+}
+
+/* Two eyes, a scene that changes, and the compiled shaders kept for the next back end. */
+static void eyes_and_cache(void)
+{
+    knot k;
+    fxs_stats one, two;
+    fxs_vulkan *v;
+    if (!knot_make(&k))
+        return;
+    CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why) && !fxs_vulkan_render(device, &k.request, 0, &why));
+    unsigned wanted = 0;
+    waits = 0;
+    CHECK(!fxs_vulkan_render(device, &k.request, &one, &why));
+    fxs_plan_steps(&device->slots[0].plan, count_wait, &wanted);
+    CHECK(waits == wanted && wanted > 9);
+    picture right = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    k.request.eyes = 2;
+    k.request.cameras[1] = k.request.cameras[0];
+    k.request.targets[1] = right.targets;
+    CHECK(!fxs_vulkan_render(device, &k.request, &two, &why));
+    CHECK(two.visible == 2 * one.visible && is_equal(&k.wanted, &k.drawn) && is_equal(&k.wanted, &right));
+    CHECK(fxs_vulkan_get_info(device).nanoseconds > 0 && fxs_vulkan_get_info(device).memory == device->taken);
+    size_t bytes = 0;
+    CHECK(!fxs_vulkan_cache(device, 0, &bytes, &why) && bytes > 0);
+    void *cache = malloc(bytes + 1);
+    CHECK(!fxs_vulkan_cache(device, cache, &bytes, &why));
+    fxs_vulkan_options options = own.options;
+    options.cache = cache;
+    options.cache_bytes = bytes;
+    if (CHECK(!fxs_vulkan_create(&v, &options, &why)))
+        CHECK(!render_by(v, &k.request, 0) && is_equal(&k.wanted, &k.drawn));
+    fxs_vulkan_destroy(v);
+    fxs_vulkan_drop(device, &k.part.scene);
+    free(cache);
+    picture_free(&right);
+    knot_free(&k);
+}
+
+static void validation(void)
+{
+    if (!validated)
+        SKIP("no validation layer is here");
+    CHECK(messages == 0);
+}
+
+int main(void)
+{
+    if (!load_vulkan() || open_all(&own, &device, 0)) {
+        printf("%s\n", why.text);
+        printf("skip vulkan\n");
+        check_skipped++;
+        return check_report();
+    }
+    device_frames();
+    RUN(refusals);
+    RUN(eyes_and_cache);
+    RUN(opening_fails);
+    RUN(frames_lose);
+    close_all(&own, device);
+    RUN(validation);
+    return check_report();
+}
+#endif
