@@ -1,8 +1,8 @@
 /* Internal declarations of the Vulkan back end.
  *
  * A frame takes a slot, with its uniforms, table of places and status, until its last command has written its serial
- * number behind the status. The large buffers are parts of one block, which all frames share: they run in the order of
- * submission to one queue. A block that is replaced is retired, and freed after the last frame that may use it. */
+ * number behind the status. Slot 0 is for calls that wait; the others are for frames in flight, in turn. The large buffers are parts of one block, which all frames share: they run in the order of submission to one
+ * queue. A block that is replaced is retired, and freed after the last call that may use it has ended. */
 #ifndef FXS_VK_H
 #define FXS_VK_H
 
@@ -15,8 +15,9 @@
     F(GetPhysicalDeviceQueueFamilyProperties)
 #define FXS_VK_FUNCTIONS(F) \
     F(AllocateCommandBuffers) F(AllocateDescriptorSets) F(AllocateMemory) F(BeginCommandBuffer) F(BindBufferMemory) \
-    F(CmdBindDescriptorSets) F(CmdBindPipeline) F(CmdCopyBuffer) F(CmdDispatch) F(CmdDispatchIndirect) \
-    F(CmdFillBuffer) F(CmdPipelineBarrier) F(CmdResetQueryPool) F(CmdWriteTimestamp) F(CreateBuffer) \
+    F(CmdBindDescriptorSets) F(CmdBindPipeline) F(CmdCopyBuffer) F(CmdCopyBufferToImage) F(CmdCopyImageToBuffer) \
+    F(CmdDispatch) F(CmdDispatchIndirect) F(CmdFillBuffer) F(CmdPipelineBarrier) F(CmdPushConstants) \
+    F(CmdResetQueryPool) F(CmdWriteTimestamp) F(CreateBuffer) \
     F(CreateCommandPool) F(CreateComputePipelines) F(CreateDescriptorPool) F(CreateDescriptorSetLayout) \
     F(CreateFence) F(CreatePipelineCache) F(CreatePipelineLayout) F(CreateQueryPool) F(CreateShaderModule) \
     F(DestroyBuffer) F(DestroyCommandPool) F(DestroyDescriptorPool) F(DestroyDescriptorSetLayout) F(DestroyFence) \
@@ -38,11 +39,19 @@ typedef struct fxs_vk_block {
     VkBuffer buffer;
     fxs_vulkan_memory memory;
     enum fxs_vk_kind kind;
-    uint64_t bytes, serial;        /* serial: number of the last frame that may use a retired block */
+    uint64_t bytes, call;          /* call: number of the last call that may use a retired block */
 } fxs_vk_block;
 
-enum { FXS_VK_ALIGNED = 256, FXS_VK_SLOTS = 8, FXS_VK_PARTS = 64, FXS_VK_SERIAL = FXS_COMPUTE_STATUS,
-       FXS_VK_PICTURE = 32 };
+enum { FXS_VK_ALIGNED = 256, FXS_VK_SLOTS = 1 + FXS_VULKAN_FRAMES, FXS_VK_PARTS = 64,
+       FXS_VK_SERIAL = FXS_COMPUTE_EYES * FXS_COMPUTE_STATUS, FXS_VK_PICTURE = FXS_VK_SERIAL + 32, FXS_VK_CONVERT = FXS_COMPUTE_PROGRAMS, FXS_VK_PROGRAMS };
+
+/* Arguments of the shader `convert`; kinds as in convert.comp. */
+enum { FXS_VK_AS_IS, FXS_VK_SWAP, FXS_VK_TO_FLOAT, FXS_VK_FROM_FLOAT, FXS_VK_FROM_16 };
+typedef struct fxs_vk_conversion {
+    uint32_t kind, count, from, to;        /* number of pixels; words of buffer FXS_COMPUTE_MEMORY */
+    int32_t bits;
+    float inverse[2];
+} fxs_vk_conversion;
 
 typedef struct fxs_vk_scene {
     struct fxs_vk_scene *next;
@@ -57,6 +66,8 @@ typedef struct fxs_vk_slot {
     fxs_plan plan;
     fxs_vk_block *up;              /* uniforms, table of places, planes of the host's images */
     fxs_vk_block *down;            /* status, serial number, finished picture (at word FXS_VK_PICTURE) */
+    uint32_t eyes;
+    uint64_t at[FXS_COMPUTE_EYES][FXS_COMPUTE_BUFFERS];    /* offsets of the large buffers in their block */
     int result;                    /* of fxs_plan_look, after the frame has ended */
     fxs_message why;
     VkDescriptorPool pool;
@@ -77,16 +88,20 @@ struct fxs_vulkan {
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
     VkPipelineCache cache;
-    VkPipeline programs[FXS_COMPUTE_PROGRAMS];
+    VkPipeline programs[FXS_VK_PROGRAMS];
     VkCommandPool commands;
     VkQueryPool queries;
     fxs_vk_slot slots[FXS_VK_SLOTS];
     fxs_vk_block *frame, *retired;
-    uint64_t at[FXS_COMPUTE_BUFFERS];      /* offsets in `frame` */
     fxs_vk_scene *scenes;
     fxs_plan_rooms rooms;
-    uint64_t serial, taken, nanoseconds;
-    void *memory;                  /* host memory of a plan */
+    uint64_t serial;               /* number of frames */
+    uint64_t call, ended;          /* number of calls with frames in flight; of those that have ended */
+    int late;                      /* an error that the device found in a frame in flight; 0: none */
+    fxs_message late_why;
+    uint64_t taken, nanoseconds;
+    int graphics;                  /* 1: the queue has graphics, and may write depth images */
+    void *memory;                  /* host memory of plans */
     size_t memory_bytes;
 };
 
@@ -99,16 +114,53 @@ int fxs_vk_reserve(fxs_vulkan *v, fxs_vk_block **block, enum fxs_vk_kind kind, u
 void fxs_vk_retire(fxs_vulkan *v, fxs_vk_block **block);
 void fxs_vk_collect(fxs_vulkan *v);
 
-/* Waits for the queue, and frees the slots and large buffers that no frame uses: after a failure, and at the end. */
+/* Frees what a slot holds. Its command buffer must not be pending. */
+void fxs_vk_drop_slot(fxs_vulkan *v, fxs_vk_slot *slot);
+
+/* Waits for the queue, and frees the slots and large buffers that no frame in flight uses: after a failure, and at the
+   end. */
 void fxs_vk_give_back(fxs_vulkan *v);
 
-/* Takes a free slot; fxs_vk_begin begins its command buffer, and fxs_vk_run submits that and waits. */
-int fxs_vk_take_slot(fxs_vulkan *v, fxs_vk_slot **slot, fxs_message *why);
+/* fxs_vk_begin begins the command buffer of a slot, and fxs_vk_run submits that and waits. */
 int fxs_vk_begin(fxs_vulkan *v, fxs_vk_slot *slot, fxs_message *why);
 int fxs_vk_run(fxs_vulkan *v, fxs_vk_slot *slot, fxs_message *why);
 
 /* Makes later commands of the stages `to` wait for all commands of the stages `from`. */
 void fxs_vk_barrier(const fxs_vulkan *v, VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to);
+
+/* Counts or records the steps of a frame. The steps of equal buffers in a row share a descriptor set. */
+typedef struct fxs_vk_walk {
+    fxs_vulkan *v;
+    fxs_vk_slot *slot;
+    VkCommandBuffer commands;      /* null: only counts the descriptor sets */
+    fxs_vk_scene *const *copies;
+    const fxs_vulkan_target *targets;      /* images of the caller, of each eye; null: images of the host */
+    fxs_step last;
+    uint32_t sets;
+} fxs_vk_walk;
+
+/* The stages that use the large buffers. */
+enum { FXS_VK_STEPS = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT };
+
+void fxs_vk_take_step(void *walk, const fxs_step *step);
+
+/* Checks a request, and finds the copies of its scenes; uploads missing ones if `upload` is true. */
+int fxs_vk_begin_request(fxs_vulkan *v, const fxs_request *request, int upload, fxs_vk_scene ***copies,
+                         fxs_message *why);
+
+/* fxs_vk_prepare begins the plan of a request, and lays the frame out; fxs_vk_record records it. Nothing between the
+   two can fail. */
+int fxs_vk_prepare(fxs_vk_walk *w, fxs_request *request, fxs_message *why);
+void fxs_vk_record(fxs_vk_walk *w);
+
+/* Requests the planes (colours, depths) that the caller's images need: an image of the host marks a plane as wanted. */
+void fxs_vk_ask_planes(fxs_targets *to, const fxs_vulkan_target *target);
+
+/* The caller's images: copies from and to them, and the conversion of pixels before and after the frame. */
+void fxs_vk_copy_in(const fxs_vk_walk *w);
+void fxs_vk_convert_in(fxs_vk_walk *w);
+void fxs_vk_convert_out(fxs_vk_walk *w);
+void fxs_vk_copy_out(const fxs_vk_walk *w);
 
 /* Finds the copy of a scene; null: none. */
 fxs_vk_scene *fxs_vk_find(const fxs_vulkan *v, const fxs_scene *scene);

@@ -128,17 +128,17 @@ int fxs_vk_reserve(fxs_vulkan *v, fxs_vk_block **block, enum fxs_vk_kind kind, u
 void fxs_vk_retire(fxs_vulkan *v, fxs_vk_block **block)
 {
     if (*block) {
-        (*block)->serial = v->serial;
+        (*block)->call = v->call;
         (*block)->next = v->retired;
         v->retired = *block;
     }
     *block = 0;
 }
 
-static void free_retired(fxs_vulkan *v, uint64_t ended)
+static void free_retired(fxs_vulkan *v)
 {
     for (fxs_vk_block **at = &v->retired, *block; (block = *at) != 0;)
-        if (block->serial <= ended) {
+        if (block->call <= v->ended) {
             *at = block->next;
             free_block(v, block);
         } else
@@ -151,8 +151,12 @@ static void look(fxs_vulkan *v, fxs_vk_slot *slot)
     uint64_t times[2] = {0, 0};
     fxs_message ignored;
     const uint32_t first = 2 * (uint32_t)(slot - v->slots);
-    slot->result = fxs_plan_look(&slot->plan, &v->rooms, slot->down->memory.mapped, &slot->why);
+    slot->result = fxs_plan_look(&v->rooms, slot->down->memory.mapped, slot->eyes, &slot->why);
     slot->serial = 0;
+    if (slot->result < 0 && slot != v->slots) {
+        v->late = slot->result;
+        v->late_why = slot->why;
+    }
     v->nanoseconds = 0;
     if (v->queries && !fxs_vk_said(v->vk.GetQueryPoolResults(v->options.device, v->queries, first, 2, sizeof times,
                                                              times, sizeof *times, VK_QUERY_RESULT_64_BIT), &ignored))
@@ -161,29 +165,13 @@ static void look(fxs_vulkan *v, fxs_vk_slot *slot)
 
 void fxs_vk_collect(fxs_vulkan *v)
 {
-    uint64_t ended = v->serial;
     for (int i = 0; i < FXS_VK_SLOTS; i++) {
         fxs_vk_slot *slot = &v->slots[i];
-        if (!slot->serial)
-            continue;
-        const volatile uint32_t *words = slot->down->memory.mapped;
-        if (words[FXS_VK_SERIAL] == (uint32_t)slot->serial)
+        const volatile uint32_t *words = slot->serial ? slot->down->memory.mapped : 0;
+        if (words && words[FXS_VK_SERIAL] == (uint32_t)slot->serial)
             look(v, slot);
-        else if (slot->serial <= ended)
-            ended = slot->serial - 1;
     }
-    free_retired(v, ended);
-}
-
-int fxs_vk_take_slot(fxs_vulkan *v, fxs_vk_slot **slot, fxs_message *why)
-{
-    fxs_vk_collect(v);
-    for (int i = 0; i < FXS_VK_SLOTS; i++) {
-        *slot = &v->slots[i];
-        if (!(*slot)->serial)
-            return 0;
-    }
-    return fxs_plan_say(why, FXS_ERR_MEMORY, "too many frames are in flight", "");
+    free_retired(v);
 }
 
 static VkResult make_commands(fxs_vulkan *v, fxs_vk_slot *slot)
@@ -241,7 +229,7 @@ void fxs_vk_barrier(const fxs_vulkan *v, VkCommandBuffer commands, VkPipelineSta
     v->vk.CmdPipelineBarrier(commands, from, to, 0, 1, &barrier, 0, 0, 0, 0);
 }
 
-static void drop_slot(fxs_vulkan *v, fxs_vk_slot *slot)
+void fxs_vk_drop_slot(fxs_vulkan *v, fxs_vk_slot *slot)
 {
     const fxs_vulkan_options *o = &v->options;
     fxs_vk_retire(v, &slot->up);
@@ -256,15 +244,12 @@ static void drop_slot(fxs_vulkan *v, fxs_vk_slot *slot)
 
 void fxs_vk_give_back(fxs_vulkan *v)
 {
-    int in_flight = 0;
     v->vk.QueueWaitIdle(v->options.queue);
     fxs_vk_collect(v);
     for (int i = 0; i < FXS_VK_SLOTS; i++)
-        if (v->slots[i].serial)
-            in_flight = 1;
-        else
-            drop_slot(v, &v->slots[i]);
-    if (!in_flight) {
+        if (i == 0 || v->call == v->ended)
+            fxs_vk_drop_slot(v, &v->slots[i]);
+    if (v->call == v->ended) {
         fxs_vk_retire(v, &v->frame);
         v->rooms = (fxs_plan_rooms){.most = v->rooms.most};
     }

@@ -9,9 +9,10 @@
 static const struct {
     const uint32_t *words;
     size_t bytes;
-} programs[1][FXS_COMPUTE_PROGRAMS] = {{
+} programs[1][FXS_VK_PROGRAMS] = {{
 #define PROGRAM(entry) {entry##_spv, sizeof entry##_spv},
     FXS_COMPUTE_PROGRAMS_OF(PROGRAM)
+    PROGRAM(convert)
 }};
 
 static int load_functions(fxs_vulkan *v, fxs_message *why)
@@ -41,6 +42,7 @@ static int check_queue(fxs_vulkan *v, fxs_message *why)
         return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "the queue is without compute", "");
     const uint32_t bits = families[v->options.family].timestampValidBits;
     v->timestamp_mask = bits >= 64 ? UINT64_MAX : ((uint64_t)1 << bits) - 1;
+    v->graphics = (families[v->options.family].queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
     return 0;
 }
 
@@ -77,8 +79,10 @@ static VkResult make_layouts(fxs_vulkan *v)
     const VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                                  .bindingCount = 6, .pBindings = bindings};
     VkResult result = v->vk.CreateDescriptorSetLayout(v->options.device, &set, v->options.allocator, &v->set_layout);
+    const VkPushConstantRange push = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(fxs_vk_conversion)};
     const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                               .setLayoutCount = 1, .pSetLayouts = &v->set_layout};
+                                               .setLayoutCount = 1, .pSetLayouts = &v->set_layout,
+                                               .pushConstantRangeCount = 1, .pPushConstantRanges = &push};
     return result ? result
                   : v->vk.CreatePipelineLayout(v->options.device, &layout, v->options.allocator, &v->layout);
 }
@@ -86,10 +90,10 @@ static VkResult make_layouts(fxs_vulkan *v)
 static VkResult make_pipelines(fxs_vulkan *v)
 {
     const fxs_vulkan_options *o = &v->options;
-    VkShaderModule modules[FXS_COMPUTE_PROGRAMS] = {0};
-    VkComputePipelineCreateInfo infos[FXS_COMPUTE_PROGRAMS];
+    VkShaderModule modules[FXS_VK_PROGRAMS] = {0};
+    VkComputePipelineCreateInfo infos[FXS_VK_PROGRAMS];
     VkResult result = VK_SUCCESS;
-    for (int i = 0; i < FXS_COMPUTE_PROGRAMS && !result; i++) {
+    for (int i = 0; i < FXS_VK_PROGRAMS && !result; i++) {
         const VkShaderModuleCreateInfo module = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                                  .codeSize = programs[0][i].bytes, .pCode = programs[0][i].words};
         result = v->vk.CreateShaderModule(o->device, &module, o->allocator, &modules[i]);
@@ -99,9 +103,9 @@ static VkResult make_pipelines(fxs_vulkan *v)
                       .stage = VK_SHADER_STAGE_COMPUTE_BIT, .module = modules[i], .pName = "main"}};
     }
     if (!result)
-        result = v->vk.CreateComputePipelines(o->device, v->cache, FXS_COMPUTE_PROGRAMS, infos, o->allocator,
+        result = v->vk.CreateComputePipelines(o->device, v->cache, FXS_VK_PROGRAMS, infos, o->allocator,
                                               v->programs);
-    for (int i = 0; i < FXS_COMPUTE_PROGRAMS; i++)
+    for (int i = 0; i < FXS_VK_PROGRAMS; i++)
         v->vk.DestroyShaderModule(o->device, modules[i], o->allocator);
     return result;
 }
@@ -129,12 +133,11 @@ static int make_objects(fxs_vulkan *v, fxs_message *why)
 static void end(fxs_vulkan *v)
 {
     const fxs_vulkan_options *o = &v->options;
-    for (int i = 0; i < FXS_VK_SLOTS; i++)
-        v->slots[i].serial = 0;
+    fxs_vulkan_idle(v);
     fxs_vk_give_back(v);
     while (v->scenes)
         fxs_vulkan_drop(v, v->scenes->key);
-    for (int i = 0; i < FXS_COMPUTE_PROGRAMS; i++)
+    for (int i = 0; i < FXS_VK_PROGRAMS; i++)
         v->vk.DestroyPipeline(o->device, v->programs[i], o->allocator);
     v->vk.DestroyPipelineCache(o->device, v->cache, o->allocator);
     v->vk.DestroyPipelineLayout(o->device, v->layout, o->allocator);
@@ -147,8 +150,9 @@ static void end(fxs_vulkan *v)
 static int begin(fxs_vulkan *v, fxs_message *why)
 {
     const fxs_vulkan_options *o = &v->options;
-    if (!o->load || !o->instance || !o->physical || !o->device || !o->queue || !o->allocate != !o->free)
-        return fxs_plan_say(why, FXS_ERR_ARGUMENT, "an option of the Vulkan back end is missing", "");
+    if (!o->load || !o->instance || !o->physical || !o->device || !o->queue || !o->allocate != !o->free ||
+        o->frames > FXS_VULKAN_FRAMES)
+        return fxs_plan_say(why, FXS_ERR_ARGUMENT, "an option of the Vulkan back end is missing or out of range", "");
     int error = load_functions(v, why);
     error = error ? error : check_device(v, why);
     if (error)
@@ -165,6 +169,7 @@ int fxs_vulkan_create(fxs_vulkan **out, const fxs_vulkan_options *options, fxs_m
     if (!v)
         return fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
     memcpy(&v->options, options, options->size < sizeof *options ? options->size : sizeof *options);
+    v->options.frames = v->options.frames ? v->options.frames : 2;
     const int error = begin(v, why);
     if (error) {
         free(v);

@@ -45,17 +45,14 @@ static int make_part(fxs_vulkan *v, fxs_vk_slot *slot, fxs_vk_scene *copy, fxs_v
 
 static int copy_scene(fxs_vulkan *v, fxs_vk_scene *copy, fxs_message *why)
 {
-    fxs_vk_slot *slot;
+    fxs_vk_slot *slot = v->slots;
     copy->part_chunks = fxs_plan_part_chunks(&copy->here, v->rooms.most, why);
     if (!copy->part_chunks)
         return FXS_ERR_MEMORY;
     const uint64_t chunks = fxs_scene_chunks(&copy->here), parts = (chunks + copy->part_chunks - 1) / copy->part_chunks;
     if (parts > FXS_VK_PARTS)
         return fxs_plan_say(why, FXS_ERR_MEMORY, "the scene takes more buffers than there may be", "");
-    int error = fxs_vk_take_slot(v, &slot, why);
-    if (error)
-        return error;
-    error = make_part(v, slot, copy, &copy->heads, FXS_PLAN_HEADS, why);
+    int error = make_part(v, slot, copy, &copy->heads, FXS_PLAN_HEADS, why);
     for (uint32_t part = 0; part < parts && !error; part++)
         error = make_part(v, slot, copy, &copy->parts[part], part, why);
     fxs_vk_retire(v, &slot->up);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # vulkan_shaders.sh FOLDER: makes FOLDER/ENTRY.spv, the compute shaders in SPIR-V for Vulkan 1.1, from
-# kernels/compute/generated/*.comp, with glslangValidator and spirv-opt. The repository stores these files in
-# kernels/vulkan/generated.
+# kernels/compute/generated/*.comp and kernels/vulkan/convert.comp, with glslangValidator and spirv-opt. The repository
+# stores these files in kernels/vulkan/generated.
 # vulkan_shaders.sh -c FILE...: prints SPIR-V files as C arrays of 32-bit words.
 if [ "$1" = -c ]; then
     shift
@@ -15,16 +15,19 @@ fi
 folder=${1:?folder}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
+{ echo '#version 310 es'; cat kernels/gl/depth.frag kernels/vulkan/convert.comp; } >"$work/convert.comp"
 for file in kernels/compute/generated/*.comp; do
-    name=$(basename "$file" .comp)
     # the uniform buffers are bindings 0 and 1 of the descriptor set, the storage buffers 2 to 5
     { echo '#version 310 es'; sed 1d "$file" | tr '\n' ' '; } |
         sed 's/layout(std140, *binding/layout(std140,set=0,binding/g
             s/layout(std430, *binding=3/layout(std430,set=0,binding=5/g
             s/layout(std430, *binding=2/layout(std430,set=0,binding=4/g
             s/layout(std430, *binding=1/layout(std430,set=0,binding=3/g
-            s/layout(std430, *binding=0/layout(std430,set=0,binding=2/g' >"$work/$name.comp"
-    glslangValidator -V --target-env vulkan1.1 -g0 -o "$work/$name.spv" "$work/$name.comp" >"$work/said" ||
+            s/layout(std430, *binding=0/layout(std430,set=0,binding=2/g' >"$work/${file##*/}"
+done
+for file in "$work"/*.comp; do
+    name=$(basename "$file" .comp)
+    glslangValidator -V --target-env vulkan1.1 -g0 -o "$work/$name.spv" "$file" >"$work/said" ||
         { cat "$work/said" >&2; exit 1; }
     spirv-opt -O --strip-debug "$work/$name.spv" -o "$folder/$name.spv" || exit 1
 done

@@ -31,6 +31,8 @@ typedef VkResult fxs_vulkan_allocate_fn(void *argument, const VkMemoryRequiremen
                                         fxs_vulkan_memory *memory);
 typedef void fxs_vulkan_free_fn(void *argument, const fxs_vulkan_memory *memory);
 
+#define FXS_VULKAN_FRAMES 4        /* largest number of frames in flight */
+
 typedef struct fxs_vulkan_options {
     uint32_t size;
     PFN_vkGetInstanceProcAddr load;     /* finds all functions of Vulkan */
@@ -48,6 +50,9 @@ typedef struct fxs_vulkan_options {
                                            null */
     size_t cache_bytes;
     uint64_t max_memory;                /* limit of device memory, bytes; 0: no limit */
+    uint32_t frames;                    /* frames in flight: before a call of fxs_vulkan_record or fxs_vulkan_submit,
+                                           the device must have ended the call this number of calls before; 1 to
+                                           FXS_VULKAN_FRAMES, 0: 2 */
 } fxs_vulkan_options;
 FXS_INIT(fxs_vulkan_options)
 
@@ -55,8 +60,8 @@ typedef struct fxs_vulkan fxs_vulkan;
 
 typedef struct fxs_vulkan_info {
     const char *name;              /* name of the device; valid as long as the back end */
-    uint64_t nanoseconds;          /* device time of the last frame that is known to be finished; 0 if the queue has no
-                                      timestamps */
+    uint64_t nanoseconds;          /* device time of the last call of fxs_vulkan_render, or of the last frame in
+                                      flight whose end was seen; 0 if the queue has no timestamps */
     uint64_t memory;               /* device memory of scenes and frames in bytes */
 } fxs_vulkan_info;
 
@@ -65,7 +70,7 @@ typedef struct fxs_vulkan_info {
    1.1, a queue without compute, a limit that is too low), FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 FXS_EXPERIMENTAL int fxs_vulkan_create(fxs_vulkan **out, const fxs_vulkan_options *options, fxs_message *why);
 
-/* Waits for the queue, and frees the back end with its scenes; null is allowed. */
+/* Waits for the queue, and frees the back end with its scenes; null is allowed. Recorded frames must have ended. */
 FXS_EXPERIMENTAL void fxs_vulkan_destroy(fxs_vulkan *vulkan);
 
 FXS_EXPERIMENTAL fxs_vulkan_info fxs_vulkan_get_info(const fxs_vulkan *vulkan);
@@ -94,6 +99,62 @@ FXS_EXPERIMENTAL void fxs_vulkan_drop(fxs_vulkan *vulkan, const fxs_scene *scene
    are unchanged or complete. */
 FXS_EXPERIMENTAL int fxs_vulkan_render(fxs_vulkan *vulkan, const fxs_request *request, fxs_stats *stats,
                                        fxs_message *why);
+
+/* An image of the caller, of one sample. Its content keeps its bytes: in an sRGB format they are stored as they are. */
+typedef struct fxs_vulkan_image {
+    VkImage image;                 /* VK_NULL_HANDLE: none */
+    VkFormat format;
+    VkImageUsageFlags usage;       /* with VK_IMAGE_USAGE_TRANSFER_DST_BIT to be written, _SRC_BIT to be read */
+    uint32_t width, height, layers;     /* size of the image; layers 0: 1 */
+    uint32_t layer;                /* array layer to use */
+    uint32_t x, y;                 /* texel of the picture's upper left pixel */
+    VkImageLayout before, after;   /* layouts before and after the frame. VK_IMAGE_LAYOUT_UNDEFINED before it discards
+                                      the content outside of the picture */
+} fxs_vulkan_image;
+
+/* Images that one eye draws to and reads. The camera's picture must lie within each. */
+typedef struct fxs_vulkan_target {
+    enum fxs_format format;        /* RGBA8, or RGBA8_COVERAGE with alpha and without a backdrop */
+    int depth_bits;                /* fraction bits of depths; 0: 16 */
+    float plane_0, plane_1;        /* distances at the values 0 and 1 of a depth image of floats or 16 bits, world
+                                      units; either may be infinite. Floats are converted on the device, so their last
+                                      bits depend on it */
+    fxs_vulkan_image colour;       /* output: R8G8B8A8 or B8G8R8A8, UNORM or SRGB */
+    fxs_vulkan_image depth;        /* output, the median depth: R32_UINT with the bytes of fxs_targets, R32_SFLOAT, or
+                                      D32_SFLOAT, which needs a queue with graphics. Without a Gaussian: the far plane,
+                                      or FXS_NOTHING */
+    fxs_vulkan_image occluder;     /* input, depths that hide Gaussians: R32_UINT, R32_SFLOAT, D32_SFLOAT, D16_UNORM */
+    fxs_vulkan_image backdrop;     /* input, the picture under the Gaussians, in a format of `colour` */
+} fxs_vulkan_target;
+
+/* Records the eyes of a request into a command buffer of the caller, outside of a render pass: neither submits nor
+   waits. targets[i] has the images of eye i; the request's own targets are ignored. Its scenes must have been uploaded.
+   Submit the command buffers to the queue of the options, in the order of the calls. The images are used after all
+   earlier commands of the queue, and before all later ones. The call changes the bound pipeline, descriptor sets and
+   push constants of compute.
+   Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or planes;
+   FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY, FXS_ERR_DEVICE.
+   After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is returned by a later
+   call. A frame whose lists exceed the device's buffers takes longer; later frames get larger buffers. */
+FXS_EXPERIMENTAL int fxs_vulkan_record(fxs_vulkan *vulkan, const fxs_request *request,
+                                       const fxs_vulkan_target *targets, VkCommandBuffer commands, fxs_message *why);
+
+/* What a submission waits for and signals. The values are those of timeline semaphores; null: all are binary. */
+typedef struct fxs_vulkan_sync {
+    const VkSemaphore *waits, *signals;
+    const uint64_t *wait_values, *signal_values;
+    uint32_t wait_count, signal_count;
+    VkFence fence;                 /* may be VK_NULL_HANDLE */
+} fxs_vulkan_sync;
+
+/* Does what fxs_vulkan_record does in a command buffer of its own, and submits it to the queue; does not wait. `sync`
+   may be null. */
+FXS_EXPERIMENTAL int fxs_vulkan_submit(fxs_vulkan *vulkan, const fxs_request *request,
+                                       const fxs_vulkan_target *targets, const fxs_vulkan_sync *sync,
+                                       fxs_message *why);
+
+/* Tells that no frame is in flight: the device is idle, and recorded frames that were not submitted never will be. */
+FXS_EXPERIMENTAL void fxs_vulkan_idle(fxs_vulkan *vulkan);
 
 #ifdef __cplusplus
 }
