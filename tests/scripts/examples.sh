@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds docs/examples/engine.c against the installed library. Its pictures and picked Gaussians must equal what the
-# command fixsplat gives.
+# Builds docs/examples/engine.c and vulkan.c against the installed library. Their pictures and picked Gaussians must
+# equal what the command fixsplat gives.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -64,6 +64,25 @@ for without in "" -GL_ARB_stencil_texturing; do
     *) skip "the engine without ${without:-anything}" "it is drawn $(cat "$work/way")" ;;
     esac
 done
+cp docs/examples/vulkan.c "$work"
+sed -n 's/^ \*     cc vulkan/${CC:-cc} $strict vulkan/p' docs/examples/vulkan.c >"$work/compile"
+if pkg-config --exists vulkan; then
+    check "the Vulkan example compiles" eval "(cd '$work' && . ./compile)"
+    rm -f "$work/shown.ppm"
+    VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation timeout 60 "$work/vulkan" "$work/knot.ply" "$work/shown.ppm" \
+        >"$work/said" 2>&1
+    if grep -q 'no device of Vulkan\|vkCreateInstance' "$work/said"; then
+        skip "the Vulkan example's picture" "$(cat "$work/said")"
+    else
+        check "Vulkan: no message of the validation layer" equal "$(cat "$work/said")" ""
+        check "Vulkan: beside the card, the processor's picture" equal "$(right shown | cksum)" "$(right plain | cksum)"
+        check "Vulkan: the card is seen" [ "$(cards shown)" -gt 20000 ]
+        check "Vulkan: not before the ball" equal "$(pixel shown 190 250)" "$(pixel plain 190 250)"
+        check "Vulkan: the card is before the knot" equal "$(pixel shown 235 183)" ' cc 66 33'
+    fi
+else
+    skip vulkan "no libvulkan here"
+fi
 check "a scene that is not there" equal "$("$work/engine" "$work/none.ply" 2>&1)" \
     "engine: $work/none.ply: No such file or directory"
 finish
