@@ -3,7 +3,8 @@
  *
  * The kernels of a frame choose the level of detail, project the Gaussians to splats, list the splats of each tile
  * (start_lists, fill_lists), sort the lists (sort_lists) and blend. A second stream blends long tile lists while the
- * first sorts the others. fxs_cuda_finish renders a frame again with larger buffers if its tile lists overflowed. */
+ * first sorts the others. If the tile lists overflowed, the last kernel (finish_tiles) draws the frame without them,
+ * and later frames get larger buffers. */
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
@@ -11,10 +12,11 @@
 #include "dense.cuh"
 #include "lists.cuh"
 #include "scenes.cuh"
+#include "tail.cuh"
 
 namespace {
 
-const uint32_t SLOTS = 16;
+const uint32_t SLOTS = 16, CALLS = 2;
 const uint64_t ENTRIES_MAX = 0xffffffffu;
 
 struct slot {
@@ -53,10 +55,18 @@ struct frame {
     bool pooled;
 };
 
+/* Host memory of a call of fxs_cuda_render, until the call's frames have ended. */
+struct call {
+    host_block staged;
+    frame_needs needs[FXS_CUDA_BATCH];
+    uint32_t count;                /* number of frames whose `needs` were not read yet */
+    cudaEvent_t done;
+};
+
 }
 
-struct fxs_cuda {                  /* the struct lies in pinned host memory, so that kernels can write its array
-                                      `needs` */
+struct fxs_cuda {                  /* the struct lies in pinned host memory, so that kernels can write the arrays
+                                      `needs` of `calls` */
     int device, timed, stereo;
     float milliseconds;
     int dense;                     /* 1: the device has enough shared memory for the kernel blend_dense */
@@ -65,7 +75,6 @@ struct fxs_cuda {                  /* the struct lies in pinned host memory, so 
     uint32_t warps, traced_warps;
     budget memory;
     scene_table scenes;
-    host_block staged;
     host_block cut;
     block pixels;
     slot slots[SLOTS];
@@ -76,17 +85,35 @@ struct fxs_cuda {                  /* the struct lies in pinned host memory, so 
     uint64_t capacity, large_capacity;
     uint64_t entries_most, split_most;      /* small capacities of the tile lists that tests set to cause overflows; 0:
                                                none */
+    uint32_t larges_most;
 
     fxs_options options;
     frame frames[FXS_CUDA_BATCH];
     frame_buffers buffers[FXS_CUDA_BATCH];
-    frame_needs needs[FXS_CUDA_BATCH];
+    call calls[CALLS];
+    uint32_t call_number;          /* calls[call_number] is the last call */
+    bool damaged;                  /* true: the header of a chunk (256 Gaussians) was out of range */
     uint32_t frame_count;
     uint32_t frame_number;
     fxs_cuda_frame device_frames[FXS_CUDA_BATCH];
 };
 
 namespace {
+
+const call *last_call(const fxs_cuda *cuda)
+{
+    return &cuda->calls[cuda->call_number];
+}
+
+call *last_call(fxs_cuda *cuda)
+{
+    return &cuda->calls[cuda->call_number];
+}
+
+unsigned char *staged_at(const fxs_cuda *cuda, uint64_t at)
+{
+    return (unsigned char *)last_call(cuda)->staged.data + at;
+}
 
 uint64_t larger_of(uint64_t a, uint64_t b)
 {
@@ -153,6 +180,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.drawn_count = nullptr;
     f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
     f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
+    f.covers = cut<uint64_t>(&splats, of->chunks);
     f.splats = cut<fxs_splat>(&splats, gaussians);
     f.split_entries = f.boxes = cut<uint64_t>(&splats, gaussians);
     f.depths = cut<uint32_t>(&splats, gaussians);
@@ -202,10 +230,10 @@ int reserve_slot(fxs_cuda *cuda, slot *s, const slot_sizes *sizes, fxs_message *
     int error = reserve(taken, &s->objects, larger_of(s->objects.bytes, sizes->objects), why);
     error = error ? error : reserve(taken, &s->splats, larger_of(s->splats.bytes, sizes->splats), why);
     error = error ? error : reserve(taken, &s->tiles, larger_of(s->tiles.bytes, sizes->tiles), why);
-    error = error ? error : reserve(taken, &s->larges, sizes->larges, why);
+    error = error ? error : reserve(taken, &s->larges, larger_of(s->larges.bytes, sizes->larges), why);
     error = error ? error : reserve(taken, &s->cut, larger_of(s->cut.bytes, sizes->cut), why);
     error = error ? error : reserve(taken, &s->pixels, larger_of(s->pixels.bytes, sizes->pixels), why);
-    return error ? error : reserve(taken, &s->entries, sizes->entries, why);
+    return error ? error : reserve(taken, &s->entries, larger_of(s->entries.bytes, sizes->entries), why);
 }
 
 void free_slot(fxs_cuda *cuda, slot *s)
@@ -418,7 +446,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         f->staged = staged;
         staged += sizes.objects;
     }
-    return error ? error : reserve_host(&cuda->staged, staged, why);
+    return error ? error : reserve_host(&last_call(cuda)->staged, staged, why);
 }
 
 bool is_plain(const fxs_object_view *object)
@@ -430,7 +458,7 @@ bool is_plain(const fxs_object_view *object)
 
 fxs_object_view *staged_objects(const fxs_cuda *cuda, const frame *f)
 {
-    return (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
+    return (fxs_object_view *)staged_at(cuda, f->staged);
 }
 
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
@@ -473,7 +501,7 @@ int find_cut(fxs_cuda *cuda, frame *f, fxs_cut *cut, fxs_message *why)
     error = fxs_cut_find(cut);
     if (error)
         return failed(why, error, fxs_strerror(error));
-    memcpy((unsigned char *)cuda->staged.data + f->staged + drawn_at(f), cut->drawn, cut->count * sizeof *cut->drawn);
+    memcpy(staged_at(cuda, f->staged + drawn_at(f)), cut->drawn, cut->count * sizeof *cut->drawn);
     f->chunks = cut->count;
     return 0;
 }
@@ -493,8 +521,7 @@ int stage_cut(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *frames, fxs_mess
     cut.room = f->cut_room;
     if (f->cut_here)
         return find_cut(cuda, f, &cut, why);
-    unsigned char *staged = (unsigned char *)cuda->staged.data + f->staged;
-    const int error = fxs_cut_views(&cut, (fxs_stage_view *)(staged + cut_views_at(f)));
+    const int error = fxs_cut_views(&cut, (fxs_stage_view *)staged_at(cuda, f->staged + cut_views_at(f)));
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
@@ -579,6 +606,15 @@ void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cuda
 }
 
 template <class Pixel>
+void finish(const fxs_cuda *cuda, cudaStream_t stream, uint32_t groups, const frame *of, const frame_buffers &f,
+            const target &t)
+{
+    groups = groups < FINISH_GROUPS ? groups : FINISH_GROUPS;
+    launch(cuda, finish_tiles<Pixel>, cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream,
+           of->view, f, t, of->scene, of->plain);
+}
+
+template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_stage_view &view,
                  const frame_buffers &f, const target &t)
 {
@@ -599,8 +635,9 @@ void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view,
     cudaEventRecord(s->dense_done, s->side);
 }
 
-void blend(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view, const frame_buffers &f, const target &t)
+void blend(const fxs_cuda *cuda, const slot *s, const frame *of, const frame_buffers &f, const target &t)
 {
+    const fxs_stage_view &view = of->view;
     const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
     if (dense)
         cudaEventRecord(s->listed, s->on);
@@ -609,10 +646,13 @@ void blend(const fxs_cuda *cuda, const slot *s, const fxs_stage_view &view, cons
     mark(cuda, s, 3);
     if (dense)
         blend_long(cuda, s, view, f, t);
-    if (traced)
+    if (traced) {
         blend_lists<traced_pixel>(cuda, s->on, cuda->traced_warps, cuda->traced_groups, view, f, t);
-    else
+        finish<traced_pixel>(cuda, s->on, cuda->traced_groups, of, f, t);
+    } else {
         blend_lists<pixel>(cuda, s->on, cuda->warps, dense ? 0 : cuda->groups, view, f, t);
+        finish<pixel>(cuda, s->on, cuda->groups, of, f, t);
+    }
     if (dense)
         cudaStreamWaitEvent(s->on, s->dense_done, 0);
 }
@@ -643,7 +683,7 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
     const frame *of = &cuda->frames[i];
     slot_sizes sizes;
     frame_buffers f = slot_buffers(s, of, &sizes);
-    f.needs = &cuda->needs[i];
+    f.needs = &last_call(cuda)->needs[i];
     f.number = ++cuda->frame_number;
     if (fxs_targets_traced(&of->targets))                    /* frames with depth or id outputs read the array `depths`
                                                                 to the end, so scratch memory must not overlap it */
@@ -652,6 +692,7 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i)
         f.capacity = cuda->entries_most;
         f.split_capacity = cuda->split_most;
     }
+    f.large_capacity = cuda->larges_most ? cuda->larges_most : f.large_capacity;
     const uint64_t cleared = (uint64_t)((unsigned char *)list_of(&f, of->tiles) - (unsigned char *)f.status);
     cudaMemsetAsync(f.status, 0, cleared, s->on);
     return f;
@@ -665,7 +706,7 @@ void copy_objects(fxs_cuda *cuda, uint32_t i)
     slot_sizes sizes;
     slot_buffers(&none, of, &sizes);
     if (sizes.objects && (!of->plain || fxs_targets_traced(&of->targets)))
-        cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged,
+        cudaMemcpyAsync(s->objects.data, staged_at(cuda, of->staged),
                         of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, s->on);
 }
 
@@ -692,7 +733,7 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *
     if (of->chunks)
         launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, f);
     mark(cuda, s, 2);
-    blend(cuda, s, view, f, target_of(&targets, &cuda->options));
+    blend(cuda, s, of, f, target_of(&targets, &cuda->options));
     mark(cuda, s, 4);
     cuda->buffers[i] = f;
     const cudaError_t error = copy_hosted(s, of, targets), launched = cudaGetLastError();
@@ -713,14 +754,52 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     return draw_frame(cuda, i, f, why);
 }
 
+/* Enlarges a block to at least `bytes`, with an eighth to spare, if the allowed memory has room for it. cudaFree waits
+   for the frames that use the block. */
+int enlarge(budget *taken, block *b, uint64_t bytes, fxs_message *why)
+{
+    const uint64_t before = b->bytes;
+    int error = 0;
+    for (const uint64_t spare : {bytes / 8, (uint64_t)0}) {
+        const uint64_t wanted = bytes + spare;
+        if (error || bytes <= b->bytes || (taken->most && taken->bytes - before + wanted > taken->most))
+            continue;
+        error = reserve(taken, b, wanted, why);
+        if (error == FXS_ERR_MEMORY)
+            error = reserve(taken, b, before, why);
+    }
+    return error;
+}
+
+/* Reads the needs of a call's frames, and enlarges the tile lists of later frames. If `waits` is false, does nothing
+   before the frames have ended. */
+int look(fxs_cuda *cuda, call *of, bool waits, fxs_message *why)
+{
+    if (!of->count)
+        return 0;
+    if (!waits && cudaEventQuery(of->done) == cudaErrorNotReady) {
+        cudaGetLastError();
+        return 0;
+    }
+    int error = check(why, cudaEventSynchronize(of->done));
+    for (uint32_t i = 0; i < of->count && !error; i++) {
+        slot *s = slot_of_frame(cuda, i);
+        const frame_needs *n = &of->needs[i];
+        const uint64_t entries = n->entries < ENTRIES_MAX ? n->entries : ENTRIES_MAX, larges = n->larges;
+        cuda->damaged |= n->damaged != 0;
+        error = enlarge(&cuda->memory, &s->entries, entries * sizeof(uint64_t), why);
+        error = error ? error : enlarge(&cuda->memory, &s->larges, larges * sizeof(large_splat), why);
+    }
+    of->count = 0;
+    return error;
+}
+
 int wait(fxs_cuda *cuda, fxs_message *why)
 {
-    for (uint32_t i = 0; i < cuda->slot_count; i++) {
-        const int error = check(why, cudaEventSynchronize(cuda->slots[i].done));
-        if (error)
-            return error;
-    }
-    return 0;
+    int error = 0;
+    for (uint32_t i = 0; i < CALLS && !error; i++)
+        error = look(cuda, &cuda->calls[i], true, why);
+    return error;
 }
 
 int end_frames(fxs_cuda *cuda, int error)
@@ -728,40 +807,6 @@ int end_frames(fxs_cuda *cuda, int error)
     for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && error; i++)
         cudaStreamSynchronize(cuda->slots[i].on);
     cuda->frame_count = 0;
-    return error;
-}
-
-bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
-{
-    const frame_needs *needed = &cuda->needs[i];
-    const frame_buffers *had = &cuda->buffers[i];
-    return needed->entries <= had->capacity && needed->larges <= had->large_capacity;
-}
-
-int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
-{
-    const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;
-    const uint64_t entries = cuda->needs[i].entries, larges = cuda->needs[i].larges;
-    if (entries > ENTRIES_MAX)
-        return failed(why, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
-                      entries * sizeof(uint64_t));
-    int error = FXS_ERR_MEMORY;
-    for (int spare = 1; spare >= 0 && error == FXS_ERR_MEMORY; spare--) {
-        cuda->capacity = larger_of(capacity, entries + (spare ? entries / 8 : 0));
-        cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
-        cuda->large_capacity = larger_of(large_capacity, larges + (spare ? larges / 8 : 0));
-        const slot_sizes sizes = {0, 0, 0, cuda->large_capacity * sizeof(large_splat),
-                                  cuda->capacity * sizeof(uint64_t), 0, 0};
-        error = reserve_slot(cuda, slot_of_frame(cuda, i), &sizes, why);
-    }
-    error = error ? error : start_frame(cuda, i, why);
-    error = error ? error : wait(cuda, why);
-    if (!error && !frame_fitted(cuda, i))
-        error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
-    if (error) {
-        cuda->capacity = capacity;
-        cuda->large_capacity = large_capacity;
-    }
     return error;
 }
 
@@ -813,7 +858,8 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
 {
     *groups = parts_of(shared_most, blend_bytes<Pixel>(0), sizeof(group_shared<Pixel>), groups_most<Pixel>);
     *warps = parts_of(shared_most, sorted_bytes<Pixel>(0), sizeof(warp_shared<Pixel>), WARPS_MOST);
-    const int error = allow_shared(blend_tiles<Pixel>, blend_bytes<Pixel>(*groups), shared_most, why);
+    int error = allow_shared(blend_tiles<Pixel>, blend_bytes<Pixel>(*groups), shared_most, why);
+    error = error ? error : allow_shared(finish_tiles<Pixel>, blend_bytes<Pixel>(*groups), shared_most, why);
     return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 
@@ -839,6 +885,8 @@ int renderer_init(fxs_cuda *cuda, fxs_message *why)
     error = error ? error : fit_blocks(cuda, (size_t)shared_most, why);
     error = error ? error : check(why, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming),
                                   cudaEventCreate(&cuda->began));
+    for (call &c : cuda->calls)
+        error = error ? error : check(why, cudaEventCreateWithFlags(&c.done, cudaEventDisableTiming));
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
         error = slot_init(&cuda->slots[i], why);
     cuda->processors = (uint32_t)processors;
@@ -878,8 +926,8 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
     stats->device_milliseconds = cuda->milliseconds;
     for (uint32_t i = 0; i < cuda->frame_count; i++) {
         stats->gaussians += cuda->frames[i].gaussians;
-        stats->visible += cuda->needs[i].visible;
-        stats->entries += cuda->needs[i].entries;
+        stats->visible += last_call(cuda)->needs[i].visible;
+        stats->entries += last_call(cuda)->needs[i].entries;
     }
     for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && cuda->timed; i++)
         for (int k = 0; k < FXS_CUDA_STAGES; k++) {
@@ -936,6 +984,17 @@ int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, b
                                    (size_t)frames[i].camera.height, why);
         }
     }
+    return error;
+}
+
+/* Begins a call of fxs_cuda_render: waits until the call before the last has ended, as its host memory is reused. */
+int begin_call(fxs_cuda *cuda, fxs_message *why)
+{
+    const uint32_t next = (cuda->call_number + 1) % CALLS;
+    int error = look(cuda, &cuda->calls[next], true, why);
+    error = error ? error : look(cuda, last_call(cuda), false, why);
+    cuda->call_number = next;
+    cuda->frame_count = 0;
     return error;
 }
 
@@ -1004,8 +1063,12 @@ void fxs_cuda_destroy(fxs_cuda *cuda)
         drop_scene(&cuda->scenes, &cuda->memory, copies_of(&cuda->scenes)->key);
     reserve(&cuda->memory, &cuda->pixels, 0, nullptr);
     cudaFreeHost(cuda->scenes.memory.data);
-    cudaFreeHost(cuda->staged.data);
     cudaFreeHost(cuda->cut.data);
+    for (const call &c : cuda->calls) {
+        cudaFreeHost(c.staged.data);
+        if (c.done)
+            cudaEventDestroy(c.done);
+    }
     for (cudaEvent_t event : {cuda->ready, cuda->began})
         if (event)
             cudaEventDestroy(event);
@@ -1049,8 +1112,9 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         return error;
     on_device scope(cuda->device);
     cudaGetLastError();            /* clears a CUDA error that other code has left */
+    error = begin_call(cuda, why);
     cuda->options = *options;
-    error = take_frames(cuda, frames, count, why);
+    error = error ? error : take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
     for (uint32_t i = 0; i < count && !error; i++)
         error = stage_frame(cuda, i, frames, why);
@@ -1058,7 +1122,9 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         return error;
     cuda->frame_count = count;
     const uint32_t used = slots_of(cuda, count);
-    if (count > 1)
+    for (const call &c : cuda->calls)
+        error = error ? error : check(why, cudaStreamWaitEvent((cudaStream_t)stream, c.done, 0));
+    if (count > 1 && !error)
         error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
     for (uint32_t i = 0; i < used; i++) {
         slot *s = &cuda->slots[i];
@@ -1071,6 +1137,8 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         error = start_frame(cuda, i, why);
     for (uint32_t i = 0; i < used && count > 1 && !error; i++)
         error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
+    error = error ? error : check(why, cudaEventRecord(last_call(cuda)->done, (cudaStream_t)stream));
+    last_call(cuda)->count = error ? 0 : count;
     return error ? end_frames(cuda, error) : 0;
 }
 
@@ -1081,11 +1149,9 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
     on_device scope(cuda->device);
     cudaGetLastError();            /* clears a CUDA error that other code has left */
     int error = wait(cuda, why);
-    for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
-        if (cuda->needs[i].damaged)
-            error = failed(why, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
-        else if (!frame_fitted(cuda, i))
-            error = render_again(cuda, i, why);
+    if (!error && cuda->damaged)
+        error = failed(why, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
+    cuda->damaged = false;
     cuda->milliseconds = error ? 0 : milliseconds_of(cuda);
     if (!error && stats)
         stats_of(cuda, stats);

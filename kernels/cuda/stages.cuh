@@ -52,7 +52,8 @@ const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* with more than MAN
                                                               lists of two tiles are LISTS_APART elements apart */
 const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;
 
-/* Sizes of the buffers that a frame needs. If the allocated buffers are smaller, the frame is not blended. */
+/* Sizes of the buffers that a frame needs. If the allocated buffers are smaller, the kernel finish_tiles draws the
+   frame without tile lists. */
 struct frame_needs {
     uint64_t entries;
     uint32_t larges, visible;
@@ -76,6 +77,7 @@ struct frame_status : frame_needs {
     uint32_t classes[32];
     uint32_t class_entries[32];
     uint32_t next_sort[2], next_turn, next_long, next_dense;
+    uint32_t next_cover, covered, next_tile;
     uint64_t split_taken[2];
     shared_range shared[SHARED_MOST];
 };
@@ -115,6 +117,8 @@ struct frame_buffers {
     uint64_t *split_entries;
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
+    uint64_t *covers;              /* rectangle of tiles that each visible chunk covers; only for frames whose lists do
+                                      not fit */
 };
 
 /* Loads a splat as two 16-byte words; nvcc would load eight 4-byte words. */

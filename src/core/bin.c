@@ -113,7 +113,7 @@ FXS_STAGE fxs_span fxs_bin_rows(const fxs_stage_view *view, const fxs_splat *spl
                                              : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
 }
 
-fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds)
+FXS_STAGE fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds)
 {
     const int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
     return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(bounds->cx_q14, bounds->square_radius, view->tiles_x)

@@ -7,7 +7,7 @@
 /* Return the tile rows, and the tile columns, where a list may contain the splat. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_stage_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
-fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds);
+FXS_STAGE fxs_span fxs_bin_columns(const fxs_stage_view *view, const fxs_bounds *bounds);
 
 /* State of a job that makes the lists of splats for macro tiles (2x2 tiles) first_macro to last_macro. The first pass
    counts the keys (entries) of each list, and notes its results while space lasts. The second pass writes the keys. */

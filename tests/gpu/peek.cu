@@ -19,10 +19,12 @@ int peek(fxs_cuda *cuda, peeked *out)
 {
     const frame_buffers *f = &cuda->buffers[0];
     const frame *of = &cuda->frames[0];
+    const frame_needs *n = &last_call(cuda)->needs[0];
     tile_list *lists = nullptr;
     int error = download(&out->splats, f->splats, (uint64_t)of->chunks * FXS_CHUNK) ||
                 download(&lists, f->lists, (uint64_t)f->list_step * of->tiles) ||
-                download(&out->entries, f->entries, cuda->needs[0].entries);
+                (n->entries <= f->capacity && n->larges <= f->large_capacity &&
+                 download(&out->entries, f->entries, n->entries));
     out->counts = (uint32_t *)malloc(of->tiles * sizeof *out->counts);
     out->ends = (uint32_t *)malloc(of->tiles * sizeof *out->ends);
     error = error || !out->counts || !out->ends;
@@ -101,8 +103,9 @@ int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
     return fit_blocks(cuda, shared_most, why);
 }
 
-void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split)
+void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split, uint32_t larges)
 {
+    cuda->larges_most = larges;
     cuda->entries_most = entries;
     cuda->split_most = split;
 }
@@ -132,6 +135,11 @@ void peek_pinned_free(void *memory)
 int peek_copy(void *to, const void *from, size_t bytes)
 {
     return cudaMemcpy(to, from, bytes, cudaMemcpyDefault) != cudaSuccess;
+}
+
+int peek_copy_after(void *to, const void *from, size_t bytes)
+{
+    return cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, nullptr) != cudaSuccess;
 }
 
 float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,

@@ -13,7 +13,8 @@ extern "C" {
 typedef struct peeked {
     void *splats;                  /* array of fxs_splat, the projected Gaussians */
     uint32_t *counts, *ends;
-    uint64_t *entries;             /* tile lists: the list of tile t has counts[t] entries and ends at ends[t] */
+    uint64_t *entries;             /* tile lists: the list of tile t has counts[t] entries and ends at ends[t]; null:
+                                      the lists did not fit */
 } peeked;
 
 int peek(fxs_cuda *cuda, peeked *out);
@@ -34,15 +35,18 @@ long peek_levels(void);
  * suffice. */
 int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why);
 
-/* Sets artificial capacities: `entries` for tile lists (0: the real capacity), and `split` for long lists that are
- * split into bins of depth. */
-void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split);
+/* Sets artificial capacities: `entries` for tile lists, `split` for long lists that are split into bins of depth, and
+ * `larges` for large splats. 0: the real capacity; `split` counts if `entries` is not 0. */
+void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split, uint32_t larges);
 
 void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);
 void peek_pinned_free(void *memory);
 int peek_copy(void *to, const void *from, size_t bytes);
+
+/* Copies after the work on the default stream, without waiting. `to` is in pinned memory. */
+int peek_copy_after(void *to, const void *from, size_t bytes);
 
 /* Renders the frames and returns their GPU time in milliseconds; negative on failure. */
 float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,

@@ -17,6 +17,7 @@
 static fxs_cuda *cuda;
 static fxs_message why;
 static int quick;
+static int overflows;              /* number of frames whose tile lists did not fit */
 static char **files;
 static int file_count;
 
@@ -307,7 +308,8 @@ static int buffers_equal(const expected *e, const peeked *p)
             printf("  splat %" PRIu32 " differs\n", e->indices[i]);
             return 0;
         }
-    for (uint32_t tile = 0; tile < e->tiles; tile++)
+    overflows += !p->entries;
+    for (uint32_t tile = 0; tile < e->tiles && p->entries; tile++)
         if (p->counts[tile] != e->lists.counts[tile] ||
             !list_equal(e, tile, p->entries + p->ends[tile] - p->counts[tile])) {
             printf("  list of tile %" PRIu32 " differs: %" PRIu32 " entries, %" PRIu32 " expected\n", tile,
@@ -805,6 +807,51 @@ static void test_batch(void)
     peek_pinned_free(pinned);
 }
 
+/* Renders frames one after another on a stream without fxs_cuda_finish, and copies each picture in stream order. The
+ * tile lists of the first frames do not fit. */
+static void test_stream_order(void)
+{
+    enum { FRAMES = 6, WIDTH = 1100, HEIGHT = 900, BYTES = 4 * WIDTH * HEIGHT };
+    uint8_t *device = peek_device_memory(BYTES), *pinned = peek_pinned_memory((size_t)FRAMES * BYTES);
+    fxs_cuda *by;
+    fxs_cuda_frame frames[FRAMES];
+    fxs_cuda_stats stats = {0};
+    fxs_options options;
+    world w;
+    state = 5;
+    random_world(&w, 3, 3000);
+    fxs_options_init(&options);
+    if (!CHECK(device && pinned && !fxs_cuda_create(&by, 0, 0, 1, &why)))
+        return;
+    for (int i = 0; i < FRAMES; i++) {
+        random_camera(&frames[i].camera);
+        enlarge(&frames[i].camera, 9);
+        frames[i].camera.width = WIDTH;
+        frames[i].camera.height = HEIGHT - i;
+        frames[i].objects = w.objects;
+        frames[i].count = w.count;
+        frames[i].targets = (fxs_targets){.colour = {device, 4 * WIDTH}};
+        CHECK(!fxs_cuda_render(by, &frames[i], 1, &options, 0, &why));
+        CHECK(!peek_copy_after(pinned + (size_t)i * BYTES, device, BYTES));
+    }
+    CHECK(!fxs_cuda_finish(by, &stats, &why) && fxs_cuda_finish(by, 0, &why) == FXS_ERR_ARGUMENT);
+    CHECK(!peek_copy(device, pinned, 1));      /* waits for the copies */
+    for (int i = 0; i < FRAMES; i++) {
+        uint8_t *pixels = room(BYTES);
+        fxs_targets targets;
+        fxs_targets_init(&targets);
+        targets.colour = (fxs_image){pixels, 4 * WIDTH};
+        render_c(&frames[i], &options, &targets);
+        CHECK(!memcmp(pixels, pinned + (size_t)i * BYTES, (size_t)(HEIGHT - i) * 4 * WIDTH));
+        free(pixels);
+    }
+    CHECK(stats.memory.entries / 8 > 2 * stats.gaussians + 65536 && stats.memory.entries / 8 >= stats.entries);
+    fxs_cuda_destroy(by);
+    peek_device_free(device);
+    peek_pinned_free(pinned);
+    world_free(&w);
+}
+
 /* ---- Scenes, memory and errors ----------------------------------------------------------------------------------- */
 
 static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, fxs_cuda_stats *stats)
@@ -844,11 +891,16 @@ static void check_long_lists(int count)
         CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
                           FXS_FORMAT_RGBA8, 0));
         for (uint64_t split = 0; split < stats.entries; split = 3 * split + stats.entries / 20) {
-            peek_limit_room(cuda, stats.entries, split);
+            peek_limit_room(cuda, stats.entries, split, 0);
             CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));
             CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
         }
-        peek_limit_room(cuda, 0, 0);
+        for (uint64_t entries = stats.entries - 1; entries; entries /= 300) {
+            peek_limit_room(cuda, entries, 0, 0);
+            CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));
+            CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
+        }
+        peek_limit_room(cuda, 0, 0, 0);
         const uint64_t each = stats.entries / (uint64_t)((camera.width + 15) / 16 * ((camera.height + 15) / 16));
         most = each > most ? each : most;
         fxs_cuda_forget(cuda, &scene);
@@ -873,6 +925,25 @@ static void test_small_blocks(void)
     CHECK(peek_fit_blocks(cuda, 48 << 10, &why) == FXS_ERR_UNSUPPORTED);
     fxs_cuda_destroy(cuda);
     cuda = whole;
+}
+
+/* Frames whose tile lists do not fit: room for one entry, for few entries, or for one large splat. */
+static void test_overflow(void)
+{
+    static const struct { uint64_t entries; uint32_t larges; } rooms[] = {{1, 0}, {500, 0}, {0, 1}};
+    for (int i = 0; i < 3; i++) {
+        const int before = overflows;
+        peek_limit_room(cuda, rooms[i].entries, 0, rooms[i].larges);
+        for (int profile = 0; profile < 3; profile++)
+            check_random((enum fxs_profile)profile, cases(40));
+        check_objects(cases(60), 5, 2000);
+        check_objects(1, OBJECTS, quick ? 600 : 3000);
+        test_targets();
+        test_cut();
+        CHECK(overflows - before > (quick ? 5 : 60));
+        printf("  %d overflows\n", overflows - before);
+    }
+    peek_limit_room(cuda, 0, 0, 0);
 }
 
 static void test_scenes(void)
@@ -1166,7 +1237,9 @@ int main(int argc, char **argv)
     RUN(test_pool);
     RUN(test_small_blocks);
     RUN(test_batch);
+    RUN(test_stream_order);
     RUN(test_long_lists);
+    RUN(test_overflow);
     RUN(test_scenes);
     RUN(test_memory);
     RUN(test_errors);

@@ -19,11 +19,12 @@ typedef struct fxs_cuda fxs_cuda;
 /* Device memory of a CUDA renderer by use, in bytes. A slot is the set of buffers of one frame in flight. */
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* packed scenes; of a scene that does not fit, the part on the device */
-    uint64_t splats;               /* per slot: 46 bytes a Gaussian, 100 a chunk, 424 an object; with a budget or a
+    uint64_t splats;               /* per slot: 46 bytes a Gaussian, 108 a chunk, 424 an object; with a budget or a
                                       detail also 6.3 MB, 18 bytes for each chunk and node of the scenes, 312 an
                                       object */
     uint64_t tiles;                /* per slot: 136 bytes a tile, 8.5 KB */
-    uint64_t entries;              /* per slot: capacity of the tile lists, 8 bytes an entry */
+    uint64_t entries;              /* per slot: capacity of the tile lists, 8 bytes an entry. It grows after a frame
+                                      whose lists did not fit, if max_memory allows */
     uint64_t pixels;               /* targets of fxs_cuda_render_host; per slot also the targets that are in pinned host
                                       memory */
     uint64_t total;                /* sum of the five */
@@ -49,8 +50,7 @@ typedef struct fxs_cuda_stats {
     float milliseconds[FXS_CUDA_STAGES];   /* time of each stage, summed over the last frame of each slot (frame in
                                               flight). 0 unless fxs_cuda_time switched timing on */
     float device_milliseconds;     /* device time from the start of the first frame to the end of the last frame's blend
-                                      stage. It includes the host's work if a frame was rendered again because its tile
-                                      lists did not fit. 0 unless fxs_cuda_time switched timing on */
+                                      stage. 0 unless fxs_cuda_time switched timing on */
     fxs_cuda_memory memory;
 } fxs_cuda_stats;
 
@@ -95,17 +95,20 @@ FXS_EXPERIMENTAL void fxs_cuda_time(fxs_cuda *cuda, int on);
 FXS_EXPERIMENTAL void fxs_cuda_stereo(fxs_cuda *cuda, int on);
 
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
-   makes the stream wait for the frames. The frames' targets (output pictures) must not overlap. The pixels are complete
-   once fxs_cuda_finish has returned 0; call fxs_cuda_finish before any other function. `options` are copied;
-   options->stop is called before each frame. Errors: as fxs_render, FXS_ERR_UNSUPPORTED for a scene with `places` (only
-   partly in memory), FXS_ERR_DEVICE. After an error, no frame is in flight. */
+   makes the stream wait for the frames. The frames' targets (output pictures) must not overlap. Work that is put on the
+   stream afterwards finds complete pictures; the host need not wait. Frames whose tile lists do not fit are finished on
+   the device, more slowly, and later frames get larger lists. fxs_cuda_render may be called again, on any stream,
+   without fxs_cuda_finish: two calls are in flight, and a third waits on the host until the first has ended. Memory
+   that grows also waits for frames in flight. `options` are copied; options->stop is called before each frame. Errors:
+   as fxs_render, FXS_ERR_UNSUPPORTED for a scene with `places` (only partly in memory), FXS_ERR_DEVICE. After an error,
+   no frame of this call is in flight. */
 FXS_EXPERIMENTAL int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count,
                                      const fxs_options *options,
                             void *stream, fxs_message *why);
 
-/* Waits for the frames that fxs_cuda_render started. Frames whose tile lists did not fit are rendered again with more
-   memory. `stats` may be null. Errors: FXS_ERR_ARGUMENT without frames in flight, FXS_ERR_MEMORY, FXS_ERR_DEVICE,
-   FXS_ERR_STOPPED, FXS_ERR_SCENE if a chunk's header is out of range because the scene's bytes had changed before the
+/* Waits for the frames that fxs_cuda_render started, and reports errors of all frames since the last call. `stats` (of
+   the last call of fxs_cuda_render) may be null. Errors: FXS_ERR_ARGUMENT if no frame was started, FXS_ERR_MEMORY,
+   FXS_ERR_DEVICE, FXS_ERR_SCENE if a chunk's header is out of range because the scene's bytes had changed before the
    upload. The pixels are undefined after an error. */
 FXS_EXPERIMENTAL int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why);
 

@@ -448,6 +448,11 @@ cudaError_t cudaEventSynchronize(cudaEvent_t e)
     return cudaSuccess;
 }
 
+cudaError_t cudaEventQuery(cudaEvent_t e)
+{
+    return e->done >= e->recorded ? cudaSuccess : cudaErrorNotReady;
+}
+
 cudaError_t cudaEventElapsedTime(float *milliseconds, cudaEvent_t from, cudaEvent_t to)
 {
     *milliseconds = (float)(to->time - from->time) * 1e-3f;
