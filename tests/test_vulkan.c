@@ -233,6 +233,51 @@ static void refusals(void)
     knot_free(&k);
 }
 
+/* Images that fxs_vulkan_record refuses, by their descriptions: nothing is recorded, so the handles are not used. */
+static void images_refused(void)
+{
+    static const VkImageUsageFlags out = VK_IMAGE_USAGE_TRANSFER_DST_BIT, in = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    static const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL;
+    const VkImage some = (VkImage)(uintptr_t)64;
+    const VkCommandBuffer none = 0;
+    const fxs_vulkan_image good = {some, VK_FORMAT_R8G8B8A8_UNORM, out, 100, 80, 1, 0, 0, 0, general, general};
+    const fxs_vulkan_image depth = {some, VK_FORMAT_D32_SFLOAT, in, 100, 80, 1, 0, 0, 0, general, general};
+    knot k;
+    if (!knot_make(&k))
+        return;
+    CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why));
+    const struct {
+        const char *says;
+        int error;
+        fxs_vulkan_target target;
+    } cases[] = {
+#define COLOUR(says, ...) {"the colour image: " says, FXS_ERR_TARGET, \
+                           {.colour = {some, __VA_ARGS__, 0, 0, general, general}}}
+        COLOUR("its format is not supported", VK_FORMAT_R16G16B16A16_SFLOAT, out, 100, 80, 1, 0),
+        COLOUR("its usage lacks VK_IMAGE_USAGE_TRANSFER_DST_BIT", VK_FORMAT_R8G8B8A8_UNORM, in, 100, 80, 1, 0),
+        COLOUR("the picture does not fit in it", VK_FORMAT_R8G8B8A8_UNORM, out, 99, 80, 1, 0),
+        COLOUR("it has no such layer", VK_FORMAT_R8G8B8A8_UNORM, out, 100, 80, 2, 2),
+        {"a target needs a colour image or a depth image", FXS_ERR_TARGET, {.depth_bits = 0}},
+        {"plane_0 and plane_1 must be positive and differ", FXS_ERR_TARGET,
+         {.colour = good, .occluder = depth, .plane_0 = 1, .plane_1 = 1}},
+        {"a backdrop needs the format RGBA8", FXS_ERR_TARGET,
+         {.format = FXS_FORMAT_RGBA8_COVERAGE, .colour = good, .backdrop = {some, VK_FORMAT_R8G8B8A8_UNORM, in, 100, 80,
+                                                                            1, 0, 0, 0, general, general}}},
+        {"a target's format is RGBA8 or RGBA8_COVERAGE", FXS_ERR_UNSUPPORTED,
+         {.format = FXS_FORMAT_RGB565, .colour = good}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        why.text[0] = 0;
+        if (!CHECK(fxs_vulkan_record(device, &k.request, &cases[i].target, none, &why) == cases[i].error) ||
+            !CHECK(!strcmp(why.text, cases[i].says)))
+            printf("  %s\n", why.text);
+    }
+    fxs_vulkan_drop(device, &k.part.scene);
+    CHECK(fxs_vulkan_record(device, &k.request, &(fxs_vulkan_target){.colour = good}, none, &why) ==
+          FXS_ERR_ARGUMENT);
+    CHECK(!strcmp(why.text, "a scene was not uploaded"));
+    knot_free(&k);
+}
+
 static void count_wait(void *argument, const fxs_step *step)
 {
     *(unsigned *)argument += step->waits;
@@ -292,6 +337,7 @@ int main(void)
     }
     device_frames();
     RUN(refusals);
+    RUN(images_refused);
     RUN(eyes_and_cache);
     RUN(opening_fails);
     RUN(frames_lose);

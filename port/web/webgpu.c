@@ -1,6 +1,6 @@
 /* Plans the compute shaders of a frame, which webgpu.js executes with WebGPU. gpu_begin takes the objects and the
-   camera. gpu_lay_out makes the uniforms of the shaders and the list of steps (shader calls). After the frame, gpu_look
-   checks the status that the shaders report. */
+   camera. gpu_lay_out makes the uniforms of the shaders and the list of steps (shader calls). When the device has
+   finished the frame, gpu_look takes the status that the shaders report. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -170,12 +170,13 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     return 0;
 }
 
-EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
+/* Takes the status of a finished frame, the numbers. */
+EXPORT(gpu_look) int fxs_web_gpu_look(fxs_plan_rooms *rooms)
 {
     uint32_t status[FXS_COMPUTE_STATUS];
     for (int i = 0; i < FXS_COMPUTE_STATUS; i++)
         status[i] = (uint32_t)fxs_web_numbers()[i];
-    return fxs_plan_look(w->rooms, status, 1, fxs_web_message());
+    return fxs_plan_look(rooms, status, 1, fxs_web_message());
 }
 
 /* Returns the table that lies at the start of the device memory: -2 ln(opacity) of each opacity code, Q11. Out: size of

@@ -1,6 +1,6 @@
-// The back end 'webgpu' executes the plan of a frame (webgpu.c) with the shaders of kernels/compute. The device reports
-// a status after each frame. If all lists fitted into their GPU buffers, the picture is shown; else the frame is
-// repeated with larger buffers.
+// The back end 'webgpu' executes the plan of a frame (webgpu.c) with the shaders of kernels/compute, and shows the
+// picture in the same submission. The status that the device reports is read later. It enlarges the GPU buffers of
+// later frames.
 
 import { parts, texts } from './stages.js'
 
@@ -8,6 +8,7 @@ const STATUS = 16               // number of 32-bit words in the status of a fra
 const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // indices of buffers, see kernels/compute/records.h
 const BUFFERS = 7               // number of GPU buffers: FXS_COMPUTE_BUFFERS without FXS_COMPUTE_DOWNLOAD
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
+const FLIGHTS = 3               // largest number of submitted frames that the device has not finished
 const STRIDE = 1024             // size of a uniform block in bytes: FXS_COMPUTE_STRIDE
 const STEP = 15
 const PLACE = 10
@@ -184,7 +185,10 @@ export class Computed {
   #buffers = []
   #groups = []
   #bound = 0
-  #status
+  #statuses
+  #submitted = 0
+  #flights = []
+  #settled = Promise.resolve()
   #place
   #scenes = new Map()
   #edited = new Set()
@@ -212,12 +216,13 @@ export class Computed {
 
   async #open() {
     this.#names = this.#core.text(this.#core.c.gpu_programs()).trim().split(' ')
-    await this.#need(...this.#names.filter((name) => !/trace_tiles|name_pixels/.test(name)))
+    await this.#need(...this.#names.filter((name) => !/trace_tiles|finish_traced|name_pixels/.test(name)))
     if (this.#canvas) await this.#take(this.#canvas)
     if (this.lost) throw new Error(LOST)
     const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
     this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
-    this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
+    const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST
+    this.#statuses = Array.from({ length: FLIGHTS }, () => this.#buffer(4 * STATUS, usage))
     this.#place = this.#buffer(4 * PLACE, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
   }
 
@@ -335,17 +340,22 @@ export class Computed {
   async #run() {
     while (this.#next) {
       const frame = this.#next
-      this.#next = this.#failure = undefined
-      try {
-        await this.#carryOut(frame)
-      } catch (error) {
-        this.#failure = error
-        if (!this.#freed) this.#giveBack()
-      } finally {
-        this.#core.c.gpu_end(frame.at)
-      }
+      this.#next = undefined
+      if (this.#flights.length === FLIGHTS) await this.#flights.shift()
+      await this.#carryOut(frame).catch((error) => this.#settle(Promise.reject(error)))
+      this.#core.c.gpu_end(frame.at)
     }
     this.#running = undefined
+  }
+
+  /** Notes the outcome of a frame when it is known, in the order of the frames. */
+  #settle(outcome) {
+    const known = Promise.allSettled([this.#settled, outcome]).then(([, { reason }]) => {
+      this.#failure = reason
+      if (reason && !this.#freed) this.#giveBack()
+    })
+    this.#settled = known
+    return known
   }
 
   async #carryOut(frame) {
@@ -355,15 +365,18 @@ export class Computed {
     const { texture, over = false } = frame.into ?? {}
     const format = texture?.format ?? this.#format
     const show = format && (await programsOf(this.device).show(format, over))
-    if (frame.bits & ~(1 | (1 << BACKDROP))) await this.#need('trace_tiles', 'name_pixels', 'hide')
-    do {
-      this.#stay()
-      const words = await this.#scoped(() => this.#submit(frame))
-      this.#stay()
-      core.put(...words)
-    } while (core.check(core.c.gpu_look(frame.at)))
+    if (frame.bits & ~(1 | (1 << BACKDROP))) await this.#need('trace_tiles', 'finish_traced', 'name_pixels', 'hide')
+    this.#stay()
+    const status = this.#statuses[this.#submitted++ % FLIGHTS]
+    const words = this.#scoped(() => this.#submit(frame, show, status))
     this.#last = frame
-    await this.#scoped(() => this.#show(frame, show))
+    this.#flights.push(this.#settle(words.then((words) => this.#look(words))))
+  }
+
+  #look(words) {
+    this.#stay()
+    this.#core.put(...words)
+    this.#core.check(this.#core.c.gpu_look(this.#rooms))
   }
 
   #stay() {
@@ -387,7 +400,7 @@ export class Computed {
     return given.value
   }
 
-  #submit(frame) {
+  #submit(frame, show, status) {
     const core = this.#core
     core.check(core.c.gpu_lay_out(frame.at))
     const facts = core.get(0, 7 + IMAGES + BUFFERS), [uniforms, bytes, places, placesBytes, placesAt, steps, count] = facts
@@ -405,15 +418,16 @@ export class Computed {
     if (frame.into?.depth) this.#hide(pass, frame)
     for (let i = 0; i < words.length; i += STEP) this.#step(pass, copies, words.subarray(i, i + STEP))
     pass.end()
-    encoder.copyBufferToBuffer(this.#buffers[COUNTS], 0, this.#status, 0, 4 * STATUS)
+    encoder.copyBufferToBuffer(this.#buffers[COUNTS], 0, status, 0, 4 * STATUS)
+    this.#show(encoder, frame, show)
     this.device.queue.submit([encoder.finish()])
-    return this.#read()
+    return this.#read(status)
   }
 
-  async #read() {
-    await this.#status.mapAsync(GPUMapMode.READ)
-    const words = new Uint32Array(this.#status.getMappedRange()).slice()
-    this.#status.unmap()
+  async #read(status) {
+    await status.mapAsync(GPUMapMode.READ)
+    const words = new Uint32Array(status.getMappedRange()).slice()
+    status.unmap()
     return words
   }
 
@@ -461,13 +475,11 @@ export class Computed {
     pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil(height / 8))
   }
 
-  #show({ width, height, into, targets, images }, pipeline) {
-    const encoder = this.device.createCommandEncoder()
+  #show(encoder, { width, height, into, targets, images }, pipeline) {
     Object.keys(TARGETS).forEach((name, i) => {
       if (targets[name]) this.#copy(encoder, images[i], targets[name], 4 * TARGETS[name] * width * height)
     })
     if (pipeline) this.#showColours(encoder, width, height, into, pipeline)
-    this.device.queue.submit([encoder.finish()])
   }
 
   #copy(encoder, from, to, bytes) {
@@ -503,6 +515,7 @@ export class Computed {
 
   async finish() {
     await this.#running
+    await this.#settled
     if (this.#failure) throw this.#failure
   }
 
@@ -529,7 +542,7 @@ export class Computed {
     if (this.#next) this.#core.c.gpu_end(this.#next.at)
     this.#next = undefined
     this.#giveBack()
-    for (const buffer of [this.#status, this.#place]) buffer.destroy()
+    for (const buffer of [...this.#statuses, this.#place]) buffer.destroy()
     this.#core.c.release(this.#rooms)
     this.#context?.unconfigure()
   }

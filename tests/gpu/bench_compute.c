@@ -122,7 +122,7 @@ static void row(const char *name, const fxs_scene *scene, const fxs_view *view)
         printf(" | %.3f", median(times[p]));
     printf(" | %.3f | %.3f | %s | %.1f |\n", median(whole), median(clock_times),
            memcmp(pixels[0], pixels[1], (size_t)(4 * width * height)) ? "NO" : "yes",
-           (double)(fxs_compute_taken(compute) - compute->bytes[FXS_COMPUTE_DOWNLOAD] + copy.bytes) * 1e-6);
+           (double)(fxs_compute_taken(compute) - compute->bytes[0][FXS_COMPUTE_DOWNLOAD] + copy.bytes) * 1e-6);
     fflush(stdout);
 }
 

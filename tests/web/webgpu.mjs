@@ -174,9 +174,7 @@ const tests = {
       undo.forEach((one) => one())
       screen.free()
       return seen`, frame('knot', 640, 360, [], {}, near))
-    assert.ok(first.submit >= 3, `${first.submit} submits: the first try fitted`)
-    assert.equal(first.getCurrentTexture, 1)
-    assert.deepEqual([second.submit, second.getCurrentTexture], [2, 1])
+    for (const each of [first, second]) assert.deepEqual([each.submit, each.getCurrentTexture], [1, 1])
     assert.ok(second.bytes < 4096, `${second.bytes} bytes a frame`)
     console.log(`  ${second.bytes} bytes of a frame move between processor and device`)
   },
