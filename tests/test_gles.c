@@ -1401,6 +1401,42 @@ static void compute_draws_without_waiting(void)
     fxs_packed_scene_free(&s.packed);
 }
 
+/* Draws two eyes into two framebuffers. */
+static void compute_draws_two_eyes(void)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    subject eyes[2];
+    fxs_stats stats, of_eye, sum = {0};
+    if (open_compute(0))
+        SKIP(why_not.text);
+    caller callers[2] = {make_caller(), make_caller()};
+    if (!make_subject(&eyes[0], "knot", 6000, 60, 45))
+        return;
+    eyes[1] = eyes[0];
+    eyes[1].camera.position_q32[0] -= INT64_C(3) << 32;
+    const fxs_camera cameras[2] = {eyes[0].camera, eyes[1].camera};
+    const fxs_object object = one_object(&eyes[0].scene);
+    const fxs_request request = request_for(&object, 1, &eyes[0].options, 2, cameras, 0);
+    fxs_gl_target targets[2];
+    for (int eye = 0; eye < 2; eye++) {
+        targets[eye] = (fxs_gl_target){.framebuffer = callers[eye].framebuffers[0], .x = 5 * eye};
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, callers[eye].framebuffers[0]);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+    }
+    settle();
+    CHECK(!draw_by_compute(&request, targets, &stats) && !fxs_compute_wait(compute, &stats, &why_not));
+    for (int eye = 0; eye < 2; eye++) {
+        uint8_t *expected = new_picture(&eyes[eye]);
+        CHECK(!render(&eyes[eye], 0, 0, 0, expected, 4 * 60, &of_eye));
+        CHECK(in_target(&eyes[eye], &targets[eye], expected));
+        sum.visible += of_eye.visible;
+        free(expected);
+    }
+    CHECK(stats.visible == sum.visible && stats.drawn == of_eye.drawn);
+    close_compute();
+    fxs_packed_scene_free(&eyes[0].packed);
+}
+
 static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
     static const GLchar *const broken = "#version 310 es\nvoid main() {\n    that;\n}\n";
@@ -1770,6 +1806,7 @@ int main(void)
             RUN(compute_refuses);
             RUN(compute_draws_lose);
             RUN(compute_draws_without_waiting);
+            RUN(compute_draws_two_eyes);
             RUN(compute_without_shader);
         }
         RUN(init_keeps_state);
