@@ -13,6 +13,7 @@
 #include "one_scene.h"
 #include "src/core/frame.h"
 #include "random_tree.h"
+#include "src/core/mirror.h"
 #include "tree_scene.h"
 #include "fastest.h"
 
@@ -471,6 +472,52 @@ static void test_in_part(void)
     free(p.rows);
 }
 
+/* Moves over a scene with a small pool on a device, which is simulated in memory, and then stands still. */
+static void test_mirror(void)
+{
+    enum { ROOM = 130, UPLOADS = 5, FLIGHT = 60, FRAMES = 200 };
+    static unsigned char wanted[PIXELS];
+    fxs_context context;
+    fxs_mirror m;
+    fxs_stats stats = {0};
+    partial p = partial_of(&scenes[0], fxs_scene_chunks(&scenes[0]));
+    const uint64_t each = fxs_mirror_place_bytes(&p.scene);
+    unsigned char *rows = check_aligned(ROOM * (size_t)p.scene.chunk_bytes);
+    void *memory = malloc((size_t)fxs_mirror_bytes(&p.scene, ROOM));
+    fxs_context_init(&context, 0);
+    CHECK(!fxs_places_room(&p.scene, 16 * each - 1, each) && fxs_places_room(&p.scene, ROOM * each, each) == ROOM);
+    fetch(&p, p.scene.chunk_count);
+    fxs_mirror_init(&m, &p.scene, ROOM, memory);
+    m.scene.rows = rows;
+    const fxs_object whole = one_object(&scenes[0]), object = one_object(&m.scene);
+    for (uint32_t frame = 1; frame <= FRAMES; frame++) {
+        const uint32_t way = frame < FLIGHT ? frame : FLIGHT, *places;
+        fxs_request request = request_of(&object, 1, camera_at(0.2 * way - 6, -3, -7), COUNT / 4, pictures[0]);
+        request.options.want.call = fxs_mirror_want;
+        p.wanted = 0;
+        fxs_mirror_begin(&m, frame, frame - 1, &(fxs_want){note_wanted, &p});
+        stats = draw(&context, &request, 0);
+        const uint32_t count = fxs_mirror_step(&m, UPLOADS * each, &places);
+        CHECK(count <= UPLOADS);
+        for (uint32_t i = 0; i < count; i++)
+            memcpy(rows + (size_t)places[i] * p.scene.chunk_bytes, fxs_rows(&p.scene, fxs_mirror_chunk(&m, places[i])),
+                   p.scene.chunk_bytes);
+        for (uint32_t i = 0; i < p.wanted && i < 8; i++)
+            fetch(&p, p.asked[i]);
+        request.objects = &whole;
+        request.targets[0].colour.pixels = wanted;
+        request.options.want.call = 0;
+        if (!stats.missing)
+            draw(&context, &request, 0);
+        CHECK(stats.missing || !memcmp(wanted, pictures[0], PIXELS));
+    }
+    CHECK(!stats.missing && m.pool.there == ROOM && m.scene.places[p.scene.chunk_count] != FXS_NOTHING);
+    free(memory);
+    free(rows);
+    free(p.places);
+    free(p.rows);
+}
+
 static void test_damage(void)
 {
     const size_t bytes = packed[2].bytes;
@@ -523,6 +570,7 @@ int main(void)
     RUN(test_eyes);
     RUN(test_eyes_covered);
     RUN(test_in_part);
+    RUN(test_mirror);
     RUN(test_damage);
     for (int profile = 0; profile < 3; profile++)
         fxs_packed_scene_free(&packed[profile]);
