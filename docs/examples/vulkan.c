@@ -71,7 +71,7 @@ static void make_device(void)
     if (vkEnumeratePhysicalDevices(instance, &one, &physical) < 0 || !one)
         exit(puts("no device of Vulkan"));
     const VkDeviceQueueCreateInfo of_queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueCount = 1,
-                                              .pQueuePriorities = &priority};      /* family 0 has graphics and compute */
+                                              .pQueuePriorities = &priority};  /* family 0 has graphics, compute */
     const VkDeviceCreateInfo of_device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1,
                                           .pQueueCreateInfos = &of_queue};
     CHECK(vkCreateDevice(physical, &of_device, 0, &device));

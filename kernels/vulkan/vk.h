@@ -1,8 +1,9 @@
 /* Internal declarations of the Vulkan back end.
  *
  * A frame takes a slot, with its uniforms, table of places and status, until its last command has written its serial
- * number behind the status. Slot 0 is for calls that wait; the others are for frames in flight, in turn. The large buffers are parts of one block, which all frames share: they run in the order of submission to one
- * queue. A block that is replaced is retired, and freed after the last call that may use it has ended. */
+ * number behind the status. Slot 0 is for calls that wait; the others are for frames in flight, in turn. The large
+ * buffers are parts of one block, which all frames share: they run in the order of submission to one queue. A block
+ * that is replaced is retired, and freed after the last call that may use it has ended. */
 #ifndef FXS_VK_H
 #define FXS_VK_H
 
@@ -43,7 +44,8 @@ typedef struct fxs_vk_block {
 } fxs_vk_block;
 
 enum { FXS_VK_ALIGNED = 256, FXS_VK_SLOTS = 1 + FXS_VULKAN_FRAMES, FXS_VK_PARTS = 64,
-       FXS_VK_SERIAL = FXS_COMPUTE_EYES * FXS_COMPUTE_STATUS, FXS_VK_PICTURE = FXS_VK_SERIAL + 32, FXS_VK_CONVERT = FXS_COMPUTE_PROGRAMS, FXS_VK_PROGRAMS };
+       FXS_VK_SERIAL = FXS_COMPUTE_EYES * FXS_COMPUTE_STATUS, FXS_VK_PICTURE = FXS_VK_SERIAL + 32,
+       FXS_VK_CONVERT = FXS_COMPUTE_PROGRAMS, FXS_VK_PROGRAMS };
 
 /* Arguments of the shader `convert`; kinds as in convert.comp. */
 enum { FXS_VK_AS_IS, FXS_VK_SWAP, FXS_VK_TO_FLOAT, FXS_VK_FROM_FLOAT, FXS_VK_FROM_16 };

@@ -48,7 +48,8 @@ static void record_step(const fxs_vk_walk *w, const fxs_step *step, VkDescriptor
     v->vk.CmdBindPipeline(w->commands, VK_PIPELINE_BIND_POINT_COMPUTE, v->programs[step->program]);
     v->vk.CmdBindDescriptorSets(w->commands, VK_PIPELINE_BIND_POINT_COMPUTE, v->layout, 0, 1, &set, 2, offsets);
     if (step->arguments != FXS_PLAN_NONE)
-        v->vk.CmdDispatchIndirect(w->commands, v->frame->buffer, w->slot->at[step->eye][step->arguments] + step->arguments_at);
+        v->vk.CmdDispatchIndirect(w->commands, v->frame->buffer,
+                                  w->slot->at[step->eye][step->arguments] + step->arguments_at);
     else if (step->groups[0])
         v->vk.CmdDispatch(w->commands, step->groups[0], step->groups[1], 1);
 }

@@ -166,7 +166,8 @@ static void convert(fxs_vk_walk *w, uint32_t eye, const fxs_vulkan_image *image,
                                     f->depth_bits, {1 / w->targets[eye].plane_0, 1 / w->targets[eye].plane_1}};
     const fxs_step step = {
         .program = FXS_VK_CONVERT, .waits = 1, .eye = eye, .arguments = FXS_PLAN_NONE,
-        .groups = {groups < FXS_COMPUTE_ROW ? groups : FXS_COMPUTE_ROW, (groups + FXS_COMPUTE_ROW - 1) / FXS_COMPUTE_ROW},
+        .groups = {groups < FXS_COMPUTE_ROW ? groups : FXS_COMPUTE_ROW,
+                   (groups + FXS_COMPUTE_ROW - 1) / FXS_COMPUTE_ROW},
         .buffers = {FXS_COMPUTE_MEMORY, FXS_PLAN_NONE, FXS_PLAN_NONE, FXS_PLAN_NONE}};
     if (push.kind == FXS_VK_AS_IS)
         return;

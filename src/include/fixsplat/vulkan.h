@@ -134,8 +134,8 @@ typedef struct fxs_vulkan_target {
    push constants of compute.
    Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or planes;
    FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY, FXS_ERR_DEVICE.
-   After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is returned by a later
-   call. A frame whose lists exceed the device's buffers takes longer; later frames get larger buffers. */
+   After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is returned by a
+   later call. A frame whose lists exceed the device's buffers takes longer; later frames get larger buffers. */
 FXS_EXPERIMENTAL int fxs_vulkan_record(fxs_vulkan *vulkan, const fxs_request *request,
                                        const fxs_vulkan_target *targets, VkCommandBuffer commands, fxs_message *why);
 
