@@ -109,6 +109,7 @@ static int check_version(fxs_compute *c, fxs_message *why)
     if (number[0] < '3' || number[0] > '9' || (number[0] == '3' && (number[1] != '.' || number[2] < '1')))
         return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "OpenGL ES 3.1 is needed, this is ", version);
     c->timer = fxs_gl_has_extension(&c->gl, "GL_EXT_disjoint_timer_query");
+    c->rooms.finishes = fxs_plan_finishes(renderer);
     return 0;
 }
 
@@ -250,7 +251,7 @@ static void give_back(fxs_compute *c)
     c->gl.GenBuffers(ALL_BUFFERS, c->buffers[0]);
     memset(c->bytes, 0, sizeof c->bytes);
     drop_flights(c);
-    c->rooms = (fxs_plan_rooms){.most = c->rooms.most};
+    c->rooms = (fxs_plan_rooms){.most = c->rooms.most, .finishes = c->rooms.finishes};
     fxs_compute_check(c, &why);
 }
 

@@ -69,7 +69,10 @@ fn put_later()
     let stride = list_room(atomicLoad(&counts[LONGEST]), atomicLoad(&counts[LARGES]), atomicLoad(&counts[VISIBLE]));
     let at_once = min((frame.scratch - bound_words()) / (2u * stride), tiles);
     put_arguments(3u + MERGES, select(2u * atomicLoad(&counts[VISIBLE_CHUNKS]), 0u, fit));
-    put_arguments(4u + MERGES, select(min(at_once, ROW_OF_GROUPS), 0u, fit));
+    for (var i = 0u; i < frame.finishes; i += 1u) {
+        put_arguments(4u + MERGES + i, select(min(at_once, ROW_OF_GROUPS), 0u, fit));
+        later[4u * (4u + MERGES + i) + 2u] = i + 1u;       // tells the step its number
+    }
 }
 
 @compute @workgroup_size(128)

@@ -229,12 +229,22 @@ fn patches() -> u32
     return 1u << (2u * (frame.tile_bits - 3u));
 }
 
+// Returns the number of tiles that steps before step `step` draw.
+fn tiles_before(step: u32) -> u32
+{
+    return u32(frame.tiles.x * frame.tiles.y) / frame.finishes * step +
+           u32(frame.tiles.x * frame.tiles.y) % frame.finishes * step / frame.finishes;
+}
+
 @compute @workgroup_size(128)
 fn finish_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
                 @builtin(local_invocation_index) thread: u32)
 {
+    if (group.z + 1u != groups.z) {
+        return;
+    }
     let lists = lists_of(group.x, thread);
-    for (var tile = group.x; tile < u32(frame.tiles.x * frame.tiles.y); tile += groups.x) {
+    for (var tile = tiles_before(group.z) + group.x; tile < tiles_before(groups.z); tile += groups.x) {
         let count = list_tile(thread, tile, lists);
         for (var i = 0u; i < patches(); i += 1u) {
             blend_patch(whole_patch(thread, tile, i, lists.list, count), thread);
@@ -247,8 +257,11 @@ fn finish_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups
 fn finish_traced(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
                  @builtin(local_invocation_index) thread: u32)
 {
+    if (group.z + 1u != groups.z) {
+        return;
+    }
     let lists = lists_of(group.x, thread);
-    for (var tile = group.x; tile < u32(frame.tiles.x * frame.tiles.y); tile += groups.x) {
+    for (var tile = tiles_before(group.z) + group.x; tile < tiles_before(groups.z); tile += groups.x) {
         let count = list_tile(thread, tile, lists);
         for (var i = 0u; i < patches(); i += 1u) {
             trace_patch(whole_patch(thread, tile, i, lists.list, count), thread);

@@ -31,6 +31,12 @@ int fxs_plan_say(fxs_message *why, int error, const char *text, const char *what
     return error;
 }
 
+uint32_t fxs_plan_finishes(const char *device)
+{
+    static const char with[] = "llvmpipe";
+    return strncmp(device, with, sizeof with - 1) ? 1 : FXS_PLAN_FINISHES;
+}
+
 static int said(fxs_message *why, int error)
 {
     return error ? fxs_plan_say(why, error, fxs_strerror(error), "") : 0;
@@ -427,8 +433,10 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->places = p->places;
     f->merges = at_most(r->merges, r->most_merges);
     f->large_room = at_most(r->larges, r->most_larges);
+    f->finishes = r->finishes ? r->finishes : 1;
     f->page_room = at_most(r->pages, r->most_pages);
     f->scratch = r->pages * FXS_COMPUTE_PAGE;
+    f->finishes = r->finishes ? r->finishes : 1;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
     f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)p->places) : 0;
     for (uint32_t i = 0; i < p->request->eyes; i++) {      /* the table is the same in the memory of both eyes */
@@ -457,7 +465,7 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     p->bytes[FXS_COMPUTE_SPLATS] = (uint64_t)FXS_CHUNK * SPLAT_BYTES * r->chunks;
     p->bytes[FXS_COMPUTE_ENTRIES] = (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * r->pages;
     p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
-    p->bytes[FXS_COMPUTE_LATER] = 16 * (5 + FXS_PLAN_MERGES);
+    p->bytes[FXS_COMPUTE_LATER] = 16 * (4 + FXS_PLAN_FINISHES + FXS_PLAN_MERGES);
     p->bytes[FXS_COMPUTE_DOWNLOAD] += 4 * (FXS_COMPUTE_STATUS + p->read_words[eye]);
 }
 
@@ -660,7 +668,8 @@ static void do_picture(const steps *to)
     fxs_step bound = indirect(FXS_COMPUTE_bound_slots, FXS_COMPUTE_LATER, 3 + FXS_PLAN_MERGES);
     bound.waits = 0;
     do_both(to, bound);
-    do_by_targets(to, FXS_COMPUTE_finish_tiles, FXS_COMPUTE_finish_traced, 4 + FXS_PLAN_MERGES);
+    for (uint32_t i = 0; i < to->plan->frames->finishes; i++)
+        do_by_targets(to, FXS_COMPUTE_finish_tiles, FXS_COMPUTE_finish_traced, 4 + FXS_PLAN_MERGES + i);
     for (uint32_t eye = 0; eye < p->request->eyes; eye++)
         if (p->frames[eye].id != FXS_NOTHING)
             do_step(to, eye, direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));

@@ -20,6 +20,7 @@ typedef struct fxs_plan_rooms {
     uint64_t most;                 /* size of the largest storage buffer in bytes */
     uint32_t chunks, larges, pages, merges;
     uint32_t whole_tiles;
+    uint32_t finishes;             /* number of steps that draw the tiles of a frame that does not fit; 0: 1 */
     uint32_t most_larges, most_pages, most_merges;     /* test hook: artificial capacities; 0: none */
 } fxs_plan_rooms;
 
@@ -41,7 +42,8 @@ typedef struct fxs_plan {
 } fxs_plan;
 
 enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
-enum { FXS_PLAN_MERGES = 19, FXS_PLAN_STEPS = 11 + FXS_PLAN_MERGES };  /* most steps of an eye besides 2 a span */
+enum { FXS_PLAN_MERGES = 19, FXS_PLAN_FINISHES = 16,
+       FXS_PLAN_STEPS = 10 + FXS_PLAN_FINISHES + FXS_PLAN_MERGES };  /* most steps of an eye besides 2 a span */
 
 typedef struct fxs_step {
     uint32_t program;
@@ -56,6 +58,10 @@ typedef struct fxs_step {
                                       uniform buffer */
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);
+
+/* Returns the number of steps that draw the tiles of a frame that does not fit, by the name of the device. llvmpipe ends
+   all loops of a shader call after 65,535 rounds in all. */
+uint32_t fxs_plan_finishes(const char *device);
 
 /* Returns the host memory for a frame in bytes, or 0 if the request is out of range. */
 size_t fxs_plan_memory(const fxs_request *request);

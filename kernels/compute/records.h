@@ -35,7 +35,7 @@ enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_CO
 typedef struct fxs_compute_frame {
     int32_t size[2], tiles[2];
     uint32_t places, spans, merges, large_room, page_room;
-    uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, unused, classes;
+    uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, finishes, classes;
     uint32_t blocks, block_room, spare, tile_bits, cleared;
     int32_t cutoff, cut_q11;
     uint32_t format;

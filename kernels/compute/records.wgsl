@@ -56,7 +56,7 @@ struct Frame {
     // Offset of the spans, ranges of drawn chunks. Each has first and end place, first and end visible place, object
     // id, first chunk.
     spans_at: u32,
-    unused: u32,
+    finishes: u32,                 // number of steps that draw the tiles of a frame that does not fit
     classes: u32,
     blocks: u32,           // offset in `counts` of the blocks to sort: tile, and number of the block in the tile's list
     block_room: u32,

@@ -251,7 +251,7 @@ void fxs_vk_give_back(fxs_vulkan *v)
             fxs_vk_drop_slot(v, &v->slots[i]);
     if (v->call == v->ended) {
         fxs_vk_retire(v, &v->frame);
-        v->rooms = (fxs_plan_rooms){.most = v->rooms.most};
+        v->rooms = (fxs_plan_rooms){.most = v->rooms.most, .finishes = v->rooms.finishes};
     }
     fxs_vk_collect(v);
 }

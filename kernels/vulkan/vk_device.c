@@ -55,6 +55,7 @@ static int check_device(fxs_vulkan *v, fxs_message *why)
     v->vk.GetPhysicalDeviceMemoryProperties(v->options.physical, &v->memories);
     const VkPhysicalDeviceLimits *limits = &all.properties.limits;
     memcpy(v->name, all.properties.deviceName, sizeof v->name - 1);
+    v->rooms.finishes = fxs_plan_finishes(v->name);
     v->timestamp_nanoseconds = (double)limits->timestampPeriod;
     v->most_allocated = more.maxMemoryAllocationSize;
     const uint64_t most = limits->maxStorageBufferRange;

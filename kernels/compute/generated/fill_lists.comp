@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;uint
-visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
+visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;uint scratch;
 uint squares;uint rates;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4
@@ -43,7 +43,7 @@ min(uint(findLSB(_e63)),32u));uint _e67=bits.y;uint _e69=bits.y;bits.y=(_e67&(_e
 put_entry(((first_tile +((_e73/6u)*across))+(_e78%6u)),slot);}}return;}void put_arguments(uint at,uint groups){
 _group_1_binding_0_cs[(4u*at)]=min(groups,ROW_OF_GROUPS);_group_1_binding_0_cs[((4u*at)+ 1u)]=(((groups +
 ROW_OF_GROUPS)- 1u)/ROW_OF_GROUPS);_group_1_binding_0_cs[((4u*at)+ 2u)]=1u;return;}void put_later(){uint i_1=0u;bool
-local_13=false;uint _e3=_group_0_binding_0_cs.tile_bits;uint patches=(2u*(_e3 - 3u));int
+local_13=false;uint i_2=0u;uint _e3=_group_0_binding_0_cs.tile_bits;uint patches=(2u*(_e3 - 3u));int
 _e10=_group_0_binding_0_cs.tiles.x;int _e14=_group_0_binding_0_cs.tiles.y;uint tiles_1=uint((_e10*_e14));uint
 empty=_group_1_binding_2_cs[16];uint longest_1=_group_1_binding_2_cs[31];uint _e25=_group_1_binding_2_cs[8];uint
 _e28=_group_0_binding_0_cs.block_room;uint long_=min(_e25,_e28);bool _e30=fits();put_arguments(0u,(_e30?(((tiles_1 -
@@ -54,8 +54,10 @@ _e71=i_1;local_13=(_e69>(BLOCK<<_e71));}else{local_13=false;}bool _e75=local_13;
 (_e75?long_:0u));}}uint _e82=_group_1_binding_2_cs[9];uint _e85=_group_1_binding_2_cs[1];uint
 _e88=_group_1_binding_2_cs[4];uint _e89=list_room(_e82,_e85,_e88);uint _e92=_group_0_binding_0_cs.scratch;uint
 _e93=bound_words();uint at_once=min(((_e92 - _e93)/(2u*_e89)),tiles_1);uint _e103=_group_1_binding_2_cs[0];
-put_arguments(22u,(_e30?0u:(2u*_e103)));put_arguments(23u,(_e30?0u:min(at_once,ROW_OF_GROUPS)));return;}void main(){
-uvec3 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;bool local=false;bool local_1=false;uint
-half_=((group.y*ROW_OF_GROUPS)+ group.x);if((half_==0u)){local=(thread==0u);}else{local=false;}bool _e14=local;if(_e14){
-put_later();}uint _e19=_group_1_binding_2_cs[0];if(((half_/2u)<_e19)){bool _e23=fits();local_1=_e23;}else{local_1=false;
-}bool _e25=local_1;if(_e25){fill_box(((half_*THREADS)+ thread));return;}else{return;}}
+put_arguments(22u,(_e30?0u:(2u*_e103)));for(;(i_2<_group_0_binding_0_cs.finishes);i_2=(i_2 + 1u)){{uint _e115=i_2;
+put_arguments((23u + _e115),(_e30?0u:min(at_once,ROW_OF_GROUPS)));uint _e124=i_2;uint _e130=i_2;
+_group_1_binding_0_cs[((4u*(23u + _e124))+ 2u)]=(_e130 + 1u);}}return;}void main(){uvec3 group=gl_WorkGroupID;uint
+thread=gl_LocalInvocationIndex;bool local=false;bool local_1=false;uint half_=((group.y*ROW_OF_GROUPS)+ group.x);
+if((half_==0u)){local=(thread==0u);}else{local=false;}bool _e14=local;if(_e14){put_later();}uint
+_e19=_group_1_binding_2_cs[0];if(((half_/2u)<_e19)){bool _e23=fits();local_1=_e23;}else{local_1=false;}bool
+_e25=local_1;if(_e25){fill_box(((half_*THREADS)+ thread));return;}else{return;}}

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
 size;ivec2 tiles;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;uint
-visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint unused;uint classes;uint blocks;uint
+visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint classes;uint blocks;uint
 block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
 depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;uint scratch;
 uint squares;uint rates;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4
@@ -195,12 +195,12 @@ bool _e134=is_below(_e130,_e133);below_1=(_e124 +(_e134?1u:0u));}}uint _e140=bel
 _e145=own_1[_e142].x;put_entry((to + _e140),_e145);}}}return;}uint split(uint thread_16,uint first_1,uint a_21,uint
 second_2,uint b_13,uint d,uint run){uint low=0u;uint high=0u;uint i_13=0u;bool local_10=false;uint
 side_1=(thread_16/64u);low=(d - min(d,b_13));high=min(d,a_21);for(;(i_13<=(run/6u));i_13=(i_13 + 1u)){{uint _e20=high;
-uint _e21=low;uint step_2=(((_e20 - _e21)+ 63u)/64u);uint _e27=low;uint place_5=(_e27 +((thread_16%64u)*step_2));
+uint _e21=low;uint step_3=(((_e20 - _e21)+ 63u)/64u);uint _e27=low;uint place_5=(_e27 +((thread_16%64u)*step_3));
 below_split[side_1]=0u;memoryBarrierShared();barrier();uint _e35=high;if((place_5<_e35)){uvec2 _e40=key_at((first_1 +
 place_5));uvec2 _e45=key_at((((second_2 + d)- 1u)- place_5));bool _e46=is_below(_e40,_e45);local_10=_e46;}else{
 local_10=false;}bool _e48=local_10;if(_e48){uint _e52=atomicAdd(below_split[side_1],1u);}memoryBarrierShared();
 barrier();uint below_3=below_split[side_1];memoryBarrierShared();barrier();uint _e56=high;uint _e57=low;high=min(_e56,
-(_e57 +(below_3*step_2)));uint _e61=low;low=(_e61 +((below_3!=0u)?(((below_3 - 1u)*step_2)+ 1u):0u));}}uint _e75=low;
+(_e57 +(below_3*step_3)));uint _e61=low;low=(_e61 +((below_3!=0u)?(((below_3 - 1u)*step_3)+ 1u):0u));}}uint _e75=low;
 return _e75;}uint count_below(uint first_2,uint count_2,uvec2 key){uint below_2=0u;uint step_1=256u;bool local_11=false;
 for(;(step_1!=0u);step_1=(step_1>>1u)){{uint _e10=below_2;uint _e11=step_1;uint next_1=(_e10 + _e11);
 if((next_1<=count_2)){uvec2 _e21=keys[((first_2 + next_1)- 1u)];bool _e22=is_below(_e21,key);local_11=_e22;}else{
@@ -304,9 +304,13 @@ lists){int _e6=_group_0_binding_0_cs.tiles.x;uint across_2=uint(_e6);uint _e13=g
 uvec2((tile_5%across_2),(tile_5/across_2)),lists.halves,lists.list);sort_list(thread_23,lists.list,_e13,(lists.list +
 lists.room));return _e13;}Patch whole_patch(uint thread_24,uint tile_6,uint number_5,uint list_3,uint count_5){Patch
 _e8=patch_at(thread_24,tile_6,number_5,uvec2(0u,7u),list_3,count_5);return _e8;}uint patches(){uint
-_e4=_group_0_binding_0_cs.tile_bits;return(1u<<(2u*(_e4 - 3u)));}void main(){uvec3 group_1=gl_WorkGroupID;uvec3
-groups=gl_NumWorkGroups;uint thread_1=gl_LocalInvocationIndex;uint tile=0u;uint i=0u;Lists _e4=lists_of(group_1.x,
-thread_1);tile=group_1.x;for(;(tile<uint((_group_0_binding_0_cs.tiles.x*_group_0_binding_0_cs.tiles.y)));tile=(tile +
-groups.x)){{uint _e19=tile;uint _e20=list_tile(thread_1,_e19,_e4);i=0u;for(;(i<patches());i=(i + 1u)){{uint _e26=tile;
-uint _e27=i;Patch _e29=whole_patch(thread_1,_e26,_e27,_e4.list,_e20);blend_patch(_e29,thread_1);memoryBarrierShared();
-barrier();}}}}return;}
+_e4=_group_0_binding_0_cs.tile_bits;return(1u<<(2u*(_e4 - 3u)));}uint tiles_before(uint step_2){int
+_e4=_group_0_binding_0_cs.tiles.x;int _e8=_group_0_binding_0_cs.tiles.y;uint _e13=_group_0_binding_0_cs.finishes;int
+_e19=_group_0_binding_0_cs.tiles.x;int _e23=_group_0_binding_0_cs.tiles.y;uint _e28=_group_0_binding_0_cs.finishes;uint
+_e33=_group_0_binding_0_cs.finishes;return(((uint((_e4*_e8))/_e13)*step_2)+(((uint((_e19*_e23))%_e28)*step_2)/_e33));}
+void main(){uvec3 group_1=gl_WorkGroupID;uvec3 groups=gl_NumWorkGroups;uint thread_1=gl_LocalInvocationIndex;uint
+tile=0u;uint i=0u;if(((group_1.z + 1u)!=groups.z)){return;}Lists _e9=lists_of(group_1.x,thread_1);uint
+_e11=tiles_before(group_1.z);tile=(_e11 + group_1.x);for(;(tile<tiles_before(groups.z));tile=(tile + groups.x)){{uint
+_e19=tile;uint _e20=list_tile(thread_1,_e19,_e9);i=0u;for(;(i<patches());i=(i + 1u)){{uint _e26=tile;uint _e27=i;Patch
+_e29=whole_patch(thread_1,_e26,_e27,_e9.list,_e20);blend_patch(_e29,thread_1);memoryBarrierShared();barrier();}}}}
+return;}
