@@ -13,6 +13,7 @@
 #include <GLES3/gl31.h>
 
 #include <fixsplat/gl.h>
+#include <fixsplat/renderer.h>
 #include <fixsplat/internal/gl_contexts.h>
 #include <fixsplat/internal/pixel.h>
 
@@ -1401,6 +1402,30 @@ static void compute_draws_without_waiting(void)
     fxs_packed_scene_free(&s.packed);
 }
 
+/* Draws two eyes with maps of rates, and compares with the processor. */
+static void draw_with_rates(const fxs_request *request, const fxs_gl_target *targets, const subject *eyes)
+{
+    uint8_t rates[4] = {1, 2, 4, 2};                       /* 2 x 2 macro tiles */
+    fxs_request own = *request;
+    uint8_t *expected[2];
+    fxs_renderer *cpu;
+    if (!CHECK(!fxs_renderer_create("cpu", 0, &cpu, &why_not)))
+        return;
+    for (int eye = 0; eye < 2; eye++) {
+        expected[eye] = new_picture(&eyes[eye]);
+        fxs_targets_init(&own.targets[eye]);
+        own.targets[eye].rates = (fxs_image){rates, 2};
+        own.targets[eye].colour = (fxs_image){expected[eye], 4 * eyes[eye].camera.width};
+    }
+    CHECK(!fxs_renderer_render(cpu, &own, 0, &why_not));
+    CHECK(!draw_by_compute(&own, targets, 0) && !fxs_compute_wait(compute, 0, &why_not));
+    for (int eye = 0; eye < 2; eye++) {
+        CHECK(in_target(&eyes[eye], &targets[eye], expected[eye]));
+        free(expected[eye]);
+    }
+    fxs_renderer_destroy(cpu);
+}
+
 /* Draws two eyes into two framebuffers. */
 static void compute_draws_two_eyes(void)
 {
@@ -1433,6 +1458,7 @@ static void compute_draws_two_eyes(void)
         free(expected);
     }
     CHECK(stats.visible == sum.visible && stats.drawn == of_eye.drawn);
+    draw_with_rates(&request, targets, eyes);
     close_compute();
     fxs_packed_scene_free(&eyes[0].packed);
 }

@@ -206,6 +206,7 @@ int fxs_compute_draw(fxs_compute *c, const fxs_request *request, const fxs_compu
             return fxs_plan_say(why, refused ? refused : FXS_ERR_UNSUPPORTED,
                                 fxs_strerror(refused ? refused : FXS_ERR_UNSUPPORTED), "");
         fxs_targets_init(&own.targets[eye]);
+        own.targets[eye].rates = request->targets[eye].rates;
         own.targets[eye].format = t->format;
         own.targets[eye].depth_bits = t->depth_bits;
         /* No memory is written here: the images only have to be valid, and apart. */

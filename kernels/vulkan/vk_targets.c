@@ -207,6 +207,7 @@ static fxs_request request_of(const fxs_request *request, const fxs_vulkan_targe
     for (uint32_t eye = 0; eye < own.eyes; eye++) {
         const ptrdiff_t row = 4 * (ptrdiff_t)own.cameras->width;
         fxs_targets_init(&own.targets[eye]);
+        own.targets[eye].rates = request->targets[eye].rates;
         own.targets[eye].format = targets[eye].format;
         own.targets[eye].depth_bits = targets[eye].depth_bits;
         own.targets[eye].colour = (fxs_image){(unsigned char *)(uintptr_t)(64 + eye * row), own.eyes * row};

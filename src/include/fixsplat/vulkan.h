@@ -128,10 +128,10 @@ typedef struct fxs_vulkan_target {
 } fxs_vulkan_target;
 
 /* Records the eyes of a request into a command buffer of the caller, outside of a render pass: neither submits nor
-   waits. targets[i] has the images of eye i; the request's own targets are ignored. Its scenes must have been uploaded.
-   Submit the command buffers to the queue of the options, in the order of the calls. The images are used after all
-   earlier commands of the queue, and before all later ones. The call changes the bound pipeline, descriptor sets and
-   push constants of compute.
+   waits. targets[i] has the images of eye i; of the request's own targets, only the maps of rates are used. Its
+   scenes must have been uploaded. Submit the command buffers to the queue of the options, in the order of the calls.
+   The images are used after all earlier commands of the queue, and before all later ones. The call changes the bound
+   pipeline, descriptor sets and push constants of compute.
    Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or planes;
    FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY, FXS_ERR_DEVICE.
    After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is returned by a
