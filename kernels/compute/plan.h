@@ -59,8 +59,8 @@ typedef struct fxs_step {
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);
 
-/* Returns the number of steps that draw the tiles of a frame that does not fit, by the name of the device. llvmpipe ends
-   all loops of a shader call after 65,535 rounds in all. */
+/* Returns the number of steps that draw the tiles of a frame that does not fit, by the name of the device. llvmpipe
+   ends all loops of a shader call after 65,535 rounds in all. */
 uint32_t fxs_plan_finishes(const char *device);
 
 /* Returns the host memory for a frame in bytes, or 0 if the request is out of range. */

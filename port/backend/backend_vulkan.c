@@ -113,6 +113,7 @@ static const char *version(const void *self, enum fxs_stage stage)
 
 const fxs_backend fxs_backend_vulkan = {
     .name = "vulkan", .does = "whole frames in compute shaders of Vulkan 1.1",
-    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES | FXS_CAN_RATES, .device = device_name, .open = open_device,
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES | FXS_CAN_RATES,
+    .device = device_name, .open = open_device,
     .render = render, .forget = forget, .version = version, .nanoseconds = nanoseconds, .close = close_device
 };

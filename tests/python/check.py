@@ -396,7 +396,7 @@ for name, kind, words, call in (
         ("targets: a word", TypeError, "a sequence of names", drawn_with(targets="colour")),
         ("targets: unknown", ValueError, "expected some of colour", drawn_with(targets=("colour", "color"))),
         ("targets: none", ValueError, "expected some of", drawn_with(targets=())),
-        ("backend: unknown", ValueError, "expected one of auto, cpu, gles", drawn_with(backend="vulkan")),
+        ("backend: unknown", ValueError, "expected one of auto, cpu, gles", drawn_with(backend="metal")),
         ("backend: a number", TypeError, "^backend: expected a name", drawn_with(backend=3)),
         ("device: none such", fixsplat.Error, "there is no device 9", drawn_with(device=9)),
         ("threads: 65", ValueError, "^threads=65", drawn_with(threads=65)),
