@@ -278,6 +278,69 @@ static void images_refused(void)
     knot_free(&k);
 }
 
+/* Submits frames into a layer of a BGRA image of the caller, and reads the image back. */
+static void frames_in_flight(void)
+{
+    const fxs_vulkan_options *o = &own.options;
+    const fxs_vk_functions *vk = &device->vk;
+    const VkImageCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, .imageType = VK_IMAGE_TYPE_2D, .extent = {110, 90, 1},
+        .format = VK_FORMAT_B8G8R8A8_UNORM, .mipLevels = 1, .arrayLayers = 2, .samples = VK_SAMPLE_COUNT_1_BIT,
+        .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 1},
+                                      .imageOffset = {7, 5, 0}, .imageExtent = {100, 80, 1}};
+    VkMemoryAllocateInfo room = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    VkMemoryRequirements needs;
+    const VkFenceCreateInfo of_fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    fxs_vk_block *block = 0;
+    fxs_vulkan_target target = {.colour = {0, info.format, info.usage, 110, 90, 2, 1, 7, 5, VK_IMAGE_LAYOUT_UNDEFINED,
+                                           VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+    VkDeviceMemory memory;
+    VkFence fence;
+    knot k;
+#define OF_DEVICE(name) const PFN_vk##name name = (PFN_vk##name)(uintptr_t)o->load(o->instance, "vk" #name)
+    OF_DEVICE(CreateImage);
+    OF_DEVICE(GetImageMemoryRequirements);
+    OF_DEVICE(BindImageMemory);
+    OF_DEVICE(DestroyImage);
+    if (!CHECK(CreateImage && GetImageMemoryRequirements && BindImageMemory && DestroyImage) || !knot_make(&k) ||
+        !CHECK(!CreateImage(o->device, &info, 0, &target.colour.image)))
+        return;
+    GetImageMemoryRequirements(o->device, target.colour.image, &needs);
+    room.allocationSize = needs.size;
+    while (!(needs.memoryTypeBits >> room.memoryTypeIndex & 1))
+        room.memoryTypeIndex++;
+    CHECK(!vk->AllocateMemory(o->device, &room, 0, &memory) &&
+          !BindImageMemory(o->device, target.colour.image, memory, 0) &&
+          !vk->CreateFence(o->device, &of_fence, 0, &fence));
+    CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why));
+    for (int i = 0; i < 5; i++) {
+        const fxs_vulkan_sync sync = {.fence = fence};
+        CHECK(!fxs_vulkan_submit(device, &k.request, &target, &sync, &why));
+        CHECK(!vk->WaitForFences(o->device, 1, &fence, VK_TRUE, UINT64_MAX));
+        CHECK(!vk->ResetFences(o->device, 1, &fence));
+    }
+    fxs_vulkan_idle(device);
+    CHECK(!fxs_vk_reserve(device, &block, FXS_VK_DOWN, 4 * 100 * 80, &why));
+    CHECK(!fxs_vk_begin(device, device->slots, &why));
+    vk->CmdCopyImageToBuffer(device->slots->commands, target.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                             block->buffer, 1, &region);
+    fxs_vk_barrier(device, device->slots->commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT);
+    CHECK(!fxs_vk_run(device, device->slots, &why));
+    const unsigned char *drawn = block->memory.mapped, *wanted = k.wanted.targets.colour.pixels;
+    int equal = 1;
+    for (int i = 0; i < 100 * 80; i++, drawn += 4)
+        equal &= drawn[0] == wanted[4 * i + 2] && drawn[1] == wanted[4 * i + 1] && drawn[2] == wanted[4 * i];
+    CHECK(equal);
+    fxs_vk_retire(device, &block);
+    fxs_vk_collect(device);
+    DestroyImage(o->device, target.colour.image, 0);
+    vk->FreeMemory(o->device, memory, 0);
+    vk->DestroyFence(o->device, fence, 0);
+    fxs_vulkan_drop(device, &k.part.scene);
+    knot_free(&k);
+}
+
 static void count_wait(void *argument, const fxs_step *step)
 {
     *(unsigned *)argument += step->waits;
@@ -338,6 +401,7 @@ int main(void)
     device_frames();
     RUN(refusals);
     RUN(images_refused);
+    RUN(frames_in_flight);
     RUN(eyes_and_cache);
     RUN(opening_fails);
     RUN(frames_lose);
