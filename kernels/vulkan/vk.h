@@ -65,6 +65,7 @@ typedef struct fxs_vk_scene {
 
 typedef struct fxs_vk_slot {
     uint64_t serial;               /* number of the frame that is in flight; 0: none */
+    fxs_request request;           /* of the plan */
     fxs_plan plan;
     fxs_vk_block *up;              /* uniforms, table of places, planes of the host's images */
     fxs_vk_block *down;            /* status, serial number, finished picture (at word FXS_VK_PICTURE) */
@@ -150,9 +151,9 @@ void fxs_vk_take_step(void *walk, const fxs_step *step);
 int fxs_vk_begin_request(fxs_vulkan *v, const fxs_request *request, int upload, fxs_vk_scene ***copies,
                          fxs_message *why);
 
-/* fxs_vk_prepare begins the plan of a request, and lays the frame out; fxs_vk_record records it. Nothing between the
-   two can fail. */
-int fxs_vk_prepare(fxs_vk_walk *w, fxs_request *request, fxs_message *why);
+/* fxs_vk_prepare begins the plan of the slot's request, and lays the frame out; fxs_vk_record records it. Nothing
+   between the two can fail. */
+int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why);
 void fxs_vk_record(fxs_vk_walk *w);
 
 /* Requests the planes (colours, depths) that the caller's images need: an image of the host marks a plane as wanted. */

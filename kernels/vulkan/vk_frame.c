@@ -264,8 +264,9 @@ void fxs_vk_record(fxs_vk_walk *w)
     record_downloads(w);
 }
 
-int fxs_vk_prepare(fxs_vk_walk *w, fxs_request *request, fxs_message *why)
+int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why)
 {
+    fxs_request *request = &w->slot->request;
     fxs_plan *plan = &w->slot->plan;
     const int error = fxs_plan_begin(plan, request, w->v->memory, why);
     w->slot->eyes = request->eyes;
@@ -345,13 +346,13 @@ int fxs_vulkan_render(fxs_vulkan *v, const fxs_request *request, fxs_stats *stat
 {
     fxs_vk_walk w = {.v = v, .slot = v->slots};
     fxs_vk_slot *slot = w.slot;
-    fxs_request own = *request;
     fxs_vk_scene **copies = 0;
     int error = fxs_vk_begin_request(v, request, 1, &copies, why);
     if (error)
         return error;
     w.copies = copies;
-    error = fxs_vk_prepare(&w, &own, why);
+    slot->request = *request;
+    error = fxs_vk_prepare(&w, why);
     error = error ? error : run_frame(&w, why);
     if (!error && slot->result)
         *why = slot->why;

@@ -243,8 +243,7 @@ static int start(fxs_vulkan *v, fxs_message *why)
 }
 
 /* Does all that may fail. */
-static int prepare(fxs_vk_walk *w, fxs_request *own, const fxs_request *request, const fxs_vulkan_target *targets,
-                   fxs_message *why)
+static int prepare(fxs_vk_walk *w, const fxs_request *request, const fxs_vulkan_target *targets, fxs_message *why)
 {
     fxs_vulkan *v = w->v;
     fxs_vk_scene **copies = 0;
@@ -254,11 +253,11 @@ static int prepare(fxs_vk_walk *w, fxs_request *own, const fxs_request *request,
         error = check_target(v, &targets[eye], &request->cameras[eye], why);
     if (error)
         return error;
-    *own = request_of(request, targets);
     w->slot = &v->slots[1 + v->call % v->options.frames];
     w->copies = copies;
     w->targets = targets;
-    return fxs_vk_prepare(w, own, why);
+    w->slot->request = request_of(request, targets);
+    return fxs_vk_prepare(w, why);
 }
 
 static void record(fxs_vk_walk *w, VkCommandBuffer commands)
@@ -272,8 +271,7 @@ int fxs_vulkan_record(fxs_vulkan *v, const fxs_request *request, const fxs_vulka
                       VkCommandBuffer commands, fxs_message *why)
 {
     fxs_vk_walk w = {.v = v};
-    fxs_request own;
-    const int error = prepare(&w, &own, request, targets, why);
+    const int error = prepare(&w, request, targets, why);
     if (!error)
         record(&w, commands);
     return error;
@@ -304,11 +302,10 @@ int fxs_vulkan_submit(fxs_vulkan *v, const fxs_request *request, const fxs_vulka
 {
     static const fxs_vulkan_sync none;
     fxs_vk_walk w = {.v = v};
-    fxs_request own;
     sync = sync ? sync : &none;
     if (sync->wait_count > 16)
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, "more than 16 semaphores to wait for", "");
-    int error = prepare(&w, &own, request, targets, why);
+    int error = prepare(&w, request, targets, why);
     error = error ? error : fxs_vk_begin(v, w.slot, why);
     if (error)
         return error;
