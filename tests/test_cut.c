@@ -317,7 +317,7 @@ static void test_objects(void)
 static fxs_camera part_of_wider(int32_t x, int is_window)
 {
     fxs_camera camera = camera_at(0.9, -3, -7);
-    camera.cx_q12 += (32 - x) << 12;
+    camera.cx_q12 += (32 - x) * 4096;
     if (is_window) {
         camera.whole_width = WIDTH + 64;
         camera.whole_height = HEIGHT;
