@@ -433,7 +433,6 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->places = p->places;
     f->merges = at_most(r->merges, r->most_merges);
     f->large_room = at_most(r->larges, r->most_larges);
-    f->finishes = r->finishes ? r->finishes : 1;
     f->page_room = at_most(r->pages, r->most_pages);
     f->scratch = r->pages * FXS_COMPUTE_PAGE;
     f->finishes = r->finishes ? r->finishes : 1;
