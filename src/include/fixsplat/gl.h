@@ -203,12 +203,12 @@ FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request 
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
 
-/* Renders a request into targets in the caller's GL context, one for each eye, like fxs_gles_render. Of the request's
-   own targets, only the maps of rates are used. The bytes are the same, and the GL state is preserved, with the same
-   exceptions. Two eyes are drawn into two framebuffers, which may show the two layers of an array texture, or side
-   by side into one framebuffer, with different `x`. The call does not wait for the device. *stats describes the
-   newest frame that the device has finished; all 0 before the first. A frame whose lists exceed the device's buffers
-   takes longer; later frames get larger buffers. (fxs_compute_render does not preserve the GL state.)
+/* Renders a request into targets in the caller's GL context, one for each eye, like fxs_gles_render. The request's own
+   targets are ignored, except for their maps of rates. The bytes are the same, and the GL state is preserved, with
+   the same exceptions. Two eyes are drawn into two framebuffers, which may show the two layers of an array texture,
+   or side by side into one framebuffer, with different `x`. The call does not wait for the device. *stats describes
+   the newest frame that the device has finished; all 0 before the first. A frame whose lists exceed the device's
+   buffers takes longer; later frames get larger buffers. (fxs_compute_render does not preserve the GL state.)
    Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
    for `fetch`. After an error nothing was drawn, unless the device failed while drawing. An error that the device finds
    in a frame (FXS_ERR_SCENE, a lost context) is returned by a later call. The first call takes longer, as shaders are

@@ -61,7 +61,7 @@ typedef struct fxs_vulkan fxs_vulkan;
 typedef struct fxs_vulkan_info {
     const char *name;              /* name of the device; valid as long as the back end */
     uint64_t nanoseconds;          /* device time of the last call of fxs_vulkan_render, or of the last frame in
-                                      flight whose end was seen; 0 if the queue has no timestamps */
+                                      flight that was seen to end; 0 if the queue has no timestamps */
     uint64_t memory;               /* device memory of scenes and frames in bytes */
 } fxs_vulkan_info;
 
@@ -84,8 +84,9 @@ FXS_EXPERIMENTAL int fxs_vulkan_cache(fxs_vulkan *vulkan, void *to, size_t *byte
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-/* Copies a scene to the device and waits. The scene is identified by the address of its fxs_scene; an equal scene that
-   is there is not copied again. All rows (Gaussian codes) must be in memory, so `places` must be null. */
+/* Copies a scene to the device and waits. The scene is identified by the address of its fxs_scene; a scene that is
+   already on the device is copied again only if its fxs_scene has changed. All rows (Gaussian codes) must be in
+   memory, so `places` must be null. */
 FXS_EXPERIMENTAL int fxs_vulkan_upload(fxs_vulkan *vulkan, const fxs_scene *scene, fxs_message *why);
 
 /* Drops the device's copy of a scene; its memory is freed when the frames that read it have ended. Call it before the
@@ -100,7 +101,8 @@ FXS_EXPERIMENTAL void fxs_vulkan_drop(fxs_vulkan *vulkan, const fxs_scene *scene
 FXS_EXPERIMENTAL int fxs_vulkan_render(fxs_vulkan *vulkan, const fxs_request *request, fxs_stats *stats,
                                        fxs_message *why);
 
-/* An image of the caller, of one sample. Its content keeps its bytes: in an sRGB format they are stored as they are. */
+/* An image of the caller, with one sample a texel. The back end writes a picture's bytes also to an sRGB format without
+   a conversion. */
 typedef struct fxs_vulkan_image {
     VkImage image;                 /* VK_NULL_HANDLE: none */
     VkFormat format;
@@ -127,19 +129,21 @@ typedef struct fxs_vulkan_target {
     fxs_vulkan_image backdrop;     /* input, the picture under the Gaussians, in a format of `colour` */
 } fxs_vulkan_target;
 
-/* Records the eyes of a request into a command buffer of the caller, outside of a render pass: neither submits nor
-   waits. targets[i] has the images of eye i; of the request's own targets, only the maps of rates are used. Its
-   scenes must have been uploaded. Submit the command buffers to the queue of the options, in the order of the calls.
-   The images are used after all earlier commands of the queue, and before all later ones. The call changes the bound
-   pipeline, descriptor sets and push constants of compute.
-   Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or planes;
-   FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY, FXS_ERR_DEVICE.
-   After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is returned by a
-   later call. A frame whose lists exceed the device's buffers takes longer; later frames get larger buffers. */
+/* Records the eyes of a request into a command buffer of the caller, outside of a render pass. The call does not submit
+   and does not wait. targets[i] has the images of eye i. The request's own targets are ignored, except for their
+   maps of rates. The scenes must have been uploaded. Submit the command buffers to the queue of the options, in the
+   order of the calls. The images are used after all earlier commands of the queue, and before all later ones. The
+   call changes the bound pipeline, descriptor sets and push constants of compute.
+   Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or
+   planes; FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY,
+   FXS_ERR_DEVICE. After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is
+   returned by a later call. If a frame's lists exceed the device's buffers, the frame takes longer, and later frames
+   get larger buffers. */
 FXS_EXPERIMENTAL int fxs_vulkan_record(fxs_vulkan *vulkan, const fxs_request *request,
                                        const fxs_vulkan_target *targets, VkCommandBuffer commands, fxs_message *why);
 
-/* What a submission waits for and signals. The values are those of timeline semaphores; null: all are binary. */
+/* The semaphores that a submission waits for, and the ones that it signals. Timeline semaphores have values; if the
+   array of values is null, all semaphores are binary. */
 typedef struct fxs_vulkan_sync {
     const VkSemaphore *waits, *signals;
     const uint64_t *wait_values, *signal_values;
