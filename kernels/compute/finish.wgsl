@@ -35,11 +35,12 @@ fn centre_q3(box: wide) -> vec2<i32>
 fn columns_of(slot: u32, centre: vec2<i32>) -> vec2<u32>
 {
     let a = splats[2u * slot];
-    let vy = f32(bitcast<i32>(splats[2u * slot + 1u].x));
-    let ratio = 1.0 + abs(f32(bitcast<i32>(a.w))) / max(vy, 1.0);
-    let half = i32(min(f32(REACH << 24u) * ratio / max(f32(bitcast<i32>(a.z)), 1.0) + 1.0, 1048576.0));
-    let pixels = clamp((centre.x >> 3u) + vec2<i32>(-half, half), vec2<i32>(0), vec2<i32>(frame.size.x - 1));
-    return (vec2<u32>(pixels) >> vec2<u32>(frame.tile_bits)) + vec2<u32>(0u, 1u);
+    let vy = max(splats[2u * slot + 1u].x, 1u);
+    let ratio_q6 = (u32(abs(bitcast<i32>(a.w))) << 6u) / vy + 65u;             // |uy| is below 2^25
+    let pixels = (u32(REACH) << 24u) / max(a.z, 1u) + 1u;                      // at most 2^26 + 1
+    let half = i32(min((pixels * min(ratio_q6, 0x4000000u / pixels + 1u)) >> 6u, 1048575u)) + 1;
+    let range = clamp((centre.x >> 3u) + vec2<i32>(-half, half), vec2<i32>(0), vec2<i32>(frame.size.x - 1));
+    return (vec2<u32>(range) >> vec2<u32>(frame.tile_bits)) + vec2<u32>(0u, 1u);
 }
 
 fn large_box(slot: u32, word: wide) -> Box
@@ -236,18 +237,29 @@ fn tiles_before(step: u32) -> u32
            u32(frame.tiles.x * frame.tiles.y) % frame.finishes * step / frame.finishes;
 }
 
+struct Turn {
+    lists: Lists,
+    first: u32,                    // the workgroup draws every groups.x-th tile from `first` to `end`
+    end: u32,
+}
+
+fn turn_of(group: vec3<u32>, groups: vec3<u32>, thread: u32) -> Turn
+{
+    if (group.z + 1u != groups.z) {
+        return Turn(Lists(0u, 0u, 0u), 0u, 0u);
+    }
+    return Turn(lists_of(group.x, thread), tiles_before(group.z) + group.x, tiles_before(groups.z));
+}
+
 @compute @workgroup_size(128)
 fn finish_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
                 @builtin(local_invocation_index) thread: u32)
 {
-    if (group.z + 1u != groups.z) {
-        return;
-    }
-    let lists = lists_of(group.x, thread);
-    for (var tile = tiles_before(group.z) + group.x; tile < tiles_before(groups.z); tile += groups.x) {
-        let count = list_tile(thread, tile, lists);
+    let turn = turn_of(group, groups, thread);
+    for (var tile = turn.first; tile < turn.end; tile += groups.x) {
+        let count = list_tile(thread, tile, turn.lists);
         for (var i = 0u; i < patches(); i += 1u) {
-            blend_patch(whole_patch(thread, tile, i, lists.list, count), thread);
+            blend_patch(whole_patch(thread, tile, i, turn.lists.list, count), thread);
             workgroupBarrier();
         }
     }
@@ -257,14 +269,11 @@ fn finish_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups
 fn finish_traced(@builtin(workgroup_id) group: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>,
                  @builtin(local_invocation_index) thread: u32)
 {
-    if (group.z + 1u != groups.z) {
-        return;
-    }
-    let lists = lists_of(group.x, thread);
-    for (var tile = tiles_before(group.z) + group.x; tile < tiles_before(groups.z); tile += groups.x) {
-        let count = list_tile(thread, tile, lists);
+    let turn = turn_of(group, groups, thread);
+    for (var tile = turn.first; tile < turn.end; tile += groups.x) {
+        let count = list_tile(thread, tile, turn.lists);
         for (var i = 0u; i < patches(); i += 1u) {
-            trace_patch(whole_patch(thread, tile, i, lists.list, count), thread);
+            trace_patch(whole_patch(thread, tile, i, turn.lists.list, count), thread);
             workgroupBarrier();
         }
     }

@@ -17,34 +17,35 @@ Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2
 Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Share{uint tile;uint number;uvec2 rows;};
 struct Place{uint column;uint row;uvec2 at;bvec2 inside;};struct Block{uint list;uint count;uint first;uint done;};
 struct Traced{uint limit;int weight;uint largest;uint median;uvec2 sum;};struct Box{uvec2 first;uvec2 end;uvec2 mask;
-bool large;};struct Lists{uint halves;uint list;uint room;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;
-const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int
-FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;
-const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;const uint
-MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;
-const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
-VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
-ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;const uint SIDE=8u;const
-uint SOME=32u;const uint APART=4u;const uint SAMPLES=16u;const uint RANGE=16u;const uint BINS=256u;const uint
-SPARE=2147483648u;const uint DONE=1048576u;const int HALF_Q15_=16384;const int REACH=4;layout(std140,binding=0)uniform
-Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)buffer type_14_block_1Compute{uint
-_group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};
-layout(std430,binding=2)readonly buffer type_18_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,
-binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};shared uint bound[4];uvec2 shift_right(uvec2
-a_15,uint n_1){if((n_1==0u)){return a_15;}if((n_1>=32u)){return uvec2((a_15.y>>(n_1 - 32u)),0u);}return
-uvec2(((a_15.x>>n_1)|(a_15.y<<(32u - n_1))),(a_15.y>>n_1));}int zeros_of(uint x_2){return int(uint(31 - findMSB(x_2)));}
-int zeros_of_wide(uvec2 x_3){int _e2=zeros_of(x_3.x);int _e6=zeros_of(x_3.y);return((x_3.y!=0u)?_e6:(32 + _e2));}ivec2
-centre_q3_(uvec2 box){uint y_2=((box.x>>21u)|(box.y<<11u));return(ivec2((uvec2(box.x,y_2)<<uvec2(11u)))>>uvec2(11u));}
-uvec2 columns_of(uint slot_1,ivec2 centre){uvec4 a_23=_group_1_binding_2_cs[(2u*slot_1)];uint
-_e14=_group_1_binding_2_cs[((2u*slot_1)+ 1u)].x;float vy=float(int(_e14));float ratio=(1.0
-+(abs(float(int(a_23.w)))/max(vy,1.0)));int half_1=int(min((((67108864.0*ratio)/max(float(int(a_23.z)),1.0))+ 1.0),
-1048576.0));int _e51=_group_0_binding_0_cs.size.x;ivec2 pixels=min(max((ivec2((centre.x>>3u))+ ivec2(-(half_1),half_1)),
-ivec2(0)),ivec2((_e51 - 1)));uint _e59=_group_0_binding_0_cs.tile_bits;return((uvec2(pixels)>>uvec2(_e59))+ uvec2(0u,
-1u));}Box large_box(uint slot_2,uvec2 word_3){uvec2 columns=uvec2(0u);int _e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){
-uint _e10=_group_0_binding_0_cs.squares;uint _e15=_group_1_binding_3_cs[(_e10 +(2u*slot_2))];uint
-_e19=_group_0_binding_0_cs.squares;uint _e26=_group_1_binding_3_cs[((_e19 +(2u*slot_2))+ 1u)];uvec2 range_1=uvec2(_e15,
-_e26);return Box((range_1&uvec2(65535u)),(range_1>>uvec2(16u)),word_3,true);}ivec2 _e36=centre_q3_(word_3);int
+bool large;};struct Lists{uint halves;uint list;uint room;};struct Turn{Lists lists;uint first;uint end;};const int
+FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;
+const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
+ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
+DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
+CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int
+BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint
+DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint
+LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;
+const uint GROUP=16u;const uint SIDE=8u;const uint SOME=32u;const uint APART=4u;const uint SAMPLES=16u;const uint
+RANGE=16u;const uint BINS=256u;const uint SPARE=2147483648u;const uint DONE=1048576u;const int HALF_Q15_=16384;const
+int REACH=4;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,
+binding=0)buffer type_14_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer
+type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer type_18_block_3Compute{
+uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};
+shared uint bound[4];uvec2 shift_right(uvec2 a_15,uint n_1){if((n_1==0u)){return a_15;}if((n_1>=32u)){return
+uvec2((a_15.y>>(n_1 - 32u)),0u);}return uvec2(((a_15.x>>n_1)|(a_15.y<<(32u - n_1))),(a_15.y>>n_1));}int zeros_of(uint
+x_2){return int(uint(31 - findMSB(x_2)));}int zeros_of_wide(uvec2 x_3){int _e2=zeros_of(x_3.x);int _e6=zeros_of(x_3.y);
+return((x_3.y!=0u)?_e6:(32 + _e2));}ivec2 centre_q3_(uvec2 box){uint y_2=((box.x>>21u)|(box.y<<11u));
+return(ivec2((uvec2(box.x,y_2)<<uvec2(11u)))>>uvec2(11u));}uvec2 columns_of(uint slot_1,ivec2 centre){uvec4
+a_23=_group_1_binding_2_cs[(2u*slot_1)];uint _e14=_group_1_binding_2_cs[((2u*slot_1)+ 1u)].x;uint vy=max(_e14,1u);uint
+ratio_q6_=(((uint(abs(int(a_23.w)))<<6u)/vy)+ 65u);uint pixels=((67108864u/max(a_23.z,1u))+ 1u);int
+half_1=(int(min(((pixels*min(ratio_q6_,((67108864u/pixels)+ 1u)))>>6u),1048575u))+ 1);int
+_e58=_group_0_binding_0_cs.size.x;ivec2 range_1=min(max((ivec2((centre.x>>3u))+ ivec2(-(half_1),half_1)),ivec2(0)),
+ivec2((_e58 - 1)));uint _e66=_group_0_binding_0_cs.tile_bits;return((uvec2(range_1)>>uvec2(_e66))+ uvec2(0u,1u));}Box
+large_box(uint slot_2,uvec2 word_3){uvec2 columns=uvec2(0u);int _e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){uint
+_e10=_group_0_binding_0_cs.squares;uint _e15=_group_1_binding_3_cs[(_e10 +(2u*slot_2))];uint
+_e19=_group_0_binding_0_cs.squares;uint _e26=_group_1_binding_3_cs[((_e19 +(2u*slot_2))+ 1u)];uvec2 range_2=uvec2(_e15,
+_e26);return Box((range_2&uvec2(65535u)),(range_2>>uvec2(16u)),word_3,true);}ivec2 _e36=centre_q3_(word_3);int
 _e41=_group_0_binding_0_cs.tiles.x;columns=uvec2(0u,uint(_e41));if((_e36.x!=FAR_Q3_)){uvec2 _e48=columns_of(slot_2,
 _e36);columns=_e48;}uint rows_2=_group_1_binding_2_cs[((2u*slot_2)+ 1u)].w;uint _e58=columns.x;uint
 _e63=_group_0_binding_0_cs.tile_bits;uint _e67=columns.y;uint _e71=_group_0_binding_0_cs.tile_bits;return

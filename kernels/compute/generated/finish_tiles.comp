@@ -17,42 +17,43 @@ Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2
 Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Share{uint tile;uint number;uvec2 rows;};
 struct Place{uint column;uint row;uvec2 at;bvec2 inside;};struct Block{uint list;uint count;uint first;uint done;};
 struct Traced{uint limit;int weight;uint largest;uint median;uvec2 sum;};struct Box{uvec2 first;uvec2 end;uvec2 mask;
-bool large;};struct Lists{uint halves;uint list;uint room;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;
-const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int
-FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;
-const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;const uint
-MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;
-const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint
-VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint
-ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const
-uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;const uint SIDE=8u;const
-uint SOME=32u;const uint APART=4u;const uint SAMPLES=16u;const uint RANGE=16u;const uint BINS=256u;const uint
-SPARE=2147483648u;const uint DONE=1048576u;const int HALF_Q15_=16384;const int REACH=4;layout(std140,binding=0)uniform
-Frame_block_0Compute{Frame _group_0_binding_0_cs;};shared uint sums[128];shared uint group_sums[8];layout(std430,
-binding=0)buffer type_14_block_1Compute{uint _group_1_binding_0_cs[];};shared uvec4 shapes[32];shared uvec4 shades[32];
-shared uint touching[2];shared uint open_round;shared uint open_pixels[2];shared uint shared_number;layout(std430,
-binding=1)buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer
-type_18_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_14_block_4Compute{uint
-_group_1_binding_3_cs[];};shared uvec2 keys[512];shared uint bins[257];shared uint samples[16];shared uint ranks[16];
-shared uvec2 bounds[16];shared uint below_split[2];shared uint splits[2];shared uint found;shared uint near_count;
-shared uint near[128];int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
-return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int _e4=c;int
-_e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
-_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,int c_1){
-return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p=0;int
-_e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p=_e3;int _e5=p;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);p=_e7;int
-_e8=p;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p=_e10;int _e11=p;int _e12=p;int _e13=fxs_mul_q15_(_e11,_e12);
-p=_e13;int _e14=p;int _e15=p;int _e16=fxs_mul_q15_(_e14,_e15);p=_e16;int _e17=p;int _e18=p;int _e19=fxs_mul_q15_(_e17,
-_e18);p=_e19;int _e20=p;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int
-transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int
-sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ +
-_e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int
-_e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);
-return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+
-16384)>>15u);}uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint
-low_1=(a_3.x + b_3.x);return uvec2(low_1,((a_3.y + b_3.y)+((low_1<a_3.x)?1u:0u)));}bool is_negative(uvec2 a_5){
-return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2
-a_7){bool _e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
+bool large;};struct Lists{uint halves;uint list;uint room;};struct Turn{Lists lists;uint first;uint end;};const int
+FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;
+const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
+ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
+DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
+CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int
+BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint
+DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint
+LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;
+const uint GROUP=16u;const uint SIDE=8u;const uint SOME=32u;const uint APART=4u;const uint SAMPLES=16u;const uint
+RANGE=16u;const uint BINS=256u;const uint SPARE=2147483648u;const uint DONE=1048576u;const int HALF_Q15_=16384;const
+int REACH=4;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};shared uint sums[128];
+shared uint group_sums[8];layout(std430,binding=0)buffer type_14_block_1Compute{uint _group_1_binding_0_cs[];};shared
+uvec4 shapes[32];shared uvec4 shades[32];shared uint touching[2];shared uint open_round;shared uint open_pixels[2];
+shared uint shared_number;layout(std430,binding=1)buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};
+layout(std430,binding=2)readonly buffer type_18_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,
+binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};shared uvec2 keys[512];shared uint bins[257];
+shared uint samples[16];shared uint ranks[16];shared uvec2 bounds[16];shared uint below_split[2];shared uint splits[2];
+shared uint found;shared uint near_count;shared uint near[128];int fxs_mul_q15_(int a,int b){return(((a*b)+
+16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int
+c=0;c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int
+fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int
+fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int
+level_q11_){int p=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p=_e3;int _e5=p;int _e7=fxs_mul_add_q15_(_e5,
+level_q11_,-32730);p=_e7;int _e8=p;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p=_e10;int _e11=p;int _e12=p;int
+_e13=fxs_mul_q15_(_e11,_e12);p=_e13;int _e14=p;int _e15=p;int _e16=fxs_mul_q15_(_e14,_e15);p=_e16;int _e17=p;int _e18=p;
+int _e19=fxs_mul_q15_(_e17,_e18);p=_e19;int _e20=p;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return _e22;}int
+fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}
+int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int
+_e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int
+background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int
+_e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){
+return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uvec2 wide_of(int x){return uvec2(uint(x),
+uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_1=(a_3.x + b_3.x);return uvec2(low_1,((a_3.y +
+b_3.y)+((low_1<a_3.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2
+_e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool _e1=is_negative(a_7);if(_e1){uvec2
+_e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
 return((a_8.y==b_5.y)?(a_8.x<b_5.x):(int(a_8.y)<int(b_5.y)));}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;
 umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uvec2 mul_mixed(int a_11,uint b_8){uvec2 _e3=mul_wide(uint(a_11),
 b_8);return uvec2(_e3.x,(_e3.y -((a_11<0)?b_8:0u)));}uvec2 mul_signed(int a_12,int b_9){uvec2 _e3=mul_mixed(a_12,
@@ -243,21 +244,21 @@ _e95=local_13;if(_e95){open.y=false;close_pixel(_e3,true);}memoryBarrierShared()
 here_5.shift,_e116);put_pixel(p_6,_e117);}if(_e3.inside.y){uint _e123=i_16;uint _e124=pixel_of(_e3.at.y,here_5.shift,
 _e123);put_pixel(q_2,_e124);}}}return;}ivec2 centre_q3_(uvec2 box){uint y_2=((box.x>>21u)|(box.y<<11u));
 return(ivec2((uvec2(box.x,y_2)<<uvec2(11u)))>>uvec2(11u));}uvec2 columns_of(uint slot_1,ivec2 centre){uvec4
-a_24=_group_1_binding_2_cs[(2u*slot_1)];uint _e14=_group_1_binding_2_cs[((2u*slot_1)+ 1u)].x;float vy=float(int(_e14));
-float ratio=(1.0 +(abs(float(int(a_24.w)))/max(vy,1.0)));int half_1=int(min((((67108864.0*ratio)/max(float(int(a_24.z)),
-1.0))+ 1.0),1048576.0));int _e51=_group_0_binding_0_cs.size.x;ivec2 pixels=min(max((ivec2((centre.x>>3u))+
-ivec2(-(half_1),half_1)),ivec2(0)),ivec2((_e51 - 1)));uint _e59=_group_0_binding_0_cs.tile_bits;
-return((uvec2(pixels)>>uvec2(_e59))+ uvec2(0u,1u));}Box large_box(uint slot_2,uvec2 word_3){uvec2 columns=uvec2(0u);int
-_e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){uint _e10=_group_0_binding_0_cs.squares;uint
-_e15=_group_1_binding_3_cs[(_e10 +(2u*slot_2))];uint _e19=_group_0_binding_0_cs.squares;uint
-_e26=_group_1_binding_3_cs[((_e19 +(2u*slot_2))+ 1u)];uvec2 range_1=uvec2(_e15,_e26);return Box((range_1&uvec2(65535u)),
-(range_1>>uvec2(16u)),word_3,true);}ivec2 _e36=centre_q3_(word_3);int _e41=_group_0_binding_0_cs.tiles.x;
-columns=uvec2(0u,uint(_e41));if((_e36.x!=FAR_Q3_)){uvec2 _e48=columns_of(slot_2,_e36);columns=_e48;}uint
-rows_2=_group_1_binding_2_cs[((2u*slot_2)+ 1u)].w;uint _e58=columns.x;uint _e63=_group_0_binding_0_cs.tile_bits;uint
-_e67=columns.y;uint _e71=_group_0_binding_0_cs.tile_bits;return Box(uvec2(_e58,((rows_2&65535u)>>_e63)),uvec2(_e67,
-((rows_2>>(16u + _e71))+ 1u)),word_3,true);}Box box_of(uint slot_3){uint columns_1=0u;uint row_3=0u;uint
-_e4=_group_0_binding_0_cs.boxes;uint _e9=_group_1_binding_3_cs[(_e4 +(2u*slot_3))];uint
-_e13=_group_0_binding_0_cs.boxes;uint _e20=_group_1_binding_3_cs[((_e13 +(2u*slot_3))+ 1u)];uvec2 word_4=uvec2(_e9,
+a_24=_group_1_binding_2_cs[(2u*slot_1)];uint _e14=_group_1_binding_2_cs[((2u*slot_1)+ 1u)].x;uint vy=max(_e14,1u);uint
+ratio_q6_=(((uint(abs(int(a_24.w)))<<6u)/vy)+ 65u);uint pixels=((67108864u/max(a_24.z,1u))+ 1u);int
+half_1=(int(min(((pixels*min(ratio_q6_,((67108864u/pixels)+ 1u)))>>6u),1048575u))+ 1);int
+_e58=_group_0_binding_0_cs.size.x;ivec2 range_1=min(max((ivec2((centre.x>>3u))+ ivec2(-(half_1),half_1)),ivec2(0)),
+ivec2((_e58 - 1)));uint _e66=_group_0_binding_0_cs.tile_bits;return((uvec2(range_1)>>uvec2(_e66))+ uvec2(0u,1u));}Box
+large_box(uint slot_2,uvec2 word_3){uvec2 columns=uvec2(0u);int _e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){uint
+_e10=_group_0_binding_0_cs.squares;uint _e15=_group_1_binding_3_cs[(_e10 +(2u*slot_2))];uint
+_e19=_group_0_binding_0_cs.squares;uint _e26=_group_1_binding_3_cs[((_e19 +(2u*slot_2))+ 1u)];uvec2 range_2=uvec2(_e15,
+_e26);return Box((range_2&uvec2(65535u)),(range_2>>uvec2(16u)),word_3,true);}ivec2 _e36=centre_q3_(word_3);int
+_e41=_group_0_binding_0_cs.tiles.x;columns=uvec2(0u,uint(_e41));if((_e36.x!=FAR_Q3_)){uvec2 _e48=columns_of(slot_2,
+_e36);columns=_e48;}uint rows_2=_group_1_binding_2_cs[((2u*slot_2)+ 1u)].w;uint _e58=columns.x;uint
+_e63=_group_0_binding_0_cs.tile_bits;uint _e67=columns.y;uint _e71=_group_0_binding_0_cs.tile_bits;return
+Box(uvec2(_e58,((rows_2&65535u)>>_e63)),uvec2(_e67,((rows_2>>(16u + _e71))+ 1u)),word_3,true);}Box box_of(uint slot_3){
+uint columns_1=0u;uint row_3=0u;uint _e4=_group_0_binding_0_cs.boxes;uint _e9=_group_1_binding_3_cs[(_e4 +(2u*slot_3))];
+uint _e13=_group_0_binding_0_cs.boxes;uint _e20=_group_1_binding_3_cs[((_e13 +(2u*slot_3))+ 1u)];uvec2 word_4=uvec2(_e9,
 _e20);uvec2 mask=uvec2(word_4.x,(word_4.y&1023u));uint tile_7=(word_4.y>>10u);int _e33=_group_0_binding_0_cs.tiles.x;
 uint across_1=uint(_e33);if((tile_7==LARGE_BOX)){Box _e37=large_box(slot_3,mask);return _e37;}if(((mask.x|mask.y)==0u)){
 return Box(uvec2(0u),uvec2(0u),mask,false);}for(;(row_3<7u);row_3=(row_3 + 1u)){{uint _e56=columns_1;uint _e58=row_3;
@@ -277,8 +278,8 @@ _e2=box_of(slot_5);if(!(any(lessThan(at_11,_e2.first)))){local_21=any(greaterTha
 local_21=true;}bool _e13=local_21;if(_e13){return false;}if(_e2.large){bool _e17=reaches(slot_5,_e2.mask,at_11);return
 _e17;}uvec2 place_6=(at_11 - _e2.first);uvec2 _e26=shift_right(_e2.mask,((6u*place_6.y)+ place_6.x));
 return((_e26.x&1u)!=0u);}bool bound_has(uint half_,uvec2 at_12){bool local_22=false;uint
-_e6=_group_1_binding_1_cs[(2u*half_)];uint _e13=_group_1_binding_1_cs[((2u*half_)+ 1u)];uvec2 range_2=uvec2(_e6,_e13);
-if(all(greaterThanEqual(at_12,(range_2&uvec2(65535u))))){local_22=all(lessThan(at_12,(range_2>>uvec2(16u))));}else{
+_e6=_group_1_binding_1_cs[(2u*half_)];uint _e13=_group_1_binding_1_cs[((2u*half_)+ 1u)];uvec2 range_3=uvec2(_e6,_e13);
+if(all(greaterThanEqual(at_12,(range_3&uvec2(65535u))))){local_22=all(lessThan(at_12,(range_3>>uvec2(16u))));}else{
 local_22=false;}bool _e28=local_22;return _e28;}uint gather_list(uint thread_20,uvec2 at_13,uint halves,uint list_1){
 uint first_5=0u;uint i_18=0u;if((thread_20==0u)){found=0u;}for(;(first_5<halves);first_5=(first_5 + THREADS)){{
 if((thread_20==0u)){near_count=0u;}memoryBarrierShared();barrier();uint _e16=first_5;if(((_e16 + thread_20)<halves)){
@@ -308,9 +309,10 @@ _e4=_group_0_binding_0_cs.tile_bits;return(1u<<(2u*(_e4 - 3u)));}uint tiles_befo
 _e4=_group_0_binding_0_cs.tiles.x;int _e8=_group_0_binding_0_cs.tiles.y;uint _e13=_group_0_binding_0_cs.finishes;int
 _e19=_group_0_binding_0_cs.tiles.x;int _e23=_group_0_binding_0_cs.tiles.y;uint _e28=_group_0_binding_0_cs.finishes;uint
 _e33=_group_0_binding_0_cs.finishes;return(((uint((_e4*_e8))/_e13)*step_2)+(((uint((_e19*_e23))%_e28)*step_2)/_e33));}
-void main(){uvec3 group_1=gl_WorkGroupID;uvec3 groups=gl_NumWorkGroups;uint thread_1=gl_LocalInvocationIndex;uint
-tile=0u;uint i=0u;if(((group_1.z + 1u)!=groups.z)){return;}Lists _e9=lists_of(group_1.x,thread_1);uint
-_e11=tiles_before(group_1.z);tile=(_e11 + group_1.x);for(;(tile<tiles_before(groups.z));tile=(tile + groups.x)){{uint
-_e19=tile;uint _e20=list_tile(thread_1,_e19,_e9);i=0u;for(;(i<patches());i=(i + 1u)){{uint _e26=tile;uint _e27=i;Patch
-_e29=whole_patch(thread_1,_e26,_e27,_e9.list,_e20);blend_patch(_e29,thread_1);memoryBarrierShared();barrier();}}}}
-return;}
+Turn turn_of(uvec3 group_6,uvec3 groups_2,uint thread_25){if(((group_6.z + 1u)!=groups_2.z)){return Turn(Lists(0u,0u,
+0u),0u,0u);}Lists _e16=lists_of(group_6.x,thread_25);uint _e18=tiles_before(group_6.z);uint
+_e22=tiles_before(groups_2.z);return Turn(_e16,(_e18 + group_6.x),_e22);}void main(){uvec3 group_1=gl_WorkGroupID;uvec3
+groups=gl_NumWorkGroups;uint thread_1=gl_LocalInvocationIndex;uint tile=0u;uint i=0u;Turn _e3=turn_of(group_1,groups,
+thread_1);tile=_e3.first;for(;(tile<_e3.end);tile=(tile + groups.x)){{uint _e9=tile;uint _e11=list_tile(thread_1,_e9,
+_e3.lists);i=0u;for(;(i<patches());i=(i + 1u)){{uint _e17=tile;uint _e18=i;Patch _e21=whole_patch(thread_1,_e17,_e18,
+_e3.lists.list,_e11);blend_patch(_e21,thread_1);memoryBarrierShared();barrier();}}}}return;}
