@@ -115,10 +115,7 @@ static void random_targets(picture *a, picture *b, uint32_t *read, const fxs_ima
         read[i] = between(0, 9) ? (uint32_t)between(0, 1 << 20) : FXS_NOTHING;
     for (int i = 0; i < 2; i++) {
         fxs_targets *t = &both[i]->targets;
-        fxs_image *const images[] = {&t->coverage, &t->mean_depth, &t->median_depth, &t->id};
-        for (int k = 0; k < 4; k++)
-            if (without >> k & 1 || without >> 5 & 1)
-                images[k]->pixels = 0;
+        leave_out(t, without);
         t->depth_bits = without >> 6 & 1 ? 0 : (int)(without >> 7 & 15) + 1;
         if (occluded)
             t->occluder = (fxs_image){read, 4 * (ptrdiff_t)a->width};

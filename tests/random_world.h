@@ -111,6 +111,15 @@ typedef struct picture {
     fxs_targets targets;
 } picture;
 
+/* Leaves out the images beside the colour whose bits of `without` are set; bit 5: all. */
+static inline void leave_out(fxs_targets *t, unsigned without)
+{
+    fxs_image *const images[] = {&t->coverage, &t->mean_depth, &t->median_depth, &t->id};
+    for (int k = 0; k < 4; k++)
+        if (without >> k & 1 || without >> 5 & 1)
+            images[k]->pixels = 0;
+}
+
 static inline void picture_clear(picture *p)
 {
     memset(p->block, WORLD_GUARD, p->bytes);

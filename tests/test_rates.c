@@ -83,10 +83,7 @@ static void fill_targets(void)
     picture *const both[] = {&drawn.plain, &drawn.rated};
     for (int i = 0; i < 2; i++) {
         fxs_targets *t = &both[i]->targets;
-        fxs_image *const images[] = {&t->coverage, &t->mean_depth, &t->median_depth, &t->id};
-        for (int k = 0; k < 4; k++)
-            if (without >> k & 1 || without >> 5 & 1)
-                images[k]->pixels = 0;
+        leave_out(t, without);
         if (occluded)
             t->occluder = (fxs_image){drawn.occluder, 4 * width};
         if (over)
