@@ -1426,12 +1426,63 @@ static void draw_with_rates(const fxs_request *request, const fxs_gl_target *tar
     fxs_renderer_destroy(cpu);
 }
 
-/* Draws two eyes into two framebuffers. */
-static void compute_draws_two_eyes(void)
+static void clear_target(const fxs_gl_target *target)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, target->framebuffer);
+    GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+}
+
+/* Draws two eyes into two framebuffers, and compares each with a frame of one eye. */
+static void draw_apart(const fxs_request *request, const fxs_gl_target *targets, const subject *eyes)
+{
+    fxs_stats stats, of_eye = {0}, sum = {0};
+    for (int eye = 0; eye < 2; eye++)
+        clear_target(&targets[eye]);
+    settle();
+    CHECK(!draw_by_compute(request, targets, &stats) && !fxs_compute_wait(compute, &stats, &why_not));
+    for (int eye = 0; eye < 2; eye++) {
+        uint8_t *expected = new_picture(&eyes[eye]);
+        CHECK(!render(&eyes[eye], 0, 0, 0, expected, 4 * 60, &of_eye));
+        CHECK(in_target(&eyes[eye], &targets[eye], expected));
+        sum.visible += of_eye.visible;
+        free(expected);
+    }
+    CHECK(stats.visible == sum.visible && stats.drawn == of_eye.drawn);
+}
+
+/* Draws two eyes side by side into the framebuffer of the first target. */
+static void draw_side_by_side(const fxs_request *request, const fxs_gl_target *targets, const subject *eyes)
+{
+    const fxs_gl_target both[2] = {targets[0], {.framebuffer = targets[0].framebuffer, .x = 60}};
+    subject wide = eyes[0];
+    wide.camera.width = 120;
+    uint8_t *expected = new_picture(&wide);
+    clear_target(both);
+    settle();
+    CHECK(!draw_by_compute(request, both, 0) && !fxs_compute_wait(compute, 0, &why_not));
+    for (int eye = 0; eye < 2; eye++)
+        CHECK(!render(&eyes[eye], 0, 0, 0, expected + 4 * 60 * eye, 4 * 120, 0));
+    CHECK(in_target(&wide, both, expected));
+    free(expected);
+}
+
+/* Makes the two layers of an array texture the colour buffers of the targets. */
+static void attach_layers(const fxs_gl_target *targets)
+{
+    GLuint layers;
+    GL(GENTEXTURES, GenTextures)(1, &layers);
+    GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D_ARRAY, layers);
+    GL(TEXIMAGE3D, TexImage3D)(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA8, WIDE, HIGH, 2, 0, GL_RGBA, GL_UNSIGNED_BYTE, 0);
+    for (int eye = 0; eye < 2; eye++) {
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_FRAMEBUFFER, targets[eye].framebuffer);
+        GL(FRAMEBUFFERTEXTURELAYER, FramebufferTextureLayer)(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, layers, 0, eye);
+    }
+}
+
+static void compute_draws_two_eyes(void)
+{
     subject eyes[2];
-    fxs_stats stats, of_eye, sum = {0};
     if (open_compute(0))
         SKIP(why_not.text);
     caller callers[2] = {make_caller(), make_caller()};
@@ -1442,23 +1493,13 @@ static void compute_draws_two_eyes(void)
     const fxs_camera cameras[2] = {eyes[0].camera, eyes[1].camera};
     const fxs_object object = one_object(&eyes[0].scene);
     const fxs_request request = request_for(&object, 1, &eyes[0].options, 2, cameras, 0);
-    fxs_gl_target targets[2];
-    for (int eye = 0; eye < 2; eye++) {
-        targets[eye] = (fxs_gl_target){.framebuffer = callers[eye].framebuffers[0], .x = 5 * eye};
-        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, callers[eye].framebuffers[0]);
-        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
-    }
-    settle();
-    CHECK(!draw_by_compute(&request, targets, &stats) && !fxs_compute_wait(compute, &stats, &why_not));
-    for (int eye = 0; eye < 2; eye++) {
-        uint8_t *expected = new_picture(&eyes[eye]);
-        CHECK(!render(&eyes[eye], 0, 0, 0, expected, 4 * 60, &of_eye));
-        CHECK(in_target(&eyes[eye], &targets[eye], expected));
-        sum.visible += of_eye.visible;
-        free(expected);
-    }
-    CHECK(stats.visible == sum.visible && stats.drawn == of_eye.drawn);
+    const fxs_gl_target targets[2] = {{.framebuffer = callers[0].framebuffers[0]},
+                                      {.framebuffer = callers[1].framebuffers[0], .x = 5}};
+    draw_apart(&request, targets, eyes);
     draw_with_rates(&request, targets, eyes);
+    draw_side_by_side(&request, targets, eyes);
+    attach_layers(targets);
+    draw_apart(&request, targets, eyes);
     close_compute();
     fxs_packed_scene_free(&eyes[0].packed);
 }
