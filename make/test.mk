@@ -75,7 +75,7 @@ define emulate
 	    -MMD -MP -x c++ -c -o $@ $<
 endef
 
-cuda-tests: $(addprefix $(B)/tests/gpu/,test_cuda bench_cuda test_fit) $(B)/tests/test_fit_steps ## build what tests/gpu/*.sh run on a GPU
+cuda-tests: $(addprefix $(B)/tests/gpu/,test_cuda bench_cuda test_fit flight) $(B)/tests/test_fit_steps ## build what tests/gpu/*.sh run on a GPU
 
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update
