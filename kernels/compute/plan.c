@@ -339,17 +339,21 @@ static uint64_t slots_of(const fxs_plan *p)
 
 /* Returns the least number of entries for a frame whose lists do not fit: twice the longest possible list of a tile,
    and the bounds of each half of a chunk. */
-static uint64_t least_entries(const fxs_plan *p)
+static uint64_t least_entries(uint64_t slots, uint64_t places)
 {
-    return 2 * slots_of(p) + 4 * (uint64_t)p->places + FXS_COMPUTE_PAGE;
+    return 2 * slots + 4 * places + FXS_COMPUTE_PAGE;
 }
 
+/* With a budget, the first frame gets room for all chunks of the budget: a scene that is still being read draws more
+   chunks from frame to frame. */
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
-    const uint64_t slots = slots_of(p), of_squares = p->views->cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
-    r->chunks = larger(r->chunks, (uint64_t)p->places + 1);
+    const uint64_t places = p->drawn && p->request->options.budget ? p->cut_room : p->places;
+    const uint64_t slots = p->drawn ? places * FXS_CHUNK : p->gaussians;
+    const uint64_t of_squares = p->views->cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
+    r->chunks = larger(r->chunks, places + 1);
     r->larges = larger(r->larges, of_squares + slots / 16 + 4096);
-    r->pages = larger(r->pages, (least_entries(p) + 65536) / FXS_COMPUTE_PAGE);
+    r->pages = larger(r->pages, (least_entries(slots, places) + 65536) / FXS_COMPUTE_PAGE);
     r->merges = r->merges ? r->merges : FIRST_MERGES;
 }
 
@@ -437,18 +441,18 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->scratch = r->pages * FXS_COMPUTE_PAGE;
     f->finishes = r->finishes ? r->finishes : 1;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
-    f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)p->places) : 0;
+    f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)r->chunks) : 0;
     for (uint32_t i = 0; i < p->request->eyes; i++) {      /* the table is the same in the memory of both eyes */
         const uint32_t rates = plane_at(&words, &p->request->targets[i].rates, macros_of(p));
         f->rates = i == eye ? rates : f->rates;
     }
-    f->ranks = words_at(&words, p->places / 32 + 1);
-    f->visible = words_at(&words, p->places);
-    f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
+    f->ranks = words_at(&words, r->chunks / 32 + 1);
+    f->visible = words_at(&words, r->chunks);
+    f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * r->chunks);
     f->depths = words_at(&words, (uint64_t)FXS_CHUNK * r->chunks);
     lay_out_stages(p, r, eye, pixels, &words);
     f->seen = (uint32_t)(FXS_COMPUTE_TILES + FXS_COMPUTE_LIST * tiles);
-    f->cleared = f->classes = f->seen + p->places / 32 + 1;
+    f->cleared = f->classes = f->seen + r->chunks / 32 + 1;
     f->blocks = (uint32_t)(f->classes + FXS_COMPUTE_CLASSES * tiles);
     f->block_room = (uint32_t)(tiles + (uint64_t)r->pages * (FXS_COMPUTE_PAGE / FXS_COMPUTE_BLOCK));
     f->cutoff = (int32_t)view->cutoff;
@@ -497,7 +501,7 @@ int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
         fxs_plan_rooms least = *rooms;
         least.chunks = p->places + 1;
         least.larges = 1;
-        least.pages = (uint32_t)(least_entries(p) / FXS_COMPUTE_PAGE);
+        least.pages = (uint32_t)(least_entries(slots_of(p), p->places) / FXS_COMPUTE_PAGE);
         lay_out(p, &least);
     }
     return largest_buffer(p) > rooms->most ? too_large(why, largest_buffer(p)) : 0;
