@@ -30,6 +30,16 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
                    $(B)/commands/link
 	$(call link)
 
+# A layer of Vulkan with its manifest, for test_vulkan and vulkan_fails.sh.
+LAYER := $(B)/tests/layer/libfailing_layer.so
+$(B)/tests/test_vulkan: $(if $(filter VULKAN,$(FOUND)),$(LAYER))
+$(LAYER): tests/failing_layer.c tests/failing_layer.h kernels/vulkan/vk.h $(B)/commands/compile
+	@mkdir -p $(@D)
+	$(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -shared -fPIC -o $@ $<
+	@printf '{"file_format_version": "1.1.2", "layer": {"name": "VK_LAYER_FIXSPLAT_failing", "type": "GLOBAL",\n%s}}\n' \
+	    '"library_path": "./$(@F)", "api_version": "1.1.0", "implementation_version": "1", "description": "for tests"' \
+	    >$(@D)/failing_layer.json
+
 # The window's test defines an SDL function itself. On Windows, SDL is linked statically, so the linker must allow a
 # second definition.
 FOR_WINDOW_win32 := -Wl,--allow-multiple-definition

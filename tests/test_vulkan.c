@@ -1,6 +1,6 @@
 /* Compares the Vulkan back end with the CPU renderer: random frames, real scenes, long lists and small buffers, with
-   the validation layer and its synchronisation validation on, where any message is a failure. Fake functions of Vulkan
-   simulate device failures. */
+   the validation layer and its synchronisation validation on, where any message is a failure. The layer of
+   failing_layer.c simulates device failures. */
 #include "check.h"
 
 #ifndef FXS_WITH_VULKAN
@@ -17,6 +17,7 @@ int main(void)
 #else
 
 #include "device_frames.h"
+#include "kernels/vulkan/vk.h"
 #include "losing_vulkan.h"
 #include "port/vulkan/vulkan_device.h"
 
@@ -102,14 +103,6 @@ static int is_loss(int error)
 
 static const VkResult losses[] = {VK_ERROR_DEVICE_LOST, VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY};
 
-/* Ends the simulated loss. Returns the number of calls of Vulkan that were made since lose_at(LONG_MAX - 1). */
-static long calls_made(void)
-{
-    const long calls = LONG_MAX - 1 - calls_left;
-    calls_left = LONG_MAX;
-    return calls;
-}
-
 static void opening_fails(void)
 {
     fxs_vulkan_device d;
@@ -119,17 +112,17 @@ static void opening_fails(void)
     close_all(&d, v);
     CHECK(open_all(&d, &v, "vkGetPhysicalDeviceProperties2") == FXS_ERR_UNSUPPORTED);
     close_all(&d, v);
-    lose_at(LONG_MAX - 1, VK_SUCCESS);
+    lose_at(-1, VK_SUCCESS, 0);
     CHECK(!open_all(&d, &v, 0));
-    const long calls = calls_made();
+    const long calls = stop_losing();
     close_all(&d, v);
     CHECK(calls > FXS_COMPUTE_PROGRAMS + 8);
     for (int k = 0; k < 3; k++)
         for (long n = 0; n < calls && !check_faults; n += 1 + n / 8) {
             why.text[0] = 0;
-            lose_at(n, losses[k]);
+            lose_at(n, losses[k], 0);
             const int error = open_all(&d, &v, 0);
-            calls_left = LONG_MAX;
+            stop_losing();
             if (!CHECK(is_loss(error) && why.text[0] && !v))
                 printf("  call %ld: %d, %s\n", n, error, why.text);
             close_all(&d, v);
@@ -156,9 +149,9 @@ static void frames_lose(void)
     k.request.targets->occluder.pixels = 0;
     fxs_vulkan_drop(v, &k.part.scene);
     fxs_vk_give_back(v);
-    lose_at(LONG_MAX - 1, VK_SUCCESS);
+    lose_at(-1, VK_SUCCESS, 0);
     CHECK(!fxs_vulkan_render(v, &k.request, 0, &why));
-    const long calls = calls_made();
+    const long calls = stop_losing();
     CHECK(calls > 30 && is_equal(&k.wanted, &k.drawn));
     long fails = 0;
     for (int i = 0; i < 3; i++)
@@ -168,9 +161,9 @@ static void frames_lose(void)
             CHECK(v->taken == 0);
             picture_clear(&k.drawn);
             why.text[0] = 0;
-            lose_at(n, losses[i]);
+            lose_at(n, losses[i], 0);
             const int error = fxs_vulkan_render(v, &k.request, 0, &why);
-            calls_left = LONG_MAX;
+            stop_losing();
             fails += error != 0;
             if (!CHECK(error ? is_loss(error) && why.text[0] : is_equal(&k.wanted, &k.drawn)))
                 printf("  call %ld of %ld: %d, %s\n", n, calls, error, why.text);
@@ -180,6 +173,34 @@ static void frames_lose(void)
     CHECK(fails > 2 * calls);
     close_all(&d, v);
     free(occluder);
+    knot_free(&k);
+}
+
+/* A device that is lost at some call, and stays so: the frame is an error, nothing is left when the device is closed,
+   and a new device draws the frame. */
+static void device_stays_lost(void)
+{
+    knot k;
+    fxs_vulkan_device d;
+    fxs_vulkan *v;
+    if (!knot_make(&k))
+        return;
+    long calls = 1;
+    for (long n = 0; n < calls && !check_faults; n += 1 + n / 8) {
+        lose_at(n, VK_ERROR_DEVICE_LOST, 1);
+        int error = open_all(&d, &v, 0);
+        error = error ? error : fxs_vulkan_render(v, &k.request, 0, &why);
+        close_all(&d, v);
+        stop_losing();
+        CHECK(error == FXS_ERR_DEVICE);
+        lose_at(-1, VK_SUCCESS, 0);
+        picture_clear(&k.drawn);
+        if (CHECK(!open_all(&d, &v, 0)))
+            CHECK(!fxs_vulkan_render(v, &k.request, 0, &why) && is_equal(&k.wanted, &k.drawn));
+        calls = stop_losing();
+        close_all(&d, v);
+    }
+    CHECK(calls > FXS_COMPUTE_PROGRAMS + 38);
     knot_free(&k);
 }
 
@@ -356,10 +377,10 @@ static void eyes_and_cache(void)
         return;
     CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why) && !fxs_vulkan_render(device, &k.request, 0, &why));
     unsigned wanted = 0;
-    waits = 0;
+    layer->waits = 0;
     CHECK(!fxs_vulkan_render(device, &k.request, &one, &why));
     fxs_plan_steps(&device->slots[0].plan, count_wait, &wanted);
-    CHECK(waits == wanted && wanted > 9);
+    CHECK(layer->waits == wanted && wanted > 9);
     picture right = picture_new(100, 80, FXS_FORMAT_RGBA8);
     k.request.eyes = 2;
     k.request.cameras[1] = k.request.cameras[0];
@@ -387,12 +408,13 @@ static void validation(void)
 {
     if (!validated)
         SKIP("no validation layer is here");
-    CHECK(messages == 0);
+    CHECK(layer->messages == 0);
 }
 
-int main(void)
+int main(int count, char **arguments)
 {
-    if (!load_vulkan() || open_all(&own, &device, 0)) {
+    (void)count;
+    if (!load_vulkan(arguments[0]) || open_all(&own, &device, 0)) {
         printf("%s\n", why.text);
         printf("skip vulkan\n");
         check_skipped++;
@@ -405,6 +427,7 @@ int main(void)
     RUN(eyes_and_cache);
     RUN(opening_fails);
     RUN(frames_lose);
+    RUN(device_stays_lost);
     close_all(&own, device);
     RUN(validation);
     return check_report();

@@ -668,9 +668,7 @@ static void do_picture(const steps *to)
     fxs_step clear = indirect(FXS_COMPUTE_clear_pixels, FXS_COMPUTE_LATER, 2 + FXS_PLAN_MERGES);
     clear.waits = 0;
     do_both(to, clear);
-    fxs_step bound = indirect(FXS_COMPUTE_bound_slots, FXS_COMPUTE_LATER, 3 + FXS_PLAN_MERGES);
-    bound.waits = 0;
-    do_both(to, bound);
+    do_both(to, indirect(FXS_COMPUTE_bound_slots, FXS_COMPUTE_LATER, 3 + FXS_PLAN_MERGES));
     for (uint32_t i = 0; i < to->plan->frames->finishes; i++)
         do_by_targets(to, FXS_COMPUTE_finish_tiles, FXS_COMPUTE_finish_traced, 4 + FXS_PLAN_MERGES + i);
     for (uint32_t eye = 0; eye < p->request->eyes; eye++)
