@@ -299,66 +299,226 @@ static void images_refused(void)
     knot_free(&k);
 }
 
-/* Submits frames into a layer of a BGRA image of the caller, and reads the image back. */
-static void frames_in_flight(void)
+/* An image of the caller, and its memory. image_put and image_get copy its picture of 100x80 texels. */
+typedef struct image {
+    fxs_vulkan_image of;
+    VkDeviceMemory memory;
+} image;
+
+#define IMAGE_CALL(name) ((PFN_vk##name)(uintptr_t)own.options.load(own.options.instance, "vk" #name))
+
+static image image_make(VkFormat format, VkImageUsageFlags usage, uint32_t border, uint32_t layers)
 {
-    const fxs_vulkan_options *o = &own.options;
-    const fxs_vk_functions *vk = &device->vk;
+    const VkDevice d = own.options.device;
+    image i = {.of = {0, format, usage, 100 + 2 * border, 80 + 2 * border, layers, layers - 1, border, border,
+                      VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL}};
     const VkImageCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, .imageType = VK_IMAGE_TYPE_2D, .extent = {110, 90, 1},
-        .format = VK_FORMAT_B8G8R8A8_UNORM, .mipLevels = 1, .arrayLayers = 2, .samples = VK_SAMPLE_COUNT_1_BIT,
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, .imageType = VK_IMAGE_TYPE_2D,
+        .extent = {i.of.width, i.of.height, 1}, .format = format, .mipLevels = 1, .arrayLayers = layers,
+        .samples = VK_SAMPLE_COUNT_1_BIT,
         .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 1},
-                                      .imageOffset = {7, 5, 0}, .imageExtent = {100, 80, 1}};
     VkMemoryAllocateInfo room = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     VkMemoryRequirements needs;
-    const VkFenceCreateInfo of_fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    fxs_vk_block *block = 0;
-    fxs_vulkan_target target = {.colour = {0, info.format, info.usage, 110, 90, 2, 1, 7, 5, VK_IMAGE_LAYOUT_UNDEFINED,
-                                           VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
-    VkDeviceMemory memory;
-    VkFence fence;
-    knot k;
-#define OF_DEVICE(name) const PFN_vk##name name = (PFN_vk##name)(uintptr_t)o->load(o->instance, "vk" #name)
-    OF_DEVICE(CreateImage);
-    OF_DEVICE(GetImageMemoryRequirements);
-    OF_DEVICE(BindImageMemory);
-    OF_DEVICE(DestroyImage);
-    if (!CHECK(CreateImage && GetImageMemoryRequirements && BindImageMemory && DestroyImage) || !knot_make(&k) ||
-        !CHECK(!CreateImage(o->device, &info, 0, &target.colour.image)))
-        return;
-    GetImageMemoryRequirements(o->device, target.colour.image, &needs);
+    CHECK(!IMAGE_CALL(CreateImage)(d, &info, 0, &i.of.image));
+    IMAGE_CALL(GetImageMemoryRequirements)(d, i.of.image, &needs);
     room.allocationSize = needs.size;
     while (!(needs.memoryTypeBits >> room.memoryTypeIndex & 1))
         room.memoryTypeIndex++;
-    CHECK(!vk->AllocateMemory(o->device, &room, 0, &memory) &&
-          !BindImageMemory(o->device, target.colour.image, memory, 0) &&
-          !vk->CreateFence(o->device, &of_fence, 0, &fence));
+    CHECK(!device->vk.AllocateMemory(d, &room, 0, &i.memory));
+    CHECK(!IMAGE_CALL(BindImageMemory)(d, i.of.image, i.memory, 0));
+    return i;
+}
+
+static void image_free(const image *i)
+{
+    IMAGE_CALL(DestroyImage)(own.options.device, i->of.image, 0);
+    device->vk.FreeMemory(own.options.device, i->memory, 0);
+}
+
+static uint32_t texel_bytes(const image *i)
+{
+    return i->of.format == VK_FORMAT_D16_UNORM ? 2 : 4;
+}
+
+static VkBufferImageCopy region_of(const image *i)
+{
+    const int is_depth = i->of.format == VK_FORMAT_D16_UNORM || i->of.format == VK_FORMAT_D32_SFLOAT;
+    const VkImageAspectFlags aspect = is_depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+    return (VkBufferImageCopy){.imageSubresource = {aspect, 0, i->of.layer, 1},
+                               .imageOffset = {(int32_t)i->of.x, (int32_t)i->of.y, 0}, .imageExtent = {100, 80, 1}};
+}
+
+static void image_put(image *i, const void *texels)
+{
+    const VkBufferImageCopy region = region_of(i);
+    const VkImageMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER, .dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+        .newLayout = VK_IMAGE_LAYOUT_GENERAL, .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED, .image = i->of.image,
+        .subresourceRange = {region.imageSubresource.aspectMask, 0, 1, 0, i->of.layers}};
+    fxs_vk_block *block = 0;
+    CHECK(!fxs_vk_reserve(device, &block, FXS_VK_UP, texel_bytes(i) * 8000, &why));
+    memcpy(block->memory.mapped, texels, texel_bytes(i) * 8000);
+    CHECK(!fxs_vk_begin(device, device->slots, &why));
+    const VkCommandBuffer commands = device->slots->commands;
+    device->vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, 0,
+                                  0, 0, 1, &barrier);
+    device->vk.CmdCopyBufferToImage(commands, block->buffer, i->of.image, barrier.newLayout, 1, &region);
+    CHECK(!fxs_vk_run(device, device->slots, &why));
+    i->of.before = barrier.newLayout;
+    fxs_vk_retire(device, &block);
+    fxs_vk_collect(device);
+}
+
+static void image_get(const image *i, void *texels)
+{
+    const VkBufferImageCopy region = region_of(i);
+    fxs_vk_block *block = 0;
+    CHECK(!fxs_vk_reserve(device, &block, FXS_VK_DOWN, texel_bytes(i) * 8000, &why));
+    CHECK(!fxs_vk_begin(device, device->slots, &why));
+    const VkCommandBuffer commands = device->slots->commands;
+    device->vk.CmdCopyImageToBuffer(commands, i->of.image, VK_IMAGE_LAYOUT_GENERAL, block->buffer, 1, &region);
+    fxs_vk_barrier(device, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT);
+    CHECK(!fxs_vk_run(device, device->slots, &why));
+    memcpy(texels, block->memory.mapped, texel_bytes(i) * 8000);
+    fxs_vk_retire(device, &block);
+    fxs_vk_collect(device);
+}
+
+static int is_bgra(VkFormat format)
+{
+    return format == VK_FORMAT_B8G8R8A8_UNORM || format == VK_FORMAT_B8G8R8A8_SRGB;
+}
+
+static void swap_channels(unsigned char *texels)
+{
+    for (int i = 0; i < 8000; i++, texels += 4) {
+        const unsigned char red = texels[0];
+        texels[0] = texels[2];
+        texels[2] = red;
+    }
+}
+
+static int has_colours(const image *i, const picture *wanted)
+{
+    unsigned char texels[4 * 8000];
+    image_get(i, texels);
+    if (is_bgra(i->of.format))
+        swap_channels(texels);
+    return !memcmp(texels, wanted->targets.colour.pixels, sizeof texels);
+}
+
+/* Submits frames into a layer of a BGRA image of the caller, and reads the image back. */
+static void frames_in_flight(void)
+{
+    const fxs_vk_functions *vk = &device->vk;
+    const VkFenceCreateInfo of_fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    const VkDevice d = own.options.device;
+    VkFence fence;
+    knot k;
+    if (!knot_make(&k))
+        return;
+    const image colour = image_make(VK_FORMAT_B8G8R8A8_UNORM, VK_IMAGE_USAGE_TRANSFER_DST_BIT, 5, 2);
+    const fxs_vulkan_target target = {.colour = colour.of};
+    CHECK(!vk->CreateFence(d, &of_fence, 0, &fence));
     CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why));
     for (int i = 0; i < 5; i++) {
         const fxs_vulkan_sync sync = {.fence = fence};
         CHECK(!fxs_vulkan_submit(device, &k.request, &target, &sync, &why));
-        CHECK(!vk->WaitForFences(o->device, 1, &fence, VK_TRUE, UINT64_MAX));
-        CHECK(!vk->ResetFences(o->device, 1, &fence));
+        CHECK(!vk->WaitForFences(d, 1, &fence, VK_TRUE, UINT64_MAX));
+        CHECK(!vk->ResetFences(d, 1, &fence));
     }
     fxs_vulkan_idle(device);
-    CHECK(!fxs_vk_reserve(device, &block, FXS_VK_DOWN, 4 * 100 * 80, &why));
-    CHECK(!fxs_vk_begin(device, device->slots, &why));
-    vk->CmdCopyImageToBuffer(device->slots->commands, target.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                             block->buffer, 1, &region);
-    fxs_vk_barrier(device, device->slots->commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT);
-    CHECK(!fxs_vk_run(device, device->slots, &why));
-    const unsigned char *drawn = block->memory.mapped, *wanted = k.wanted.targets.colour.pixels;
-    int equal = 1;
-    for (int i = 0; i < 100 * 80; i++, drawn += 4)
-        equal &= drawn[0] == wanted[4 * i + 2] && drawn[1] == wanted[4 * i + 1] && drawn[2] == wanted[4 * i];
-    CHECK(equal);
-    fxs_vk_retire(device, &block);
-    fxs_vk_collect(device);
-    DestroyImage(o->device, target.colour.image, 0);
-    vk->FreeMemory(o->device, memory, 0);
-    vk->DestroyFence(o->device, fence, 0);
+    CHECK(has_colours(&colour, &k.wanted));
+    image_free(&colour);
+    vk->DestroyFence(d, fence, 0);
     fxs_vulkan_drop(device, &k.part.scene);
+    knot_free(&k);
+}
+
+/* Inverse of the distance that a value of a depth image stands for. */
+static double inverse_of(const fxs_vulkan_target *t, double depth)
+{
+    return (1 - depth) / (double)t->plane_0 + depth / (double)t->plane_1;
+}
+
+/* An occluder in blocks of 16x16 texels: 8 distances about the knot's, and the far plane, whose value is `far`. Writes
+   the texels in a format, and the depths that they are for the processor. */
+static void make_occluder(const fxs_vulkan_target *t, VkFormat format, uint32_t far, void *texels, uint32_t *depths)
+{
+    for (uint32_t i = 0; i < 8000; i++) {
+        const uint32_t block = (i % 100 / 16 + i / 1600 * 3) % 9;
+        const double inverse = 1 / (10.5 + 0.6 * block), low = inverse_of(t, 0), high = inverse_of(t, 1);
+        const uint32_t code = block == 8 ? far : (uint32_t)((inverse - low) / (high - low) * 65535);
+        const float value = (float)code / 65535;
+        depths[i] = block == 8 ? FXS_NOTHING : (uint32_t)(65536 / inverse_of(t, code / 65535.0));
+        if (format == VK_FORMAT_D16_UNORM)
+            ((uint16_t *)texels)[i] = (uint16_t)code;
+        else
+            memcpy((uint32_t *)texels + i, format == VK_FORMAT_R32_UINT ? (const void *)&depths[i] : &value, 4);
+    }
+}
+
+/* Compares a depth image with the processor's depths: numbers exactly, floats within the error that vulkan.h states. */
+static int has_depths(const image *i, const fxs_vulkan_target *t, const picture *wanted)
+{
+    const uint32_t *depths = (const uint32_t *)wanted->targets.median_depth.pixels;
+    const double low = inverse_of(t, 0), high = inverse_of(t, 1);
+    static uint32_t texels[8000];
+    double worst = 0;
+    image_get(i, texels);
+    if (i->of.format == VK_FORMAT_R32_UINT)
+        return !memcmp(texels, depths, sizeof texels);
+    for (int k = 0; k < 8000; k++) {
+        const double inverse = depths[k] == FXS_NOTHING ? fmin(low, high) : 65536.0 / depths[k];
+        float value;
+        memcpy(&value, &texels[k], 4);
+        worst = fmax(worst, fabs((double)value - fmin(fmax((inverse - low) / (high - low), 0), 1)));
+    }
+    return worst <= ldexp(1, -19);
+}
+
+/* Draws with images in all formats, and compares with the processor's picture of the same occluder and backdrop. */
+static void image_formats(void)
+{
+    static const VkFormat colours[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
+                                       VK_FORMAT_B8G8R8A8_SRGB};
+    static const VkFormat depths[] = {VK_FORMAT_R32_UINT, VK_FORMAT_R32_SFLOAT, VK_FORMAT_D32_SFLOAT,
+                                      VK_FORMAT_D16_UNORM};
+    static unsigned char texels[4 * 8000], under[4 * 8000];
+    static uint32_t occluder[8000];
+    const VkImageUsageFlags out = VK_IMAGE_USAGE_TRANSFER_DST_BIT, in = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    knot k;
+    if (!knot_make(&k))
+        return;
+    picture plain = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    memcpy(plain.block, k.wanted.block, plain.bytes);
+    CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why));
+    for (int i = 0; i < 12 && !check_faults; i++) {
+        image images[] = {image_make(colours[i % 4], out, 3, 1), image_make(depths[i % 3], out, 0, 1),
+                          image_make(depths[i / 3], in, 1, 2), image_make(colours[(i + 1) % 4], in, 0, 1)};
+        fxs_vulkan_target t = {.plane_0 = i & 1 ? (float)INFINITY : 1, .plane_1 = i & 1 ? 0.5f : 100};
+        make_occluder(&t, depths[i / 3], i & 1 ? 0 : 65535, texels, occluder);
+        image_put(&images[2], texels);
+        for (int n = 0; n < 4 * 8000; n++)
+            texels[n] = under[n] = n % 4 == 3 ? 255 : (unsigned char)(n * 7 / 3);
+        if (is_bgra(images[3].of.format))
+            swap_channels(texels);
+        image_put(&images[3], texels);
+        k.request.targets[0] = k.wanted.targets;
+        k.request.targets[0].occluder = (fxs_image){(unsigned char *)occluder, 400};
+        k.request.targets[0].backdrop = (fxs_image){under, 400};
+        CHECK(!render_there(&k.request, 0) && memcmp(k.wanted.block, plain.block, plain.bytes));
+        t.colour = images[0].of, t.depth = images[1].of, t.occluder = images[2].of, t.backdrop = images[3].of;
+        CHECK(!fxs_vulkan_submit(device, &k.request, &t, 0, &why) && !device->vk.QueueWaitIdle(own.options.queue));
+        fxs_vulkan_idle(device);
+        if (!CHECK(has_colours(&images[0], &k.wanted) && has_depths(&images[1], &t, &k.wanted)))
+            printf("  formats %d\n", i);
+        for (int n = 0; n < 4; n++)
+            image_free(&images[n]);
+    }
+    fxs_vulkan_drop(device, &k.part.scene);
+    picture_free(&plain);
     knot_free(&k);
 }
 
@@ -424,6 +584,7 @@ int main(int count, char **arguments)
     RUN(refusals);
     RUN(images_refused);
     RUN(frames_in_flight);
+    RUN(image_formats);
     RUN(eyes_and_cache);
     RUN(opening_fails);
     RUN(frames_lose);
