@@ -436,6 +436,45 @@ static void frames_in_flight(void)
     knot_free(&k);
 }
 
+/* Submits a frame that must end, and waits for it. */
+static int submit_frame(const knot *k, const image *to)
+{
+    const fxs_vulkan_target target = {.colour = to->of};
+    const int error = fxs_vulkan_submit(device, &k->request, &target, 0, &why);
+    device->vk.QueueWaitIdle(own.options.queue);
+    fxs_vulkan_idle(device);
+    return error;
+}
+
+/* Each call of Vulkan in a submitted frame fails once: an error or the picture, and the next frame is right. */
+static void submissions_lose(void)
+{
+    knot k;
+    if (!knot_make(&k))
+        return;
+    const image colour = image_make(VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_TRANSFER_DST_BIT, 0, 1);
+    CHECK(!fxs_vulkan_upload(device, &k.part.scene, &why));
+    long calls = 1, fails = 0;
+    for (long n = 0; n < 3 * calls && !check_faults; n++) {
+        fxs_vk_give_back(device);
+        lose_at(n / 3, losses[n % 3], 0);
+        const int error = submit_frame(&k, &colour);
+        stop_losing();
+        fails += error != 0;
+        if (!CHECK(error ? is_loss(error) : has_colours(&colour, &k.wanted)))
+            printf("  call %ld: %d, %s\n", n / 3, error, why.text);
+        fxs_vk_give_back(device);
+        lose_at(-1, VK_SUCCESS, 0);
+        CHECK(!submit_frame(&k, &colour));
+        calls = stop_losing();
+        CHECK(has_colours(&colour, &k.wanted));
+    }
+    CHECK(calls > 15 && fails > 2 * calls);
+    image_free(&colour);
+    fxs_vulkan_drop(device, &k.part.scene);
+    knot_free(&k);
+}
+
 /* Inverse of the distance that a value of a depth image stands for. */
 static double inverse_of(const fxs_vulkan_target *t, double depth)
 {
@@ -589,6 +628,7 @@ int main(int count, char **arguments)
     RUN(opening_fails);
     RUN(frames_lose);
     RUN(device_stays_lost);
+    RUN(submissions_lose);
     close_all(&own, device);
     RUN(validation);
     return check_report();
