@@ -1,6 +1,6 @@
-/* Tests of the clock that holds a frame rate, on simulated devices. With the name of a device as its argument, prints
- * the course of the device for tools/scripts/pace.awk: time in seconds, and the rest in percent: budget, pixels, time
- * of a frame. */
+/* Tests of the clock that holds a frame rate, on simulated devices. With names of devices as its arguments, prints the
+ * course of each device for tools/scripts/plot.awk: a line a second with the device's name, the number of drawn frames
+ * and of late frames, the budget, and the longest time of a frame. The last two are in percent. */
 #include <math.h>
 #include <string.h>
 
@@ -107,11 +107,11 @@ static void print_course(const device *d)
 {
     course c;
     begin(&c);
-    for (int i = 0; i < 300 * RATE; i++) {
-        const double time = draw(&c, d);
-        if (i % (RATE / 4) == 0)
-            printf("%.2f %.1f %.1f %.1f\n", i / (double)RATE, c.pace.budget * 100.0 / MOST, 100 * pixels_of(&c.pace),
-                   100 * time / FRAME);
+    for (int s = 0; s < 300; s++) {
+        double longest = 0;
+        for (int i = 0; i < SECOND; i++)
+            longest = fmax(longest, draw(&c, d));
+        printf("%s %u %u %.1f %.1f\n", d->name, c.frames, c.missed, c.pace.budget * 100.0 / MOST, 100 * longest / FRAME);
     }
 }
 
@@ -374,10 +374,10 @@ static void any_numbers(void)
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && named(argv[1])) {
-        print_course(named(argv[1]));
+    for (int i = 1; i < argc && named(argv[i]); i++)
+        print_course(named(argv[i]));
+    if (argc > 1)
         return 0;
-    }
     RUN(at_most_one_frame_in_a_thousand_is_missed);
     RUN(the_choice_is_steady);
     RUN(a_slow_device_is_well_used);

@@ -183,9 +183,11 @@ check "plot: a line from 50 % to 25 %" grep -q '<path d="M700.0 70.0L385.0 235.0
 check "plot: 50 % of b" grep -q 'd="M196.0 400.0' plot.svg
 check "plot: what is left" equal "$(grep -o '>[0-9]* %<' plot.svg | tr '\n' ' ')" ">50 %< >25 %< >50 %< "
 check "plot: the whole" grep -q '>a, all: 20.0 ms<' plot.svg
-for plot in sizes growth levels budgets times; do
-    draw $plot "$root/docs/measured.md" >plot.svg
-    check "docs/$plot.svg is of docs/measured.md: make plot" cmp plot.svg "$root/docs/$plot.svg"
+"${fixsplat%/*}/tests/test_pace" slow throttling bursty >pace.txt
+for plot in sizes growth levels budgets times pace; do
+    [ $plot = pace ] && table=pace.txt || table=$root/docs/measured.md
+    draw $plot "$table" >plot.svg
+    check "docs/$plot.svg is of its table: make plot" cmp plot.svg "$root/docs/$plot.svg"
     if have rsvg-convert; then
         check "$plot.svg is drawn" rsvg-convert plot.svg -o plot.png
         check "$plot.svg has its size" equal "$("$fixsplat" compare plot.png plot.png)" equal
@@ -193,7 +195,7 @@ for plot in sizes growth levels budgets times; do
         skip "$plot.svg is drawn" "no rsvg-convert here"
     fi
 done
-for plot in sizes growth levels budgets times colours; do
+for plot in sizes growth levels budgets times pace colours; do
     draw $plot /dev/null >plot.svg 2>logs/err && fail "plot $plot of nothing" "no error" || ok "plot $plot of nothing: fails"
     check "plot $plot of nothing: said" equal "$(grep -c '^plot.awk: no ' logs/err)" 1
 done

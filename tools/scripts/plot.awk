@@ -1,6 +1,6 @@
 # awk -v plot=NAME -f tools/scripts/plot.awk docs/measured.md: draws a table of measurements as SVG. Plots: sizes (bytes
 # per Gaussian against PSNR), growth (frame time against Gaussians), levels (frame time against PSNR), budgets and times
-# (PSNR and frame time against the budget of Gaussians).
+# (PSNR and frame time against the budget of Gaussians). The plot pace has a panel for each device that test_pace prints.
 BEGIN {
     FS = " *[|] *"
     if (plot == "sizes") {
@@ -23,8 +23,14 @@ BEGIN {
         title = "What convert --decimate saves and costs: a mark is what is left of a scene"
         label_x = "milliseconds a frame, 1280x720"; label_y = "PSNR, dB, against the whole, mean of 8 views"
         with_lines = 1
+    } else if (plot == "pace") {
+        FS = " "
+        title = "What fxs_pace chooses on simulated devices, 72 frames a second"
+        label_x = "seconds"; label_y = "percent of all Gaussians and of 1/72 s, at most 125"
+        steps["x"] = 60; steps["y"] = 25
+        split("budget|longest frame", names, "|")
     } else
-        stop("no plot " plot ": expected sizes, growth, levels, budgets or times")
+        stop("no plot " plot ": expected sizes, growth, levels, budgets, times or pace")
 }
 
 function stop(why) {
@@ -60,6 +66,13 @@ in_table && plot == "levels" && $6 == "equal" { whole = $2 sprintf(", all: %.1f 
 in_table && plot == "levels" && $6 != "equal" { add(whole, $7 + 0, $6 + 0); notes[points] = $3 }
 in_table && plot == "budgets" && $7 != "equal" { add($2, $3 + 0, $7 + 0) }
 in_table && plot == "times" { add($2, $3 + 0, $9 + 0) }
+plot == "pace" && $1 != device { device = $1; first_of[++panels] = points + 1 }
+plot == "pace" {
+    add(names[1], $2 / 72, $4)
+    add(names[2], $2 / 72, $5 < 125 ? $5 : 125)
+    last_of[panels] = points
+    captions[panels] = $1 ": " $3 " of " $2 " frames late"
+}
 in_table && plot == "growth" && $2 ~ /^[0-9]+(, C)?$/ { add(names_of[$2 ~ /C$/ ? 1 : 2], $2 + 0, $(NF - 1) + 0) }
 
 function text(x, y, class, anchor, words) {
@@ -94,7 +107,7 @@ function ends(values, axis, is_log,    i, low, high, step) {
         if (values[i] < low) low = values[i]
         if (values[i] > high) high = values[i]
     }
-    step = is_log ? 1 : high - low > 12 ? 10 : 2
+    step = axis in steps ? steps[axis] : is_log ? 1 : high - low > 12 ? 10 : 2
     if (!is_log && low < high / 3)
         low = 0
     steps[axis] = step
@@ -137,12 +150,18 @@ function grid(    v) {
     }
     line(left, bottom, right, bottom, "axis")
     line(left, top, left, bottom, "axis")
-    text((left + right) / 2, bottom + 38, "label", "middle", label_x)
-    text(left - 44, 52, "label", "start", label_y)
 }
 
-function path_of(s,    i, d) {
-    for (i = 1; i <= points; i++)
+function panel(p,    s) {
+    top = 84 + 120 * (p - 1); bottom = top + 76
+    text(left, top - 8, "label", "start", captions[p])
+    grid()
+    for (s = 1; s in names; s++)
+        path_of(s, first_of[p], last_of[p])
+}
+
+function path_of(s, first, last,    i, d) {
+    for (i = first; i <= last; i++)
         if (series[i] == s)
             d = d sprintf("%s%.1f %.1f", d == "" ? "M" : "L", px(at_x[i]), py(at_y[i]))
     printf "<path d=\"%s\" class=\"path l%d\"/>\n", d, s
@@ -161,14 +180,20 @@ END {
     print "<title>" title "</title>"
     style()
     text(left - 44, 28, "title", "start", title)
-    grid()
+    for (p = 1; p <= panels; p++)
+        panel(p)
+    top = 70; bottom = 400
+    if (!panels)
+        grid()
+    text((left + right) / 2, bottom + 38, "label", "middle", label_x)
+    text(left - 44, 52, "label", "start", label_y)
     for (s = 1; s in names; s++) {
         if (with_lines)
-            path_of(s)
+            path_of(s, 1, points)
         mark(right + 24, top + 24 * s - 14, s)
         text(right + 36, top + 24 * s - 9, "legend", "start", names[s])
     }
-    for (i = 1; i <= points; i++) {
+    for (i = 1; i <= points && !panels; i++) {
         mark(px(at_x[i]), py(at_y[i]), series[i])
         if (i in notes)
             text(px(at_x[i]) + 9, py(at_y[i]) + 14, "small", "start", notes[i])
