@@ -49,15 +49,9 @@ static int too_large(fxs_message *why, uint64_t bytes)
     return FXS_ERR_MEMORY;
 }
 
-static uint32_t palette_bytes(const fxs_scene *scene)
-{
-    const uint32_t stages = fxs_palette_stages(scene->profile, scene->sh_degree);
-    return scene->palette ? (stages * scene->palette_entries * FXS_PALETTE_STRIDE + 63) / 64 * 64 : 0;
-}
-
 uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why)
 {
-    const uint32_t chunks = fxs_scene_chunks(scene), palette = palette_bytes(scene);
+    const uint32_t chunks = fxs_scene_chunks(scene), palette = fxs_palette_bytes(scene);
     const uint64_t room = most > palette ? (most - palette) / (scene->chunk_bytes + !scene->chunk_bytes) : 0;
     if (!room || (uint64_t)chunks * HEADER_BYTES > most) {
         too_large(why, (uint64_t)chunks * (HEADER_BYTES + scene->chunk_bytes));
@@ -84,7 +78,7 @@ static uint64_t two_pieces(const fxs_scene *scene, uint64_t at, uint32_t first, 
 
 uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3])
 {
-    const uint32_t chunks = fxs_scene_chunks(scene), palette = palette_bytes(scene);
+    const uint32_t chunks = fxs_scene_chunks(scene), palette = fxs_palette_bytes(scene);
     memset(pieces, 0, 3 * sizeof *pieces);
     if (part < 0)
         return two_pieces(scene, 0, 0, chunks, HEADER_BYTES, scene->chunks, scene->node_chunks, pieces);
@@ -96,7 +90,7 @@ uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t p
 
 uint64_t fxs_plan_place_at(const fxs_scene *scene, uint32_t part_chunks, uint32_t place)
 {
-    return palette_bytes(scene) + place % part_chunks * (uint64_t)scene->chunk_bytes;
+    return fxs_palette_bytes(scene) + place % part_chunks * (uint64_t)scene->chunk_bytes;
 }
 
 static int count_objects(fxs_plan *p)
@@ -315,7 +309,7 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, 
     o->span = number;
     o->part_chunk = s->part * p->part_chunks[s->object];
     o->part_chunks = p->part_chunks[s->object];
-    o->rows_at = palette_bytes(scene) / 4;
+    o->rows_at = fxs_palette_bytes(scene) / 4;
     for (uint32_t i = 0; i < view->crop_count; i++) {
         const fxs_crop *crop = &view->crops[i];
         for (int k = 0; k < 3; k++) {

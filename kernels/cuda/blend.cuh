@@ -414,9 +414,10 @@ __device__ inline uint2 id_of(const frame_buffers *f, uint32_t index)
 {
     if (index == FXS_NOTHING)
         return make_uint2(FXS_NOTHING, FXS_NOTHING);
-    const uint32_t chunk = chunk_at(f, index / FXS_CHUNK);
+    const uint32_t place = index / FXS_CHUNK, chunk = chunk_at(f, place);
     const fxs_object_view *object = &f->objects[fxs_object_of(f->objects, f->object_count, chunk)];
-    return make_uint2(object->id, (chunk - object->first_chunk) * FXS_CHUNK + index % FXS_CHUNK);
+    const uint32_t number = f->numbers ? f->numbers[place] : chunk - object->first_chunk;
+    return make_uint2(object->id, number * FXS_CHUNK + index % FXS_CHUNK);
 }
 
 __device__ inline void store_pixel(const target *t, const frame_buffers *f, const traced_pixel *p, int32_t x,

@@ -24,7 +24,7 @@ struct slot {
     cudaStream_t on;
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* arrays of a frame: fxs_object_view[], crop boxes, views for the level of detail,
-                                      list of drawn chunks (256 Gaussians each) */
+                                      list of drawn chunks (256 Gaussians each), their numbers in the scenes */
     block splats, tiles, larges, entries;
     block cut;
     block pixels;
@@ -47,8 +47,10 @@ struct frame {
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
     uint32_t cut_room;             /* largest number of chunks (256 Gaussians each) that are drawn; 0: no limit */
     uint32_t cut_chunks, whole_chunks, cut_eyes;
-    bool cut_here;                 /* true: the host chooses the level of detail, because a scene's level-of-detail tree
-                                      is invalid */
+    uint32_t missing;              /* number of wanted chunks that are not on the device */
+    bool in_parts;                 /* true: a scene is in parts (fxs_scene.places) */
+    bool cut_here;                 /* true: the host chooses the level of detail, because a scene is in parts or its
+                                      level-of-detail tree is invalid */
     uint64_t staged;
     bool plain;                    /* true: the frame has one object, not scaled, cropped or tinted, with all Gaussians
                                       drawn */
@@ -58,6 +60,7 @@ struct frame {
 /* Host memory of a call of fxs_cuda_render, until the call's frames have ended. */
 struct call {
     host_block staged;
+    upload chunks;
     frame_needs needs[FXS_CUDA_BATCH];
     uint32_t count;                /* number of frames whose `needs` were not read yet */
     cudaEvent_t done;
@@ -92,6 +95,7 @@ struct fxs_cuda {                  /* the struct lies in pinned host memory, so 
     frame_buffers buffers[FXS_CUDA_BATCH];
     call calls[CALLS];
     uint32_t call_number;          /* calls[call_number] is the last call */
+    uint32_t turn;                 /* number of calls */
     bool damaged;                  /* true: the header of a chunk (256 Gaussians) was out of range */
     uint32_t frame_count;
     uint32_t frame_number;
@@ -166,6 +170,11 @@ uint64_t drawn_at(const frame *of)
     return cut_views_at(of) + (of->cut_room ? of->object_count * of->cut_eyes * sizeof(fxs_stage_view) : 0);
 }
 
+uint64_t drawn_bytes(const frame *of)
+{
+    return of->in_parts ? of->chunks * (sizeof(fxs_drawn) + sizeof(uint32_t)) : of->cut_room * sizeof(fxs_drawn);
+}
+
 /* Places the arrays of a frame in the memory blocks of a slot, and computes the sizes of these blocks. If the blocks
    are not allocated yet, only *sizes is valid. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
@@ -178,6 +187,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.object_count = of->object_count;
     f.drawn = of->cut_room ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
     f.drawn_count = nullptr;
+    f.numbers = of->in_parts ? (const uint32_t *)(f.drawn + of->chunks) : nullptr;
     f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
     f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
     f.covers = cut<uint64_t>(&splats, of->chunks);
@@ -193,7 +203,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.capacity = s->entries.bytes / sizeof *f.entries;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
-    sizes->objects = drawn_at(of) + of->cut_room * sizeof(fxs_drawn);
+    sizes->objects = drawn_at(of) + drawn_bytes(of);
     sizes->splats = (uint64_t)(splats - (unsigned char *)s->splats.data);
     sizes->tiles = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
@@ -255,10 +265,22 @@ uint64_t missing(const block *b, uint64_t bytes)
     return bytes > b->bytes ? bytes - b->bytes : 0;
 }
 
+uint64_t drawn_most(const frame *f)
+{
+    const uint64_t drawn = (uint64_t)f->chunks * FXS_CHUNK;
+    return drawn < f->gaussians ? drawn : f->gaussians;
+}
+
+/* Returns the number of Gaussians for which the tile lists have room at first. A scene in parts may be much larger than
+   its pool. */
+uint64_t listed(const frame *f)
+{
+    return f->in_parts ? drawn_most(f) : f->gaussians;
+}
+
 uint64_t likely_larges(const frame *f)
 {
-    const uint64_t drawn = (uint64_t)f->chunks * FXS_CHUNK, most = drawn < f->gaussians ? drawn : f->gaussians;
-    return (f->view.cutoff == FXS_CUTOFF_SQUARE ? most : 0) + f->gaussians / 16 + 4096;
+    return (f->view.cutoff == FXS_CUTOFF_SQUARE ? drawn_most(f) : 0) + listed(f) / 16 + 4096;
 }
 
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
@@ -279,7 +301,7 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         s->objects = larger_of(s->objects, of_frame.objects);
         s->splats = larger_of(s->splats, of_frame.splats);
         s->tiles = larger_of(s->tiles, of_frame.tiles);
-        cuda->capacity = larger_of(cuda->capacity, 2 * (uint64_t)f->gaussians + 65536);
+        cuda->capacity = larger_of(cuda->capacity, 2 * listed(f) + 65536);
         cuda->large_capacity = larger_of(cuda->large_capacity, likely_larges(f));
     }
     for (uint32_t i = 0; i < slots_of(cuda, count); i++) {
@@ -390,8 +412,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
         error = error ? error : fxs_object_check(&object);
         if (error)
             return error;
-        if (object.scene->places)
-            return FXS_ERR_UNSUPPORTED;
+        f->in_parts |= object.scene->places != nullptr;
         chunks += object.scene->chunk_count;
         gaussians += object.scene->count;
         f->crop_count += object.crop_count;
@@ -399,6 +420,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
     f->object_count = count;
+    f->cut_here = f->in_parts;
     f->cut_room = error ? 0 : fxs_cut_room(objects, count, options);
     f->chunks = f->cut_room ? f->cut_room : (uint32_t)chunks;
     f->gaussians = (uint32_t)gaussians;
@@ -425,6 +447,30 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
+/* Returns the largest number of chunks that a frame with scenes in parts can draw. */
+uint32_t chunks_there(const scene_table *scenes, const fxs_cuda_frame *of, uint32_t most)
+{
+    uint64_t chunks = 0;
+    for (uint32_t i = 0; i < of->count; i++) {
+        const fxs_scene *scene = fxs_object_at(of->objects, i)->scene;
+        chunks += scene->places ? find_scene(scenes, scene)->mirror->pool.room : fxs_scene_chunks(scene);
+    }
+    return chunks < most ? (uint32_t)chunks : most;
+}
+
+int want_scenes(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < from->count && !error; i++) {
+        const fxs_object *object = fxs_object_at(from->objects, i);
+        if (object->visible || object->scene->places)
+            error = want_scene(&cuda->scenes, &cuda->memory, object->scene, why);
+    }
+    if (!error && f->in_parts)
+        f->chunks = chunks_there(&cuda->scenes, from, f->chunks);
+    return error;
+}
+
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
     int error = 0;
@@ -437,9 +483,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         f->cut_eyes = cuda->stereo ? 2 : 1;
         if (!error && !are_aligned(f->targets))
             error = failed(why, FXS_ERR_TARGET, "a target is not aligned to its pixels");
-        for (uint32_t k = 0; k < f->object_count && !error; k++)
-            if (fxs_object_at(frames[i].objects, k)->visible)
-                error = want_scene(&cuda->scenes, &cuda->memory, fxs_object_at(frames[i].objects, k)->scene, why);
+        error = error ? error : want_scenes(cuda, f, &frames[i], why);
         if (!error)
             find_hosted(f);
         slot_buffers(&none, f, &sizes);
@@ -492,18 +536,64 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
+/* Copies the objects of a frame, with mirrors in place of the scenes in parts. */
+void take_mirrors(const fxs_cuda *cuda, fxs_object *out, const fxs_object *objects, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_object_read(&out[i], objects, i);
+        if (!out[i].scene->places)
+            continue;
+        fxs_mirror *mirror = find_scene(&cuda->scenes, out[i].scene)->mirror;
+        out[i].scene = &mirror->scene;
+        fxs_mirror_begin(mirror, cuda->turn, cuda->turn, &cuda->options.want);
+    }
+}
+
+/* Stages the drawn chunks. A chunk of a scene in parts gets the number of its place in the pool, and its own number is
+   stored behind the chunks. */
+void stage_drawn(fxs_cuda *cuda, frame *f, const fxs_cut *cut)
+{
+    const fxs_object_view *o = cut->views;
+    f->chunks = cut->count;
+    f->missing = cut->missing;
+    fxs_drawn *drawn = (fxs_drawn *)staged_at(cuda, f->staged + drawn_at(f));
+    uint32_t *numbers = (uint32_t *)(drawn + cut->count);
+    memcpy(drawn, cut->drawn, cut->count * sizeof *drawn);
+    for (uint32_t i = 0; i < cut->count && f->in_parts; i++) {
+        while (drawn[i].chunk >= o->end_chunk)
+            o++;
+        const uint32_t *places = cut->objects[o - cut->views].scene->places;
+        numbers[i] = drawn[i].chunk - o->first_chunk;
+        drawn[i].chunk = o->first_chunk + (places ? places[numbers[i]] : numbers[i]);
+    }
+}
+
 int find_cut(fxs_cuda *cuda, frame *f, fxs_cut *cut, fxs_message *why)
 {
-    int error = reserve_host(&cuda->cut, fxs_cut_bytes(f->cut_room, f->object_count, f->cut_eyes), why);
+    const uint64_t bytes = f->object_count * sizeof(fxs_object);
+    fxs_options options = cuda->options;
+    int error = reserve_host(&cuda->cut, bytes + fxs_cut_bytes(f->cut_room, f->object_count, f->cut_eyes), why);
     if (error)
         return error;
-    cut->memory = cuda->cut.data;
+    fxs_object *objects = (fxs_object *)cuda->cut.data;
+    take_mirrors(cuda, objects, cut->objects, f->object_count);
+    options.want.call = fxs_mirror_want;
+    cut->objects = objects;
+    cut->options = &options;
+    cut->memory = (unsigned char *)cuda->cut.data + bytes;
     error = fxs_cut_find(cut);
     if (error)
         return failed(why, error, fxs_strerror(error));
-    memcpy(staged_at(cuda, f->staged + drawn_at(f)), cut->drawn, cut->count * sizeof *cut->drawn);
-    f->chunks = cut->count;
+    stage_drawn(cuda, f, cut);
     return 0;
+}
+
+/* Stages the cut of a frame for its second eye. */
+void copy_cut(fxs_cuda *cuda, frame *to, const frame *from)
+{
+    to->chunks = from->chunks;
+    memcpy(staged_at(cuda, to->staged + drawn_at(to)), staged_at(cuda, from->staged + drawn_at(from)),
+           drawn_bytes(from));
 }
 
 /* Stages what the device needs for the cut, or finds the cut here. */
@@ -519,6 +609,10 @@ int stage_cut(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *frames, fxs_mess
     cut.eyes = f->cut_eyes;
     cut.views = staged_objects(cuda, f);
     cut.room = f->cut_room;
+    if (f->cut_here && cuda->stereo && i % 2) {
+        copy_cut(cuda, f, f - 1);
+        return 0;
+    }
     if (f->cut_here)
         return find_cut(cuda, f, &cut, why);
     const int error = fxs_cut_views(&cut, (fxs_stage_view *)staged_at(cuda, f->staged + cut_views_at(f)));
@@ -880,8 +974,10 @@ int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 int renderer_init(fxs_cuda *cuda, fxs_message *why)
 {
     int processors = 0, shared_most = 0;
+    size_t left = 0, all = 0;
     int error = check(why, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
                       cudaDeviceGetAttribute(&shared_most, cudaDevAttrMaxSharedMemoryPerBlockOptin, cuda->device));
+    error = error ? error : check(why, cudaMemGetInfo(&left, &all));
     error = error ? error : fit_blocks(cuda, (size_t)shared_most, why);
     error = error ? error : check(why, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming),
                                   cudaEventCreate(&cuda->began));
@@ -890,6 +986,7 @@ int renderer_init(fxs_cuda *cuda, fxs_message *why)
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
         error = slot_init(&cuda->slots[i], why);
     cuda->processors = (uint32_t)processors;
+    cuda->scenes.pool_most = (cuda->memory.most ? cuda->memory.most : all) / 2;
     return error;
 }
 
@@ -926,6 +1023,7 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
     stats->device_milliseconds = cuda->milliseconds;
     for (uint32_t i = 0; i < cuda->frame_count; i++) {
         stats->gaussians += cuda->frames[i].gaussians;
+        stats->missing += cuda->frames[i].missing;
         stats->visible += last_call(cuda)->needs[i].visible;
         stats->entries += last_call(cuda)->needs[i].entries;
     }
@@ -995,6 +1093,28 @@ int begin_call(fxs_cuda *cuda, fxs_message *why)
     error = error ? error : look(cuda, last_call(cuda), false, why);
     cuda->call_number = next;
     cuda->frame_count = 0;
+    cuda->turn++;
+    last_call(cuda)->chunks.used = last_call(cuda)->chunks.count = 0;
+    return error;
+}
+
+/* Uploads chunks that the frames' scenes in parts lack, in the order of the stream, so that earlier frames are not
+   disturbed. */
+int put_chunks_wanted(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, cudaStream_t stream,
+                      fxs_message *why)
+{
+    const scene_table *scenes = &cuda->scenes;
+    upload *u = &last_call(cuda)->chunks;
+    int error = 0;
+    u->most = larger_of(scenes->upload_bytes ? scenes->upload_bytes : UPLOAD_USUAL, scenes->place_most);
+    for (uint32_t i = 0; i < count && !error; i++) {
+        if (cuda->frames[i].in_parts)
+            error = reserve_host(&u->memory, u->most + u->most / sizeof(fxs_chunk) * sizeof(uint32_t), why);
+        for (uint32_t k = 0; k < frames[i].count && cuda->frames[i].in_parts && !error; k++) {
+            const fxs_scene *scene = fxs_object_at(frames[i].objects, k)->scene;
+            error = scene->places ? put_wanted(find_scene(scenes, scene), u, stream, why) : 0;
+        }
+    }
     return error;
 }
 
@@ -1066,6 +1186,7 @@ void fxs_cuda_destroy(fxs_cuda *cuda)
     cudaFreeHost(cuda->cut.data);
     for (const call &c : cuda->calls) {
         cudaFreeHost(c.staged.data);
+        cudaFreeHost(c.chunks.memory.data);
         if (c.done)
             cudaEventDestroy(c.done);
     }
@@ -1104,6 +1225,12 @@ void fxs_cuda_stereo(fxs_cuda *cuda, int on)
     cuda->stereo = on;
 }
 
+void fxs_cuda_stream(fxs_cuda *cuda, uint64_t pool_bytes, uint64_t upload_bytes)
+{
+    cuda->scenes.pool_bytes = pool_bytes;
+    cuda->scenes.upload_bytes = upload_bytes;
+}
+
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_message *why)
 {
@@ -1116,14 +1243,17 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     cuda->options = *options;
     error = error ? error : take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
+    for (const call &c : cuda->calls)
+        error = error ? error : check(why, cudaStreamWaitEvent((cudaStream_t)stream, c.done, 0));
+    error = error ? error : put_chunks_wanted(cuda, frames, count, (cudaStream_t)stream, why);
     for (uint32_t i = 0; i < count && !error; i++)
         error = stage_frame(cuda, i, frames, why);
+    if (error && last_call(cuda)->chunks.count)
+        cudaStreamSynchronize((cudaStream_t)stream);
     if (error)
         return error;
     cuda->frame_count = count;
     const uint32_t used = slots_of(cuda, count);
-    for (const call &c : cuda->calls)
-        error = error ? error : check(why, cudaStreamWaitEvent((cudaStream_t)stream, c.done, 0));
     if (count > 1 && !error)
         error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
     for (uint32_t i = 0; i < used; i++) {

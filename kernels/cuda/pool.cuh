@@ -1,6 +1,8 @@
 /* Streams scenes that do not fit into device memory. All chunks (256 packed Gaussians each) stay in pinned host
  * memory, which the device can read. A pool on the device has places for some chunks. A visible chunk outside the
- * pool evicts a chunk that the current frame does not draw. */
+ * pool evicts a chunk that the current frame does not draw.
+ *
+ * The pool of a scene in parts (fxs_scene.places) is filled by the host: put_chunks copies chunks between frames. */
 #ifndef FXS_CUDA_POOL_CUH
 #define FXS_CUDA_POOL_CUH
 
@@ -102,6 +104,20 @@ __global__ void __launch_bounds__(FETCH_THREADS) fetch_chunks(const __grid_const
     uint4 *to = (uint4 *)(scene->rows + (size_t)place * scene->chunk_bytes);
     for (uint32_t i = threadIdx.x; i < scene->chunk_bytes / sizeof *to; i += FETCH_THREADS)
         to[i] = from[i];
+}
+
+/* Copies uploaded chunks to places of a pool, one chunk per thread block. `from` is pinned host memory with the header
+   and the rows of each chunk. */
+__global__ void __launch_bounds__(FETCH_THREADS) put_chunks(const __grid_constant__ fxs_scene pool,
+                                                            const unsigned char *from, const uint32_t *places)
+{
+    const uint32_t header = sizeof(fxs_chunk) / sizeof(uint4), words = header + pool.chunk_bytes / sizeof(uint4);
+    const uint32_t place = places[blockIdx.x];
+    const uint4 *own = (const uint4 *)from + (size_t)blockIdx.x * words;
+    uint4 *head = (uint4 *)(pool.chunks + (size_t)place * sizeof(fxs_chunk));
+    uint4 *rows = (uint4 *)(pool.rows + (size_t)place * pool.chunk_bytes);
+    for (uint32_t i = threadIdx.x; i < words; i += FETCH_THREADS)
+        (i < header ? head + i : rows + (i - header))[0] = own[i];
 }
 
 }

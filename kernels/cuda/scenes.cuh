@@ -1,5 +1,5 @@
 /* Keeps packed scenes on the device. A scene that exceeds the remaining device memory gets a pool for part of its
- * chunks (pool.cuh). */
+ * chunks (pool.cuh). A scene in parts (fxs_scene.places) gets a pool with the bookkeeping of src/core/mirror.h. */
 #ifndef FXS_CUDA_SCENES_CUH
 #define FXS_CUDA_SCENES_CUH
 
@@ -7,7 +7,13 @@
 #include "device.cuh"
 #include "stages.cuh"
 
+extern "C" {
+#include "src/core/mirror.h"
+}
+
 namespace {
+
+const uint64_t POOL_USUAL = (uint64_t)256 << 20, UPLOAD_USUAL = (uint64_t)8 << 20;
 
 struct scene_copy {
     const fxs_scene *key;
@@ -18,6 +24,7 @@ struct scene_copy {
                                       detail */
     bool pooled;
     void *rows;                    /* all Gaussians in pinned host memory, if the device holds only part of the scene */
+    fxs_mirror *mirror;            /* of a scene in parts; else null */
 };
 
 struct scene_table {
@@ -26,6 +33,16 @@ struct scene_table {
     uint64_t bytes_wanted, least_wanted;   /* bytes of the scenes that will be copied to the device: with and without
                                               their Gaussians */
     uint32_t pools;
+    uint64_t pool_bytes, pool_most, upload_bytes;  /* scenes in parts: size and largest size of a pool; largest upload
+                                                      between two calls */
+    uint64_t place_most;           /* bytes of the largest chunk of a scene in parts */
+};
+
+/* Pinned host memory with the chunks that a call uploads: `most` bytes for the chunks, then their places. */
+struct upload {
+    host_block memory;
+    uint64_t most, used;
+    uint32_t count;
 };
 
 scene_copy *copies_of(const scene_table *t)
@@ -53,7 +70,7 @@ scene_copy *find_scene(const scene_table *t, const fxs_scene *scene)
 }
 
 struct copy_layout {
-    uint64_t parents, chunks, nodes, places, owners, stamps, rows, bytes;
+    uint64_t parents, chunks, palette, nodes, places, owners, stamps, rows, bytes;
 };
 
 uint64_t all_rows(const fxs_scene *scene)
@@ -77,7 +94,7 @@ copy_layout lay_out_whole(const fxs_scene *scene)
 
 copy_layout lay_out_pooled(const fxs_scene *scene, uint64_t places)
 {
-    copy_layout l;
+    copy_layout l = {};
     l.parents = sizeof(scene_head);
     l.chunks = l.parents + parents_bytes(scene);
     l.nodes = l.chunks + padded((uint64_t)(scene->rows - scene->chunks));
@@ -89,6 +106,15 @@ copy_layout lay_out_pooled(const fxs_scene *scene, uint64_t places)
     return l;
 }
 
+copy_layout lay_out_mirror(const fxs_scene *scene, uint32_t room)
+{
+    copy_layout l = {};
+    l.palette = room * (uint64_t)sizeof(fxs_chunk);
+    l.rows = l.palette + fxs_palette_bytes(scene);
+    l.bytes = l.rows + room * (uint64_t)scene->chunk_bytes;
+    return l;
+}
+
 void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
 {
     scene_copy *copy = find_scene(t, scene);
@@ -96,29 +122,62 @@ void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
         return;
     reserve(taken, &copy->data, 0, nullptr);
     cudaFreeHost(copy->rows);
+    cudaFreeHost(copy->mirror);
     t->pools -= copy->pooled;
     memmove(copy, copy + 1, (size_t)(copies_of(t) + t->count - copy - 1) * sizeof *copy);
     t->count--;
 }
 
-/* Adds a scene to the table of scenes on the device; it is copied later. If the scene has changed, its old copy is
-   dropped. */
+uint32_t room_of_pool(const scene_table *t, const fxs_scene *scene)
+{
+    const uint64_t bytes = t->pool_bytes ? t->pool_bytes : POOL_USUAL;
+    return fxs_places_room(scene, bytes < t->pool_most ? bytes : t->pool_most, fxs_mirror_place_bytes(scene));
+}
+
+int make_mirror(fxs_mirror **mirror, scene_table *t, const fxs_scene *scene, fxs_message *why)
+{
+    const uint64_t each = fxs_mirror_place_bytes(scene), least = FXS_PLACES_LEAST * each;
+    const uint32_t room = room_of_pool(t, scene);
+    host_block memory = {};
+    if (!room)
+        return failed(why, FXS_ERR_MEMORY, "the device's pool for a scene in parts has no room for 16 chunks",
+                      t->pool_most < least ? 2 * least : least);
+    const int error = reserve_host(&memory, sizeof **mirror + fxs_mirror_bytes(scene, room), why);
+    if (error)
+        return error;
+    *mirror = (fxs_mirror *)memory.data;
+    fxs_mirror_init(*mirror, scene, room, *mirror + 1);
+    t->place_most = each > t->place_most ? each : t->place_most;
+    return 0;
+}
+
+void count_wanted(scene_table *t, const fxs_scene *scene, const fxs_mirror *mirror)
+{
+    const copy_layout parts = mirror ? lay_out_mirror(scene, mirror->pool.room) : copy_layout{};
+    t->bytes_wanted += mirror ? parts.bytes : lay_out_whole(scene).bytes;
+    t->least_wanted += mirror ? parts.bytes : lay_out_pooled(scene, 0).bytes;
+}
+
+/* Adds a scene to the table of scenes on the device; it is copied later. If the scene has changed, or its pool is to
+   grow, its old copy is dropped. */
 int want_scene(scene_table *t, budget *taken, const fxs_scene *scene, fxs_message *why)
 {
     const scene_copy *found = find_scene(t, scene);
-    if (found && !memcmp(&found->here, scene, sizeof *scene))
+    if (found && !memcmp(&found->here, scene, sizeof *scene) &&
+        (!found->mirror || found->mirror->pool.room >= room_of_pool(t, scene)))
         return 0;
     drop_scene(t, taken, scene);
     const uint64_t bytes = (t->count + 1) * sizeof(scene_copy);
-    const int error = bytes > t->memory.bytes ? reserve_host(&t->memory, 2 * bytes, why) : 0;
+    fxs_mirror *mirror = nullptr;
+    int error = bytes > t->memory.bytes ? reserve_host(&t->memory, 2 * bytes, why) : 0;
+    error = error || !scene->places ? error : make_mirror(&mirror, t, scene, why);
     if (error)
         return error;
     scene_copy *copy = copies_of(t) + place_of(t, scene);
     memmove(copy + 1, copy, (size_t)(copies_of(t) + t->count - copy) * sizeof *copy);
-    *copy = {scene, *scene, *scene, {nullptr, 0}, false, false, nullptr};
+    *copy = {scene, *scene, *scene, {nullptr, 0}, false, false, nullptr, mirror};
     t->count++;
-    t->bytes_wanted += lay_out_whole(scene).bytes;
-    t->least_wanted += lay_out_pooled(scene, 0).bytes;
+    count_wanted(t, scene, mirror);
     return 0;
 }
 
@@ -217,10 +276,56 @@ int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStre
     return check(why, first_of(copied, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
+/* Makes the empty pool of a scene in parts, with its palette. */
+int copy_mirror(scene_copy *copy, budget *taken, cudaStream_t stream, fxs_message *why)
+{
+    const copy_layout l = lay_out_mirror(&copy->here, copy->mirror->pool.room);
+    const int error = reserve(taken, &copy->data, l.bytes, why);
+    if (error)
+        return error;
+    unsigned char *data = (unsigned char *)copy->data.data;
+    copy->there = fxs_mirror_pool(copy->mirror);
+    copy->there.places = nullptr;
+    copy->there.chunks = data;
+    copy->there.rows = data + l.rows;
+    if (copy->here.palette)
+        copy->there.palette = (const int8_t *)data + l.palette;
+    return check(why, cudaMemcpyAsync(data + l.palette, copy->here.palette, l.rows - l.palette, cudaMemcpyHostToDevice,
+                                      stream), cudaStreamSynchronize(stream));
+}
+
+/* Uploads chunks that earlier frames wanted to the pool of a scene in parts, in the order of the stream. After an
+   error, the pool is empty. */
+int put_wanted(const scene_copy *copy, upload *u, cudaStream_t stream, fxs_message *why)
+{
+    fxs_mirror *m = copy->mirror;
+    const uint32_t *places, count = fxs_mirror_step(m, u->most - u->used, &places);
+    unsigned char *start_of_chunks = (unsigned char *)u->memory.data + u->used, *to = start_of_chunks;
+    uint32_t *numbers = (uint32_t *)((unsigned char *)u->memory.data + u->most) + u->count;
+    if (!count)
+        return 0;
+    for (uint32_t i = 0; i < count; i++, to += fxs_mirror_place_bytes(m->from)) {
+        const uint32_t chunk = fxs_mirror_chunk(m, places[i]);
+        memcpy(to, fxs_header(m->from, chunk), sizeof(fxs_chunk));
+        memcpy(to + sizeof(fxs_chunk), fxs_rows(m->from, chunk), m->from->chunk_bytes);
+        numbers[i] = places[i];
+    }
+    u->used += (uint64_t)(to - start_of_chunks);
+    u->count += count;
+    start(put_chunks, count, FETCH_THREADS, 0, stream, copy->there, (const unsigned char *)start_of_chunks,
+          (const uint32_t *)numbers);
+    const int error = check(why, cudaGetLastError());
+    if (error)
+        fxs_mirror_init(m, m->from, m->pool.room, m + 1);
+    return error;
+}
+
 int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
     const uint64_t of_place = from->chunk_bytes + 2 * sizeof(uint32_t);
+    if (copy->mirror)
+        return copy_mirror(copy, taken, stream, why);
     copy->pooled = all_rows(from) > rows_most;
     const uint32_t places = copy->pooled ? (uint32_t)(rows_most / of_place) : 0;
     const copy_layout l = copy->pooled ? lay_out_pooled(from, places) : lay_out_whole(from);

@@ -97,6 +97,8 @@ struct frame_buffers {
     uint32_t number;
     const fxs_drawn *drawn;        /* chunks (256 Gaussians each) that are drawn; null: all */
     const uint32_t *drawn_count;
+    const uint32_t *numbers;       /* frames with scenes in parts: number in its scene of each drawn chunk; `drawn` then
+                                      has chunks of the pools. Otherwise null */
     uint32_t *chunk_objects;
     fxs_chunk_view *chunk_views;
     fxs_splat *splats;             /* projected Gaussians; only visible splats are valid */

@@ -7,6 +7,8 @@
 #include <fixsplat/internal/message.h>
 #ifdef FXS_WITH_CUDA
 #include <fixsplat/cuda.h>
+#include "src/core/mirror.h"
+#include "src/core/sized.h"
 #include "src/core/stereo.h"
 #endif
 
@@ -17,6 +19,7 @@
 typedef struct cuda_backend {
     fxs_cuda *cuda;
     uint64_t nanoseconds;
+    uint64_t pool_bytes;           /* size of the pools of scenes in parts */
 } cuda_backend;
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
@@ -57,6 +60,7 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, const fxs_re
 {
     memset(out, 0, sizeof *out);
     out->gaussians = stats->gaussians / request->eyes;
+    out->missing = stats->missing;
     out->visible = stats->visible;
     out->entries = stats->entries;
     out->bands = out->runs = request->eyes;
@@ -78,6 +82,18 @@ static int check_request(const fxs_request *r, fxs_message *why)
                                                            : "the targets of two eyes overlap");
 }
 
+/* Makes the pools of scenes in parts on the device larger if the request needs more. */
+static void choose_pools(cuda_backend *b, const fxs_request *r)
+{
+    fxs_object object;
+    for (uint32_t i = 0; i < r->count && r->objects && !fxs_object_read(&object, r->objects, i); i++) {
+        const fxs_scene *scene = object.scene;
+        const uint64_t usual = scene && scene->places ? fxs_mirror_usual_bytes(scene, r->options.budget) : 0;
+        b->pool_bytes = usual > b->pool_bytes ? usual : b->pool_bytes;
+    }
+    fxs_cuda_stream(b->cuda, b->pool_bytes, 0);
+}
+
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     cuda_backend *b = self;
@@ -88,6 +104,7 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     for (uint32_t i = 0; i < request->eyes && !error; i++)
         frames[i] = (fxs_cuda_frame){request->cameras[i], request->objects, request->count, request->targets[i]};
     fxs_cuda_stereo(b->cuda, request->eyes == 2);
+    choose_pools(b, request);
     error = error ? error : fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;
@@ -130,7 +147,7 @@ static const char *version(const void *self, enum fxs_stage stage)
 
 const fxs_backend fxs_backend_cuda = {
     .name = "cuda", .does = "whole frames on a GPU",
-    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES | FXS_CAN_PART,
     .device = device_name, .open = open_device, .render = render, .forget = forget, .version = version,
     .nanoseconds = nanoseconds, .close = close_device
 };

@@ -47,6 +47,11 @@ int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device)
     return error || download(drawn, f->drawn, *count);
 }
 
+const uint32_t *peek_places(const fxs_cuda *cuda, const fxs_scene *scene)
+{
+    return find_scene(&cuda->scenes, scene)->mirror->scene.places;
+}
+
 int peek_is_sorted(uint32_t count)
 {
     return !(count >> LONG_MAGNITUDE);
@@ -130,6 +135,17 @@ void *peek_pinned_memory(size_t bytes)
 void peek_pinned_free(void *memory)
 {
     cudaFreeHost(memory);
+}
+
+void *peek_stream(void)
+{
+    cudaStream_t stream;
+    return cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) ? 0 : (void *)stream;
+}
+
+void peek_stream_free(void *stream)
+{
+    cudaStreamDestroy((cudaStream_t)stream);
 }
 
 int peek_copy(void *to, const void *from, size_t bytes)

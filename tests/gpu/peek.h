@@ -24,6 +24,10 @@ void peek_free(peeked *p);
  * *by_device: 1 if the device chose the nodes. Returns 0 on success. */
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
 
+/* Returns the table of a scene in parts with the place of each chunk on the device; FXS_NOTHING: not on the device. The
+ * last frame drew by this table. */
+const uint32_t *peek_places(const fxs_cuda *cuda, const fxs_scene *scene);
+
 /* Returns 1 if the device sorts a tile list of `count` entries in place, as 32-bit entries without depths. */
 int peek_is_sorted(uint32_t count);
 
@@ -43,6 +47,8 @@ void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);
 void peek_pinned_free(void *memory);
+void *peek_stream(void);
+void peek_stream_free(void *stream);
 int peek_copy(void *to, const void *from, size_t bytes);
 
 /* Copies after the work on the default stream, without waiting. `to` is in pinned memory. */

@@ -7,6 +7,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/system.h>
 #include "src/core/frame.h"
+#include "src/core/pool_places.h"
 #include "src/core/targets.h"
 #include "tests/one_scene.h"
 #include "tests/random_scene.h"
@@ -750,6 +751,298 @@ static void test_pool(void)
     free(plain.data);
 }
 
+/* ---- Scenes in parts --------------------------------------------------------------------------------------------- */
+
+/* A scene of which `part` has some chunks in memory, in `room` places. `shown` has the chunks that the device has. */
+typedef struct streamed {
+    packed_scene tree;
+    fxs_scene part, shown;
+    uint32_t *in_memory, *on_device, *owners, *wanted;
+    uint32_t chunks, room, wanted_count;
+    unsigned char *rows, *places;
+} streamed;
+
+static void load(streamed *s, uint32_t chunk, uint32_t place)
+{
+    const size_t bytes = s->part.chunk_bytes;
+    if (s->in_memory[chunk] != FXS_NOTHING)
+        return;
+    if (s->owners[place] != FXS_NOTHING)
+        s->in_memory[s->owners[place]] = FXS_NOTHING;
+    s->owners[place] = chunk;
+    s->in_memory[chunk] = place;
+    memcpy(s->places + place * bytes, s->rows + chunk * bytes, bytes);
+}
+
+static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+{
+    streamed *s = argument;
+    CHECK(scene == &s->part && there == (s->in_memory[chunk] != FXS_NOTHING));
+    if (!there && s->wanted_count < s->chunks)
+        s->wanted[s->wanted_count++] = chunk;
+}
+
+/* Loads wanted chunks into random places in memory, whose chunks are evicted. */
+static void load_wanted(streamed *s)
+{
+    for (uint32_t i = 0; i < s->wanted_count; i++)
+        load(s, s->wanted[i], (uint32_t)between(0, (int32_t)s->room - 1));
+    s->wanted_count = 0;
+}
+
+static void streamed_make(streamed *s, enum fxs_profile profile, uint32_t leaves, uint32_t room_of_memory)
+{
+    memset(s, 0, sizeof *s);
+    s->tree = random_tree(profile, leaves, 0, 0);
+    const size_t bytes = s->tree.scene.chunk_bytes;
+    s->chunks = fxs_scene_chunks(&s->tree.scene);
+    s->room = room_of_memory;
+    uint32_t *numbers = s->in_memory = room((3 * s->chunks + s->room) * sizeof *numbers);
+    memset(numbers, 0xff, (3 * s->chunks + s->room) * sizeof *numbers);
+    s->on_device = numbers + s->chunks;
+    s->wanted = numbers + 2 * s->chunks;
+    s->owners = numbers + 3 * s->chunks;
+    s->rows = check_aligned((s->chunks + s->room) * bytes);
+    s->places = s->rows + s->chunks * bytes;
+    memcpy(s->rows, s->tree.scene.rows, leaves * bytes);
+    memcpy(s->rows + leaves * bytes, s->tree.scene.node_rows, (leaves - 1) * bytes);
+    s->part = s->shown = s->tree.scene;
+    s->part.rows = s->places;
+    s->part.places = s->in_memory;
+    s->shown.rows = s->rows;
+    s->shown.places = s->on_device;
+    load(s, leaves, 0);
+}
+
+static void streamed_free(streamed *s, fxs_cuda *by)
+{
+    fxs_cuda_forget(by, &s->part);
+    free(s->in_memory);
+    free(s->rows);
+    free(s->tree.data);
+}
+
+/* Notes the chunks on the device, for `shown`. Returns how many came. */
+static uint32_t note_device(streamed *s, const fxs_cuda *by)
+{
+    const uint32_t *places = peek_places(by, &s->part);
+    uint32_t came = 0;
+    for (uint32_t i = 0; i < s->chunks; i++) {
+        came += places[i] != FXS_NOTHING && s->on_device[i] == FXS_NOTHING;
+        s->on_device[i] = places[i] == FXS_NOTHING ? FXS_NOTHING : i;
+    }
+    return came;
+}
+
+typedef struct streamed_frame {
+    fxs_object objects[3];         /* two of the scene in parts, one of another scene */
+    fxs_camera cameras[2];
+    fxs_options options;
+    uint32_t count, eyes;
+    fxs_cuda_stats stats;
+    uint32_t came;
+} streamed_frame;
+
+/* Draws a frame of a scene in parts on the device, and with the same chunks on the processor. */
+static int streamed_draw(streamed *s, fxs_cuda *by, streamed_frame *f)
+{
+    pictures p[2][2];
+    fxs_cuda_frame frames[2];
+    fxs_targets targets[2];
+    fxs_stats wanted;
+    for (uint32_t eye = 0; eye < f->eyes; eye++) {
+        twice(p[eye], &f->cameras[eye], COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+        frames[eye] = (fxs_cuda_frame){f->cameras[eye], f->objects, f->count, p[eye][1].targets};
+        targets[eye] = p[eye][0].targets;
+    }
+    f->options.want = (fxs_want){note_wanted, s};
+    fxs_cuda_stereo(by, f->eyes == 2);
+    const int error = fxs_cuda_render_host(by, frames, f->eyes, &f->options, &f->stats, &why);
+    fxs_cuda_stereo(by, 0);
+    f->came = error ? 0 : note_device(s, by);
+    f->options.want = (fxs_want){0, 0};
+    for (uint32_t i = 0; i < 2; i++)
+        f->objects[i].scene = &s->shown;
+    CHECK(!render_eyes_c(frames, f->eyes, &f->options, targets, &wanted));
+    for (uint32_t i = 0; i < 2; i++)
+        f->objects[i].scene = &s->part;
+    CHECK(error || f->stats.missing == wanted.missing);
+    for (uint32_t eye = 0; eye < f->eyes; eye++) {
+        CHECK(error || pictures_equal(p[eye], &f->cameras[eye]));
+        free(p[eye][0].memory);
+        free(p[eye][1].memory);
+    }
+    return error;
+}
+
+/* A view of all chunks of a random scene. */
+static void far_view(fxs_camera *camera)
+{
+    *camera = (fxs_camera){.width = 64, .height = 48, .fx_q12 = 60 << 12, .fy_q12 = 60 << 12, .cx_q12 = 32 << 12,
+                           .cy_q12 = 24 << 12, .position_q32 = {0, 0, -12 * FXS_ONE_Q32}};
+    for (int i = 0; i < 3; i++)
+        camera->rotation_q30[4 * i] = 1 << 30;
+}
+
+static void streamed_objects(streamed_frame *f, const streamed *s, const fxs_scene *other)
+{
+    for (int i = 0; i < 3; i++) {
+        f->objects[i] = one_object(i < 2 ? &s->part : other);
+        f->objects[i].translation_q32[0] = i * FXS_ONE_Q32 / 3;
+        f->objects[i].id = (uint32_t)i;
+    }
+}
+
+/* Frames of a scene in parts from changing views, and then of one view until it is complete. Each frame uploads at most
+ * UPLOADS chunks to a pool of `pool` chunks. Returns the number of chunks that were evicted from the pool. */
+static uint32_t check_parts(enum fxs_profile profile, uint32_t leaves, uint32_t pool, int count)
+{
+    enum { UPLOADS = 5, STILL = 60 };
+    streamed s;
+    streamed_frame f = {.stats = {.missing = 1}};
+    fxs_cuda *by;
+    uint32_t gone = 0;
+    streamed_make(&s, profile, leaves, leaves);
+    const packed_scene other = random_scene(FXS_PROFILE_COMPACT, 1000);
+    const uint64_t each = s.part.chunk_bytes + sizeof(fxs_chunk);
+    if (!CHECK(!fxs_cuda_create(&by, 0, 0, 2, &why)))
+        return 0;
+    fxs_cuda_stream(by, pool * each + 1, UPLOADS * each + 1);
+    CHECK(!fxs_cuda_upload(by, &s.part, &why));
+    streamed_objects(&f, &s, &other.scene);
+    for (int i = 0; i < count && !check_faults; i++) {
+        if (i % 3 == 0) {
+            random_cut(f.cameras, &f.options, s.chunks);
+            if (i % 2)
+                far_view(f.cameras);
+            random_other_eye(f.cameras);
+        }
+        f.count = (uint32_t)between(1, 3);
+        f.eyes = (uint32_t)between(1, 2);
+        f.objects[1].visible = i % 5 > 0;
+        CHECK(!streamed_draw(&s, by, &f) && f.came <= UPLOADS);
+        gone += f.came;
+        load_wanted(&s);
+        for (int k = 0; k < 3; k++)
+            load(&s, (uint32_t)between(0, (int32_t)s.chunks - 1), (uint32_t)between(0, (int32_t)s.room - 1));
+    }
+    fxs_options_init(&f.options);
+    f.options.budget = pool / 3 * FXS_CHUNK;
+    far_view(f.cameras);
+    random_other_eye(f.cameras);
+    for (int i = 0; i < STILL && (i == 0 || f.stats.missing) && !check_faults; i++) {
+        CHECK(!streamed_draw(&s, by, &f) && f.came <= UPLOADS);
+        gone += f.came;
+        load_wanted(&s);
+    }
+    CHECK(!f.stats.missing);
+    for (uint32_t i = 0; i < s.chunks; i++)
+        gone -= s.on_device[i] != FXS_NOTHING;
+    streamed_free(&s, by);
+    fxs_cuda_destroy(by);
+    free(other.data);
+    return gone;
+}
+
+static void test_parts(void)
+{
+    uint32_t evicted = 0;
+    for (int i = 0; i < cases(30); i++) {
+        state = (uint64_t)i * 0x1357913u + 7;
+        evicted += check_parts((enum fxs_profile)(i % 3), quick ? 40 : 150, (uint32_t)between(16, 40), quick ? 15 : 60);
+    }
+    printf("  %" PRIu32 " chunks evicted\n", evicted);
+    CHECK(evicted > 20);
+}
+
+/* A pool that is smaller than the cut: the picture stays as coarse as the pool, and tells how much is missing. A larger
+ * pool completes it. */
+static void test_small_pool(void)
+{
+    streamed s;
+    streamed_frame f = {.count = 2, .eyes = 1};
+    fxs_cuda *by;
+    state = 77;
+    streamed_make(&s, FXS_PROFILE_SMALL, 40, 79);
+    const uint64_t each = s.part.chunk_bytes + sizeof(fxs_chunk), least = FXS_PLACES_LEAST * each;
+    if (!CHECK(!fxs_cuda_create(&by, 0, 0, 1, &why)))
+        return;
+    streamed_objects(&f, &s, &s.part);
+    far_view(f.cameras);
+    fxs_options_init(&f.options);
+    fxs_cuda_stream(by, least - 1, 0);
+    CHECK(streamed_draw(&s, by, &f) == FXS_ERR_MEMORY && why.bytes_needed == least && strstr(why.text, "16 chunks"));
+    fxs_cuda_stream(by, least, 1);
+    for (int i = 0; i < 40; i++) {
+        CHECK(!streamed_draw(&s, by, &f) && f.came <= 1 && f.stats.missing);
+        load_wanted(&s);
+    }
+    fxs_cuda_stream(by, 0, 30 * each);
+    for (int i = 0; i < 10; i++) {
+        CHECK(!streamed_draw(&s, by, &f));
+        load_wanted(&s);
+    }
+    CHECK(!f.stats.missing && !f.came && f.stats.memory.scenes >= s.chunks * each);
+    fxs_cuda_destroy(by);
+    CHECK(!fxs_cuda_create(&by, 0, 2 * least - 1, 1, &why));
+    CHECK(fxs_cuda_upload(by, &s.part, &why) == FXS_ERR_MEMORY && why.bytes_needed == 2 * least);
+    fxs_cuda_destroy(by);
+    CHECK(!fxs_cuda_create(&by, 0, 2 * least, 1, &why) && !fxs_cuda_upload(by, &s.part, &why));
+    CHECK(streamed_draw(&s, by, &f) == FXS_ERR_MEMORY && why.bytes_needed > 2 * least);
+    streamed_free(&s, by);
+    fxs_cuda_destroy(by);
+}
+
+/* Several calls in flight on two streams, with uploads and evictions between them. */
+static void test_parts_in_flight(void)
+{
+    enum { FRAMES = 16, POOL = 30, BYTES = 4 * 100 * 80 };
+    void *const streams[] = {peek_stream(), peek_stream()};
+    uint8_t *device = peek_device_memory(FRAMES * BYTES), *wanted = room(FRAMES * BYTES), *drawn = room(BYTES);
+    fxs_camera cameras[FRAMES];
+    fxs_options options;
+    fxs_cuda *by;
+    streamed s;
+    uint32_t came = 0;
+    state = 41;
+    streamed_make(&s, FXS_PROFILE_COMPACT, 60, 119);
+    const uint64_t each = s.part.chunk_bytes + sizeof(fxs_chunk);
+    const fxs_object object = one_object(&s.part), shown = one_object(&s.shown);
+    if (!CHECK(device && streams[1] && !fxs_cuda_create(&by, 0, 0, 2, &why)))
+        return;
+    fxs_cuda_stream(by, POOL * each, 9 * each);
+    for (int i = 0; i < FRAMES; i++) {
+        random_cut(&cameras[i], &options, s.chunks);
+        if (i % 4 == 3)
+            far_view(&cameras[i]);
+        options.want = (fxs_want){note_wanted, &s};
+        fxs_cuda_frame frame = {cameras[i], &object, 1, {.colour = {device + i * BYTES, 4 * cameras[i].width}}};
+        CHECK(!fxs_cuda_render(by, &frame, 1, &options, streams[i % 2], &why));
+        came += note_device(&s, by);
+        options.want = (fxs_want){0, 0};
+        frame.objects = &shown;
+        frame.targets.colour.pixels = wanted + i * BYTES;
+        fxs_targets targets;
+        fxs_targets_init(&targets);
+        targets.colour = frame.targets.colour;
+        render_c(&frame, &options, &targets);
+        load_wanted(&s);
+    }
+    CHECK(!fxs_cuda_finish(by, 0, &why) && came > 2 * POOL);
+    for (int i = 0; i < FRAMES; i++) {
+        const size_t bytes = 4 * (size_t)cameras[i].width * (size_t)cameras[i].height;
+        CHECK(bytes <= BYTES && !peek_copy(drawn, device + i * BYTES, bytes));
+        CHECK(!memcmp(drawn, wanted + i * BYTES, bytes));
+    }
+    streamed_free(&s, by);
+    fxs_cuda_destroy(by);
+    peek_device_free(device);
+    peek_stream_free(streams[0]);
+    peek_stream_free(streams[1]);
+    free(wanted);
+    free(drawn);
+}
+
 /* ---- Batches ----------------------------------------------------------------------------------------------------- */
 
 enum { BATCH_FRAMES = 7, BATCH_BYTES = 1 << 25 };
@@ -1235,6 +1528,9 @@ int main(int argc, char **argv)
     RUN(test_cut);
     RUN(test_equal_keys);
     RUN(test_pool);
+    RUN(test_parts);
+    RUN(test_small_pool);
+    RUN(test_parts_in_flight);
     RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_stream_order);

@@ -18,7 +18,8 @@ typedef struct fxs_cuda fxs_cuda;
 
 /* Device memory of a CUDA renderer by use, in bytes. A slot is the set of buffers of one frame in flight. */
 typedef struct fxs_cuda_memory {
-    uint64_t scenes;               /* packed scenes; of a scene that does not fit, the part on the device */
+    uint64_t scenes;               /* packed scenes; of a scene that does not fit, the part on the device; pools of
+                                      scenes in parts */
     uint64_t splats;               /* per slot: 46 bytes a Gaussian, 108 a chunk, 424 an object; with a budget or a
                                       detail also 6.3 MB, 18 bytes for each chunk and node of the scenes, 312 an
                                       object */
@@ -52,6 +53,10 @@ typedef struct fxs_cuda_stats {
     float device_milliseconds;     /* device time from the start of the first frame to the end of the last frame's blend
                                       stage. 0 unless fxs_cuda_time switched timing on */
     fxs_cuda_memory memory;
+    uint32_t missing;              /* number of wanted chunks (256 Gaussians each) of scenes in parts that were not on
+                                      the device, summed over all frames; once for two eyes. 0: the pictures are
+                                      complete */
+    uint32_t unused;               /* 0: room for a field of a later version */
 } fxs_cuda_stats;
 
 /* One frame to render; the fields are the arguments of fxs_render. */
@@ -80,7 +85,8 @@ FXS_EXPERIMENTAL void fxs_cuda_destroy(fxs_cuda *cuda);
 /* Copies a packed scene to the device, where it stays until fxs_cuda_forget. If not all of its rows (the Gaussians'
    codes) fit, they are also copied to pinned host memory, and the device reads the missing rows from there. The scene
    is identified by the address of its fxs_scene; a scene that is already on the device is not copied again.
-   fxs_cuda_render uploads missing scenes itself. Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
+   fxs_cuda_render uploads missing scenes itself. A scene in parts gets an empty pool (fxs_cuda_stream). Errors:
+   FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
 FXS_EXPERIMENTAL int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
 
 /* Drops the device's copy of a scene. Call it before the fxs_scene, or the bytes that it points to, change or are
@@ -94,14 +100,23 @@ FXS_EXPERIMENTAL void fxs_cuda_time(fxs_cuda *cuda, int on);
    eyes of a request have the same objects, and with a budget or a detail they draw the same chunks. */
 FXS_EXPERIMENTAL void fxs_cuda_stereo(fxs_cuda *cuda, int on);
 
+/* Settings of scenes in parts (fxs_scene.places is not null, as in a pager's scene), from the next frame on.
+   `pool_bytes` is the size of the pool on the device for a scene's chunks (256 Gaussians each), at least 16 chunks; 0
+   (initial value): 256 MiB. It is capped at the scene's size, and at half of max_memory or of the device's memory. A
+   pool that grows begins empty; a pool never shrinks. `upload_bytes` is the most bytes that a call of fxs_cuda_render
+   uploads to all pools together, at least one chunk; 0: 8 MiB. The call first copies chunks that earlier frames wanted
+   and that are in memory now to pinned memory; the least recently drawn chunks on the device make room. Frames in
+   flight keep their chunks. A frame draws the nearest ancestors that are on the device, as fxs_render does with the same
+   chunks in memory. options.want tells, as in fxs_render, if a wanted chunk is in memory. */
+FXS_EXPERIMENTAL void fxs_cuda_stream(fxs_cuda *cuda, uint64_t pool_bytes, uint64_t upload_bytes);
+
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
    makes the stream wait for the frames. The frames' targets (output pictures) must not overlap. Work that is put on the
    stream afterwards finds complete pictures; the host need not wait. Frames whose tile lists do not fit are finished on
    the device, more slowly, and later frames get larger lists. fxs_cuda_render may be called again, on any stream,
    without fxs_cuda_finish: two calls are in flight, and a third waits on the host until the first has ended. Memory
    that grows also waits for frames in flight. `options` are copied; options->stop is called before each frame. Errors:
-   as fxs_render, FXS_ERR_UNSUPPORTED for a scene with `places` (only partly in memory), FXS_ERR_DEVICE. After an error,
-   no frame of this call is in flight. */
+   as fxs_render, FXS_ERR_DEVICE. After an error, no frame of this call is in flight. */
 FXS_EXPERIMENTAL int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count,
                                      const fxs_options *options,
                             void *stream, fxs_message *why);

@@ -319,6 +319,13 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
     return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
 
+/* Returns the size of a scene's SH palette in bytes, a multiple of 64. */
+static inline uint32_t fxs_palette_bytes(const fxs_scene *scene)
+{
+    const uint32_t stages = fxs_palette_stages(scene->profile, scene->sh_degree);
+    return scene->palette ? (stages * scene->palette_entries * FXS_PALETTE_STRIDE + 63) / 64 * 64 : 0;
+}
+
 /* Returns the size in bytes of a packed scene without a tree. palette_entries is 0 to 128 per stage. Returns 0 if an
    argument is out of range. */
 FXS_EXPERIMENTAL size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
