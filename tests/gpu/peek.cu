@@ -49,7 +49,8 @@ int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device)
 
 const uint32_t *peek_places(const fxs_cuda *cuda, const fxs_scene *scene)
 {
-    return find_scene(&cuda->scenes, scene)->mirror->scene.places;
+    const scene_copy *copy = find_scene(&cuda->scenes, scene);
+    return copy ? copy->mirror->scene.places : nullptr;
 }
 
 int peek_is_sorted(uint32_t count)

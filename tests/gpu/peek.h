@@ -25,7 +25,7 @@ void peek_free(peeked *p);
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
 
 /* Returns the table of a scene in parts with the place of each chunk on the device; FXS_NOTHING: not on the device. The
- * last frame drew by this table. */
+ * last frame drew by this table. Null: no frame has drawn the scene. */
 const uint32_t *peek_places(const fxs_cuda *cuda, const fxs_scene *scene);
 
 /* Returns 1 if the device sorts a tile list of `count` entries in place, as 32-bit entries without depths. */

@@ -753,6 +753,8 @@ static void test_pool(void)
 
 /* ---- Scenes in parts --------------------------------------------------------------------------------------------- */
 
+enum { PARTS = 2, PART_OBJECTS = 4 };
+
 /* A scene of which `part` has some chunks in memory, in `room` places. `shown` has the chunks that the device has. */
 typedef struct streamed {
     packed_scene tree;
@@ -776,24 +778,34 @@ static void load(streamed *s, uint32_t chunk, uint32_t place)
 
 static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
 {
-    streamed *s = argument;
-    CHECK(scene == &s->part && there == (s->in_memory[chunk] != FXS_NOTHING));
+    streamed *s = argument, *const end = s + PARTS;
+    while (s < end && scene != &s->part)
+        s++;
+    if (!CHECK(s < end && there == (s->in_memory[chunk] != FXS_NOTHING)))
+        return;
     if (!there && s->wanted_count < s->chunks)
         s->wanted[s->wanted_count++] = chunk;
 }
 
-/* Loads wanted chunks into random places in memory, whose chunks are evicted. */
-static void load_wanted(streamed *s)
+/* Loads wanted chunks and `more` others into random places in memory, whose chunks are evicted. */
+static void load_wanted(streamed parts[PARTS], int more)
 {
-    for (uint32_t i = 0; i < s->wanted_count; i++)
-        load(s, s->wanted[i], (uint32_t)between(0, (int32_t)s->room - 1));
-    s->wanted_count = 0;
+    for (streamed *s = parts; s < parts + PARTS; s++) {
+        for (uint32_t i = 0; i < s->wanted_count; i++)
+            load(s, s->wanted[i], (uint32_t)between(0, (int32_t)s->room - 1));
+        for (int i = 0; i < more; i++)
+            load(s, (uint32_t)between(0, (int32_t)s->chunks - 1), (uint32_t)between(0, (int32_t)s->room - 1));
+        s->wanted_count = 0;
+    }
 }
 
 static void streamed_make(streamed *s, enum fxs_profile profile, uint32_t leaves, uint32_t room_of_memory)
 {
     memset(s, 0, sizeof *s);
-    s->tree = random_tree(profile, leaves, 0, 0);
+    do {
+        free(s->tree.data);
+        s->tree = random_tree(profile, leaves, 0, 0);
+    } while (profile != FXS_PROFILE_DEFAULT && !s->tree.scene.palette);
     const size_t bytes = s->tree.scene.chunk_bytes;
     s->chunks = fxs_scene_chunks(&s->tree.scene);
     s->room = room_of_memory;
@@ -814,65 +826,30 @@ static void streamed_make(streamed *s, enum fxs_profile profile, uint32_t leaves
     load(s, leaves, 0);
 }
 
-static void streamed_free(streamed *s, fxs_cuda *by)
+static void streamed_free(streamed parts[PARTS])
 {
-    fxs_cuda_forget(by, &s->part);
-    free(s->in_memory);
-    free(s->rows);
-    free(s->tree.data);
+    for (streamed *s = parts; s < parts + PARTS; s++) {
+        free(s->in_memory);
+        free(s->rows);
+        free(s->tree.data);
+    }
 }
 
-/* Notes the chunks on the device, for `shown`. Returns how many came. */
-static uint32_t note_device(streamed *s, const fxs_cuda *by)
+static uint64_t bytes_of_place(const streamed *s)
+{
+    return s->part.chunk_bytes + sizeof(fxs_chunk);
+}
+
+/* Notes the chunks on the device, for `shown`. Returns the bytes of those that came. */
+static uint64_t note_device(streamed *s, const fxs_cuda *by)
 {
     const uint32_t *places = peek_places(by, &s->part);
     uint32_t came = 0;
-    for (uint32_t i = 0; i < s->chunks; i++) {
+    for (uint32_t i = 0; i < s->chunks && places; i++) {
         came += places[i] != FXS_NOTHING && s->on_device[i] == FXS_NOTHING;
         s->on_device[i] = places[i] == FXS_NOTHING ? FXS_NOTHING : i;
     }
-    return came;
-}
-
-typedef struct streamed_frame {
-    fxs_object objects[3];         /* two of the scene in parts, one of another scene */
-    fxs_camera cameras[2];
-    fxs_options options;
-    uint32_t count, eyes;
-    fxs_cuda_stats stats;
-    uint32_t came;
-} streamed_frame;
-
-/* Draws a frame of a scene in parts on the device, and with the same chunks on the processor. */
-static int streamed_draw(streamed *s, fxs_cuda *by, streamed_frame *f)
-{
-    pictures p[2][2];
-    fxs_cuda_frame frames[2];
-    fxs_targets targets[2];
-    fxs_stats wanted;
-    for (uint32_t eye = 0; eye < f->eyes; eye++) {
-        twice(p[eye], &f->cameras[eye], COLOUR | ID, FXS_FORMAT_RGBA8, 0);
-        frames[eye] = (fxs_cuda_frame){f->cameras[eye], f->objects, f->count, p[eye][1].targets};
-        targets[eye] = p[eye][0].targets;
-    }
-    f->options.want = (fxs_want){note_wanted, s};
-    fxs_cuda_stereo(by, f->eyes == 2);
-    const int error = fxs_cuda_render_host(by, frames, f->eyes, &f->options, &f->stats, &why);
-    fxs_cuda_stereo(by, 0);
-    f->came = error ? 0 : note_device(s, by);
-    f->options.want = (fxs_want){0, 0};
-    for (uint32_t i = 0; i < 2; i++)
-        f->objects[i].scene = &s->shown;
-    CHECK(!render_eyes_c(frames, f->eyes, &f->options, targets, &wanted));
-    for (uint32_t i = 0; i < 2; i++)
-        f->objects[i].scene = &s->part;
-    CHECK(error || f->stats.missing == wanted.missing);
-    for (uint32_t eye = 0; eye < f->eyes; eye++) {
-        CHECK(error || pictures_equal(p[eye], &f->cameras[eye]));
-        free(p[eye][0].memory);
-        free(p[eye][1].memory);
-    }
-    return error;
+    return came * bytes_of_place(s);
 }
 
 /* A view of all chunks of a random scene. */
@@ -884,163 +861,262 @@ static void far_view(fxs_camera *camera)
         camera->rotation_q30[4 * i] = 1 << 30;
 }
 
-static void streamed_objects(streamed_frame *f, const streamed *s, const fxs_scene *other)
+typedef struct streamed_frame {
+    streamed *parts;
+    fxs_object objects[PART_OBJECTS];      /* two of the first scene in parts, one of the second, one of a whole scene */
+    fxs_camera cameras[2];
+    fxs_options options;
+    uint32_t count, eyes;
+    fxs_cuda_stats stats;
+    uint64_t came;
+} streamed_frame;
+
+static void streamed_objects(streamed_frame *f, streamed parts[PARTS], const fxs_scene *whole)
 {
-    for (int i = 0; i < 3; i++) {
-        f->objects[i] = one_object(i < 2 ? &s->part : other);
+    const fxs_scene *scenes[PART_OBJECTS] = {&parts[0].part, &parts[0].part, &parts[1].part, whole};
+    f->parts = parts;
+    for (int i = 0; i < PART_OBJECTS; i++) {
+        f->objects[i] = one_object(scenes[i]);
         f->objects[i].translation_q32[0] = i * FXS_ONE_Q32 / 3;
         f->objects[i].id = (uint32_t)i;
     }
 }
 
-/* Frames of a scene in parts from changing views, and then of one view until it is complete. Each frame uploads at most
- * UPLOADS chunks to a pool of `pool` chunks. Returns the number of chunks that were evicted from the pool. */
-static uint32_t check_parts(enum fxs_profile profile, uint32_t leaves, uint32_t pool, int count)
+/* Draws a frame on the processor, with the chunks that are on the device. */
+static void streamed_expected(streamed_frame *f, const fxs_cuda_frame *frames, const fxs_targets *targets,
+                              fxs_stats *stats)
 {
-    enum { UPLOADS = 5, STILL = 60 };
-    streamed s;
-    streamed_frame f = {.stats = {.missing = 1}};
+    fxs_object objects[PART_OBJECTS];
+    fxs_cuda_frame shown[2] = {frames[0], frames[f->eyes - 1]};
+    memcpy(objects, f->objects, sizeof objects);
+    for (int i = 0; i < 3; i++)
+        objects[i].scene = &f->parts[i / 2].shown;
+    shown[0].objects = shown[1].objects = objects;
+    fxs_options options = f->options;
+    options.want.call = 0;
+    CHECK(!render_eyes_c(shown, f->eyes, &options, targets, stats));
+}
+
+/* Draws a frame on the device, and compares it to the processor's. */
+static int streamed_draw(streamed_frame *f, fxs_cuda *by)
+{
+    pictures p[2][2];
+    fxs_cuda_frame frames[2];
+    fxs_targets targets[2];
+    fxs_stats wanted;
+    for (uint32_t eye = 0; eye < f->eyes; eye++) {
+        twice(p[eye], &f->cameras[eye], COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+        frames[eye] = (fxs_cuda_frame){f->cameras[eye], f->objects, f->count, p[eye][1].targets};
+        targets[eye] = p[eye][0].targets;
+    }
+    f->options.want = (fxs_want){note_wanted, f->parts};
+    fxs_cuda_stereo(by, f->eyes == 2);
+    const int error = fxs_cuda_render_host(by, frames, f->eyes, &f->options, &f->stats, &why);
+    fxs_cuda_stereo(by, 0);
+    f->came = note_device(&f->parts[0], by) + note_device(&f->parts[1], by);
+    if (!error)
+        streamed_expected(f, frames, targets, &wanted);
+    CHECK(error || f->stats.missing == wanted.missing);
+    for (uint32_t eye = 0; eye < f->eyes; eye++) {
+        CHECK(error || pictures_equal(p[eye], &f->cameras[eye]));
+        free(p[eye][0].memory);
+        free(p[eye][1].memory);
+    }
+    return error;
+}
+
+static int stop_now(void *argument)
+{
+    (void)argument;
+    return 1;
+}
+
+/* Frames of scenes in parts from changing views, and then of one view until it is complete. Each frame uploads at most
+ * `limit` bytes to pools of `pool` bytes. Returns the number of bytes that were evicted from the pools. */
+static uint64_t check_parts(streamed parts[PARTS], uint64_t pool, uint64_t limit, int count)
+{
+    enum { STILL = 60 };
+    streamed_frame f = {.count = 0};
     fxs_cuda *by;
-    uint32_t gone = 0;
-    streamed_make(&s, profile, leaves, leaves);
-    const packed_scene other = random_scene(FXS_PROFILE_COMPACT, 1000);
-    const uint64_t each = s.part.chunk_bytes + sizeof(fxs_chunk);
+    uint64_t gone = 0;
+    const packed_scene whole = random_scene(FXS_PROFILE_COMPACT, 1000);
     if (!CHECK(!fxs_cuda_create(&by, 0, 0, 2, &why)))
         return 0;
-    fxs_cuda_stream(by, pool * each + 1, UPLOADS * each + 1);
-    CHECK(!fxs_cuda_upload(by, &s.part, &why));
-    streamed_objects(&f, &s, &other.scene);
+    fxs_cuda_stream(by, pool, limit);
+    CHECK(!fxs_cuda_upload(by, &parts[0].part, &why) && !fxs_cuda_upload(by, &parts[1].part, &why));
+    streamed_objects(&f, parts, &whole.scene);
     for (int i = 0; i < count && !check_faults; i++) {
         if (i % 3 == 0) {
-            random_cut(f.cameras, &f.options, s.chunks);
+            random_cut(f.cameras, &f.options, parts->chunks);
             if (i % 2)
                 far_view(f.cameras);
             random_other_eye(f.cameras);
         }
-        f.count = (uint32_t)between(1, 3);
+        f.count = (uint32_t)between(1, PART_OBJECTS);
         f.eyes = (uint32_t)between(1, 2);
         f.objects[1].visible = i % 5 > 0;
-        CHECK(!streamed_draw(&s, by, &f) && f.came <= UPLOADS);
+        const int stops = i % 7 == 5;
+        f.options.stop.call = stops ? stop_now : 0;
+        CHECK(streamed_draw(&f, by) == (stops ? FXS_ERR_STOPPED : 0) && f.came <= limit);
         gone += f.came;
-        load_wanted(&s);
-        for (int k = 0; k < 3; k++)
-            load(&s, (uint32_t)between(0, (int32_t)s.chunks - 1), (uint32_t)between(0, (int32_t)s.room - 1));
+        load_wanted(parts, 3);
     }
     fxs_options_init(&f.options);
-    f.options.budget = pool / 3 * FXS_CHUNK;
+    f.options.budget = 8 * FXS_CHUNK;
+    f.count = 3;
     far_view(f.cameras);
     random_other_eye(f.cameras);
     for (int i = 0; i < STILL && (i == 0 || f.stats.missing) && !check_faults; i++) {
-        CHECK(!streamed_draw(&s, by, &f) && f.came <= UPLOADS);
+        CHECK(!streamed_draw(&f, by) && f.came <= limit);
         gone += f.came;
-        load_wanted(&s);
+        load_wanted(parts, 0);
     }
     CHECK(!f.stats.missing);
-    for (uint32_t i = 0; i < s.chunks; i++)
-        gone -= s.on_device[i] != FXS_NOTHING;
-    streamed_free(&s, by);
+    for (streamed *s = parts; s < parts + PARTS; s++)
+        for (uint32_t i = 0; i < s->chunks; i++)
+            gone -= s->on_device[i] != FXS_NOTHING ? bytes_of_place(s) : 0;
     fxs_cuda_destroy(by);
-    free(other.data);
+    free(whole.data);
     return gone;
 }
 
 static void test_parts(void)
 {
-    uint32_t evicted = 0;
+    uint64_t evicted = 0;
     for (int i = 0; i < cases(30); i++) {
+        streamed parts[PARTS];
         state = (uint64_t)i * 0x1357913u + 7;
-        evicted += check_parts((enum fxs_profile)(i % 3), quick ? 40 : 150, (uint32_t)between(16, 40), quick ? 15 : 60);
+        for (int k = 0; k < PARTS; k++)
+            streamed_make(&parts[k], (enum fxs_profile)((i + k) % 3), quick ? 40 : 150, quick ? 40 : 150);
+        const uint64_t a = bytes_of_place(&parts[0]), b = bytes_of_place(&parts[1]), each = a > b ? a : b;
+        evicted += check_parts(parts, (uint64_t)between(16, 24) * each, 5 * each + 1, quick ? 15 : 60) / each;
+        streamed_free(parts);
     }
-    printf("  %" PRIu32 " chunks evicted\n", evicted);
-    CHECK(evicted > 20);
+    printf("  %" PRIu64 " chunks evicted\n", evicted);
+    CHECK(evicted > 10);
 }
 
 /* A pool that is smaller than the cut: the picture stays as coarse as the pool, and tells how much is missing. A larger
  * pool completes it. */
 static void test_small_pool(void)
 {
-    streamed s;
+    streamed parts[PARTS];
     streamed_frame f = {.count = 2, .eyes = 1};
     fxs_cuda *by;
     state = 77;
-    streamed_make(&s, FXS_PROFILE_SMALL, 40, 79);
-    const uint64_t each = s.part.chunk_bytes + sizeof(fxs_chunk), least = FXS_PLACES_LEAST * each;
+    for (int i = 0; i < PARTS; i++)
+        streamed_make(&parts[i], FXS_PROFILE_SMALL, 40, 79);
+    const uint64_t each = bytes_of_place(parts), least = FXS_PLACES_LEAST * each;
     if (!CHECK(!fxs_cuda_create(&by, 0, 0, 1, &why)))
         return;
-    streamed_objects(&f, &s, &s.part);
+    streamed_objects(&f, parts, &parts->part);
     far_view(f.cameras);
     fxs_options_init(&f.options);
     fxs_cuda_stream(by, least - 1, 0);
-    CHECK(streamed_draw(&s, by, &f) == FXS_ERR_MEMORY && why.bytes_needed == least && strstr(why.text, "16 chunks"));
+    CHECK(streamed_draw(&f, by) == FXS_ERR_MEMORY && why.bytes_needed == least && strstr(why.text, "16 chunks"));
     fxs_cuda_stream(by, least, 1);
     for (int i = 0; i < 40; i++) {
-        CHECK(!streamed_draw(&s, by, &f) && f.came <= 1 && f.stats.missing);
-        load_wanted(&s);
+        CHECK(!streamed_draw(&f, by) && f.came <= each && f.stats.missing);
+        load_wanted(parts, 0);
     }
     fxs_cuda_stream(by, 0, 30 * each);
     for (int i = 0; i < 10; i++) {
-        CHECK(!streamed_draw(&s, by, &f));
-        load_wanted(&s);
+        CHECK(!streamed_draw(&f, by));
+        load_wanted(parts, 0);
     }
-    CHECK(!f.stats.missing && !f.came && f.stats.memory.scenes >= s.chunks * each);
+    CHECK(!f.stats.missing && !f.came && f.stats.memory.scenes >= parts->chunks * each);
     fxs_cuda_destroy(by);
     CHECK(!fxs_cuda_create(&by, 0, 2 * least - 1, 1, &why));
-    CHECK(fxs_cuda_upload(by, &s.part, &why) == FXS_ERR_MEMORY && why.bytes_needed == 2 * least);
+    CHECK(fxs_cuda_upload(by, &parts->part, &why) == FXS_ERR_MEMORY && why.bytes_needed == 2 * least);
     fxs_cuda_destroy(by);
-    CHECK(!fxs_cuda_create(&by, 0, 2 * least, 1, &why) && !fxs_cuda_upload(by, &s.part, &why));
-    CHECK(streamed_draw(&s, by, &f) == FXS_ERR_MEMORY && why.bytes_needed > 2 * least);
-    streamed_free(&s, by);
+    CHECK(!fxs_cuda_create(&by, 0, 2 * least, 1, &why) && !fxs_cuda_upload(by, &parts->part, &why));
+    CHECK(streamed_draw(&f, by) == FXS_ERR_MEMORY && why.bytes_needed > 2 * least);
     fxs_cuda_destroy(by);
+    streamed_free(parts);
 }
 
 /* Several calls in flight on two streams, with uploads and evictions between them. */
 static void test_parts_in_flight(void)
 {
-    enum { FRAMES = 16, POOL = 30, BYTES = 4 * 100 * 80 };
+    enum { FRAMES = 24, POOL = 30, BYTES = 4 * 100 * 80 };
     void *const streams[] = {peek_stream(), peek_stream()};
     uint8_t *device = peek_device_memory(FRAMES * BYTES), *wanted = room(FRAMES * BYTES), *drawn = room(BYTES);
-    fxs_camera cameras[FRAMES];
-    fxs_options options;
+    size_t bytes[FRAMES];
+    streamed_frame f = {.count = 3, .eyes = 1};
+    streamed parts[PARTS];
     fxs_cuda *by;
-    streamed s;
-    uint32_t came = 0;
+    uint64_t came = 0;
     state = 41;
-    streamed_make(&s, FXS_PROFILE_COMPACT, 60, 119);
-    const uint64_t each = s.part.chunk_bytes + sizeof(fxs_chunk);
-    const fxs_object object = one_object(&s.part), shown = one_object(&s.shown);
+    for (int i = 0; i < PARTS; i++)
+        streamed_make(&parts[i], FXS_PROFILE_COMPACT, 60, 119);
+    const uint64_t each = bytes_of_place(parts);
+    streamed_objects(&f, parts, &parts->part);
     if (!CHECK(device && streams[1] && !fxs_cuda_create(&by, 0, 0, 2, &why)))
         return;
     fxs_cuda_stream(by, POOL * each, 9 * each);
     for (int i = 0; i < FRAMES; i++) {
-        random_cut(&cameras[i], &options, s.chunks);
-        if (i % 4 == 3)
-            far_view(&cameras[i]);
-        options.want = (fxs_want){note_wanted, &s};
-        fxs_cuda_frame frame = {cameras[i], &object, 1, {.colour = {device + i * BYTES, 4 * cameras[i].width}}};
-        CHECK(!fxs_cuda_render(by, &frame, 1, &options, streams[i % 2], &why));
-        came += note_device(&s, by);
-        options.want = (fxs_want){0, 0};
-        frame.objects = &shown;
-        frame.targets.colour.pixels = wanted + i * BYTES;
+        random_cut(f.cameras, &f.options, parts->chunks);
+        if (i % 2)
+            far_view(f.cameras);
+        const fxs_cuda_frame frame = {*f.cameras, f.objects, f.count, {.colour = {device + i * BYTES,
+                                                                                  4 * f.cameras->width}}};
         fxs_targets targets;
         fxs_targets_init(&targets);
-        targets.colour = frame.targets.colour;
-        render_c(&frame, &options, &targets);
-        load_wanted(&s);
+        targets.colour = (fxs_image){wanted + i * BYTES, 4 * f.cameras->width};
+        bytes[i] = 4 * (size_t)f.cameras->width * (size_t)f.cameras->height;
+        f.options.want = (fxs_want){note_wanted, parts};
+        CHECK(bytes[i] <= BYTES && !fxs_cuda_render(by, &frame, 1, &f.options, streams[i % 2], &why));
+        came += note_device(&parts[0], by) + note_device(&parts[1], by);
+        streamed_expected(&f, &frame, &targets, 0);
+        load_wanted(parts, 0);
     }
-    CHECK(!fxs_cuda_finish(by, 0, &why) && came > 2 * POOL);
-    for (int i = 0; i < FRAMES; i++) {
-        const size_t bytes = 4 * (size_t)cameras[i].width * (size_t)cameras[i].height;
-        CHECK(bytes <= BYTES && !peek_copy(drawn, device + i * BYTES, bytes));
-        CHECK(!memcmp(drawn, wanted + i * BYTES, bytes));
-    }
-    streamed_free(&s, by);
+    CHECK(!fxs_cuda_finish(by, 0, &why) && came > (2 * POOL + 20) * each);
+    for (int i = 0; i < FRAMES; i++)
+        CHECK(!peek_copy(drawn, device + i * BYTES, bytes[i]) && !memcmp(drawn, wanted + i * BYTES, bytes[i]));
     fxs_cuda_destroy(by);
+    streamed_free(parts);
     peek_device_free(device);
     peek_stream_free(streams[0]);
     peek_stream_free(streams[1]);
     free(wanted);
     free(drawn);
+}
+
+/* By the table of the back end: a view of a scene in parts, until it is complete. */
+static void test_table_parts(void)
+{
+    const fxs_backend *b = &fxs_backend_cuda;
+    const fxs_backend_options settings = {.size = sizeof(fxs_backend_options)};
+    streamed parts[PARTS];
+    pictures p[2];
+    fxs_camera camera;
+    fxs_options options;
+    fxs_stats stats = {.missing = 1};
+    void *self;
+    state = 61;
+    for (int i = 0; i < PARTS; i++)
+        streamed_make(&parts[i], FXS_PROFILE_DEFAULT, 30, 59);
+    const fxs_object object = one_object(&parts->part), whole = one_object(&parts->tree.scene);
+    far_view(&camera);
+    fxs_options_init(&options);
+    options.budget = 20 * FXS_CHUNK;
+    twice(p, &camera, COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+    const fxs_cuda_frame frame = {camera, &whole, 1, p[0].targets};
+    render_c(&frame, &options, &p[0].targets);
+    options.want = (fxs_want){note_wanted, parts};
+    const fxs_request request = request_for(&object, 1, &options, 1, &camera, &p[1].targets);
+    if (!CHECK(b->can & FXS_CAN_PART && !b->open(&self, &settings, &why)))
+        return;
+    for (int i = 0; i < 20 && stats.missing; i++) {
+        CHECK(!b->render(self, &request, &stats, &why));
+        load_wanted(parts, 0);
+    }
+    CHECK(!stats.missing && pictures_equal(p, &camera));
+    b->forget(self, &parts->part);
+    b->close(self);
+    free(p[0].memory);
+    free(p[1].memory);
+    streamed_free(parts);
 }
 
 /* ---- Batches ----------------------------------------------------------------------------------------------------- */
@@ -1531,6 +1607,7 @@ int main(int argc, char **argv)
     RUN(test_parts);
     RUN(test_small_pool);
     RUN(test_parts_in_flight);
+    RUN(test_table_parts);
     RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_stream_order);
