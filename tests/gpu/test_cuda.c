@@ -806,6 +806,7 @@ static void streamed_make(streamed *s, enum fxs_profile profile, uint32_t leaves
         free(s->tree.data);
         s->tree = random_tree(profile, leaves, 0, 0);
     } while (profile != FXS_PROFILE_DEFAULT && !s->tree.scene.palette);
+    s->tree.scene.palette_step_q19 = 1500;
     const size_t bytes = s->tree.scene.chunk_bytes;
     s->chunks = fxs_scene_chunks(&s->tree.scene);
     s->room = room_of_memory;
