@@ -488,7 +488,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
             find_hosted(f);
         slot_buffers(&none, f, &sizes);
         f->staged = staged;
-        staged += sizes.objects;
+        staged += padded(sizes.objects);
     }
     return error ? error : reserve_host(&last_call(cuda)->staged, staged, why);
 }
@@ -1106,7 +1106,7 @@ int put_chunks_wanted(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t cou
     const scene_table *scenes = &cuda->scenes;
     upload *u = &last_call(cuda)->chunks;
     int error = 0;
-    u->most = larger_of(scenes->upload_bytes ? scenes->upload_bytes : UPLOAD_USUAL, scenes->place_most);
+    u->most = larger_of(scenes->upload_bytes ? scenes->upload_bytes / 64 * 64 : UPLOAD_USUAL, scenes->place_most);
     for (uint32_t i = 0; i < count && !error; i++) {
         if (cuda->frames[i].in_parts)
             error = reserve_host(&u->memory, u->most + u->most / sizeof(fxs_chunk) * sizeof(uint32_t), why);

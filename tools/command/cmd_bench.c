@@ -267,7 +267,7 @@ static int run(int argc, char **argv)
     o.frame.framed = 1;
     status = renderer_open(&r, &o.frame);
     r.draws = o.draws;
-    o.frame.load.budget = !status && renderer_may_page(&r) ? o.frame.render.budget : 0;
+    o.frame.load.budget = !status && renderer_pages(&r) ? o.frame.render.budget : 0;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
         status = choose_views(&o.frame, &w, &views, 0) < 0 ? EXIT_FAILED : bench(&r, &o, &w, views);
         free(views);

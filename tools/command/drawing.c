@@ -39,9 +39,14 @@ int renderer_open(renderer *r, const frame_options *options)
     return status;
 }
 
-int renderer_may_page(const renderer *r)
+static int may_page(const renderer *r)
 {
     return r->backend && (r->backend->can & FXS_CAN_PART);
+}
+
+int renderer_pages(const renderer *r)
+{
+    return may_page(r) && strcmp(r->backend->name, "cuda");
 }
 
 void renderer_close(renderer *r)
@@ -238,7 +243,7 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
 {
     wanting g = {.w = w, .options = &request->options};
     fxs_request asking = *request;
-    if (!renderer_may_page(r))
+    if (!may_page(r))
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "--backend %s copies whole scenes: no --pool", r->backend->name);
     uint32_t least = UINT32_MAX, missing = 0, came;
     asking.options.want.call = want;

@@ -40,8 +40,9 @@ typedef struct renderer {
    call. */
 int renderer_open(renderer *r, const frame_options *options);
 
-/* True if the renderer supports paged scenes, which are partly in memory. */
-int renderer_may_page(const renderer *r);
+/* True if large scenes are paged (kept partly in memory) without --pool. Not so with CUDA, which chooses the level of
+   detail of whole scenes on the device, faster than of paged scenes. */
+int renderer_pages(const renderer *r);
 
 void renderer_close(renderer *r);
 

@@ -635,9 +635,11 @@ int render_views(const render_options *o)
     fxs_lens *lenses = 0;
     b = (batch){.o = o, .world = &w};
     int status = open_renderers(&b, &o->frame);
-    frame.load.budget = renderer_may_page(&b.renderers[0]) ? frame.render.budget : 0;
+    frame.load.budget = b.devices == 1 && renderer_pages(&b.renderers[0]) ? frame.render.budget : 0;
     if (!status)
         status = world_open(&w, &o->frame.world, &frame.load);
+    if (!status && b.devices > 1 && world_is_paged(&w))
+        status = fail(EXIT_USAGE, "a scene in a pool, or from a server, is drawn by one device: --device 0");
     if (!status) {
         b.view_count = choose_views(&frame, &w, &views, &lenses);
         b.moments = views_per_frame(&frame);
