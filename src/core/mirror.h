@@ -9,6 +9,9 @@
  *         for each of fxs_mirror_step(mirror, bytes, &places)      copy header and rows to the device
  *         draw
  *
+ * The step may come before the cut; it then uploads what the last frame lacked, and this frame draws it. The scene's
+ * first step uploads its coarsest chunks.
+ *
  * The picture is that of the processor with the same chunks in memory. A chunk that is uploaded takes no place of a
  * chunk that frames from `since` on draw. */
 #ifndef FXS_MIRROR_H

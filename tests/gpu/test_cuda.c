@@ -864,7 +864,8 @@ static void far_view(fxs_camera *camera)
 
 typedef struct streamed_frame {
     streamed *parts;
-    fxs_object objects[PART_OBJECTS];      /* two of the first scene in parts, one of the second, one of a whole scene */
+    fxs_object objects[PART_OBJECTS];      /* two of the first scene in parts, one of the second, one of a whole
+                                              scene */
     fxs_camera cameras[2];
     fxs_options options;
     uint32_t count, eyes;

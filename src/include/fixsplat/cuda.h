@@ -106,8 +106,8 @@ FXS_EXPERIMENTAL void fxs_cuda_stereo(fxs_cuda *cuda, int on);
    pool that grows begins empty; a pool never shrinks. `upload_bytes` is the most bytes that a call of fxs_cuda_render
    uploads to all pools together, at least one chunk; 0: 8 MiB. The call first copies chunks that earlier frames wanted
    and that are in memory now to pinned memory; the least recently drawn chunks on the device make room. Frames in
-   flight keep their chunks. A frame draws the nearest ancestors that are on the device, as fxs_render does with the same
-   chunks in memory. options.want tells, as in fxs_render, if a wanted chunk is in memory. */
+   flight keep their chunks. A frame draws the nearest ancestors that are on the device, as fxs_render does with the
+   same chunks in memory. options.want tells, as in fxs_render, if a wanted chunk is in memory. */
 FXS_EXPERIMENTAL void fxs_cuda_stream(fxs_cuda *cuda, uint64_t pool_bytes, uint64_t upload_bytes);
 
 /* Starts 1 to FXS_CUDA_BATCH frames after the work already on `stream` (a cudaStream_t; null: the default stream), and
