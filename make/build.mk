@@ -41,7 +41,7 @@ LIBRARY += $(B)/declarations.c
 WINDOW := $(filter-out tools/view/viewer_main.c,$(call with,SDL,$(SOURCES_VIEW)))
 SERVER := $(call with,MICROHTTPD,$(SOURCES_WEB) $(SOURCES_WEB_$(SYSTEM)))
 TOOL := $(filter-out $(NOT_TOOL),$(wildcard $(SOURCES_TOOL)))
-TOOL_SHARED := tools/command/metrics.c tools/command/procedural.c tools/command/samples.c
+TOOL_SHARED := tools/command/metrics.c tools/command/procedural.c tools/command/samples.c tools/command/trial.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
 EXE := $(if $(filter win32,$(SYSTEM)),.exe)

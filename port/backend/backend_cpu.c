@@ -9,7 +9,7 @@ static int device(int number, char *name, size_t size, fxs_message *why)
 {
     if (number != 0)
         return fxs_fail_as(FXS_ERR_DEVICE, why, "there is no device %d: the processor is 0", number);
-    snprintf(name, size, "the processor, what auto takes");
+    snprintf(name, size, "the processor");
     return 0;
 }
 

@@ -1,4 +1,4 @@
-/* Finds this program's folder of user data, and a font of the system. */
+/* Finds this program's folders of user data, and a font of the system. */
 #include "src/base/os_calls.h"
 
 #include <stdlib.h>
@@ -17,21 +17,32 @@ static void make_folders(char *path)
     }
 }
 
-/* Stores the path of a file in this program's folder of user data. Ignores a relative path in XDG_STATE_HOME, as the
-   XDG Base Directory Specification demands. */
-int fxs_state_path(const char *name, int is_written, char *path, size_t room)
+/* Stores the path of a file in this program's folder below a user folder: the variable's, or `otherwise` in the home
+   folder. Ignores a relative path in the variable, as the XDG Base Directory Specification demands. */
+static int user_path(const char *variable, const char *otherwise, const char *name, int is_written, char *path,
+                     size_t room)
 {
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
-    const int has_state = state && *state == '/';
-    if (!has_state && !(home && *home == '/'))
+    const char *folder = getenv(variable), *home = getenv("HOME");
+    const int has_folder = folder && *folder == '/';
+    if (!has_folder && !(home && *home == '/'))
         return -1;
-    const int length = snprintf(path, room, "%s%s/fixsplat/%s", has_state ? state : home,
-                                has_state ? "" : "/.local/state", name);
+    const int length = snprintf(path, room, "%s%s/fixsplat/%s", has_folder ? folder : home,
+                                has_folder ? "" : otherwise, name);
     if (length < 0 || (size_t)length >= room)
         return -1;
     if (is_written)
         make_folders(path);
     return 0;
+}
+
+int fxs_state_path(const char *name, int is_written, char *path, size_t room)
+{
+    return user_path("XDG_STATE_HOME", "/.local/state", name, is_written, path, room);
+}
+
+int fxs_cache_path(const char *name, int is_written, char *path, size_t room)
+{
+    return user_path("XDG_CACHE_HOME", "/.cache", name, is_written, path, room);
 }
 
 int fxs_font_find(char *path, size_t room, fxs_message *message)

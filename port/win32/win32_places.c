@@ -1,4 +1,4 @@
-/* Finds this program's folder of user data, and a font of the system. */
+/* Finds this program's folders of user data, and a font of the system. */
 #include "win32.h"
 
 #include <stdlib.h>
@@ -15,11 +15,11 @@ static char *folder_of(const wchar_t *wide, DWORD size)
     return folder;
 }
 
-int fxs_state_path(const char *name, int is_written, char *path, size_t room)
+static int user_path(const wchar_t *variable, const char *name, int is_written, char *path, size_t room)
 {
     wchar_t wide[PATH_MOST];
     fxs_message unused;
-    char *folder = folder_of(wide, GetEnvironmentVariableW(L"APPDATA", wide, PATH_MOST));
+    char *folder = folder_of(wide, GetEnvironmentVariableW(variable, wide, PATH_MOST));
     int length = folder ? snprintf(path, room, "%s/fixsplat", folder) : -1;
     if (length >= 0 && (size_t)length < room) {
         if (is_written)
@@ -28,6 +28,16 @@ int fxs_state_path(const char *name, int is_written, char *path, size_t room)
     }
     free(folder);
     return length >= 0 && (size_t)length < room ? 0 : -1;
+}
+
+int fxs_state_path(const char *name, int is_written, char *path, size_t room)
+{
+    return user_path(L"APPDATA", name, is_written, path, room);
+}
+
+int fxs_cache_path(const char *name, int is_written, char *path, size_t room)
+{
+    return user_path(L"LOCALAPPDATA", name, is_written, path, room);
 }
 
 int fxs_font_find(char *path, size_t room, fxs_message *message)

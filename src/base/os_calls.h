@@ -118,8 +118,10 @@ int fxs_folder_each(const char *path, void (*each)(void *argument, const char *n
 
 /* ---- User data and fonts ----------------------------------------------------------------------------------------- */
 
-/* Stores the path of a file in the user's data folder of this program. is_written: 1 also makes missing folders. */
+/* Stores the path of a file in this program's folder of user data, or of the user's cache. is_written: 1 also makes
+   missing folders. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room);
+int fxs_cache_path(const char *name, int is_written, char *path, size_t room);
 
 int fxs_font_find(char *path, size_t room, fxs_message *message);
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "auto_backend.h"
 #include "bench_earlier.h"
 #include "drawing.h"
 #include "views.h"
@@ -153,18 +154,6 @@ static void name_camera(char text[CAMERA_ROOM], const fxs_view *v)
     snprintf(text, CAMERA_ROOM, "%s %.9g %.9g %.9g, %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g, %.9g %.9g %.9g %.9g, "
              "%.9g", v->projection == FXS_ORTHOGRAPHIC ? "orthographic" : "perspective", p[0], p[1], p[2], r[0], r[1],
              r[2], r[3], r[4], r[5], r[6], r[7], r[8], v->fx, v->fy, v->cx, v->cy, v->near);
-}
-
-static void name_processor(char name[128])
-{
-    FILE *file = fopen("/proc/cpuinfo", "r");
-    char line[512];
-    strcpy(name, "unknown");
-    while (file && fgets(line, sizeof line, file))
-        if (!strncmp(line, "model name", 10) && sscanf(line, "%*[^:]: %127[^\n]", name) == 1)
-            break;
-    if (file)
-        fclose(file);
 }
 
 static void state(bench_facts *f, const renderer *r, const bench_options *o, const world *w,

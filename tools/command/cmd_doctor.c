@@ -7,6 +7,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include "src/base/os_calls.h"
+#include "auto_backend.h"
 #include "programs.h"
 #include "drawing.h"
 #include "tools/serve/page_folder.h"
@@ -73,15 +74,59 @@ static void print_processor(void)
     puts("");
 }
 
-static void print_backends(void)
+/* Adds what the trial says of a back end to its line. */
+static void add_trial(char *words, size_t room, const trial_result *r)
+{
+    const size_t length = strlen(words);
+    if (r->state >= TRIAL_SLOW)
+        snprintf(words + length, room - length, "; trial: %.1f ms a %sframe, opened in %.0f ms", r->frame_us / 1e3,
+                 r->state == TRIAL_SLOW ? "small " : "", r->open_us / 1e3);
+    else
+        snprintf(words + length, room - length, "; never taken by auto: %s", r->state == TRIAL_DIFFERS
+                 ? "its picture differs from the processor's" : r->text);
+}
+
+static void print_backends(const trial *t)
 {
     const fxs_backend *b;
-    for (int i = 1; (b = fxs_backend_at(i)) != 0; i++) {
-        char name[256];
+    for (int i = 0; (b = fxs_backend_at(i)) != 0; i++) {
+        char words[512];
         fxs_message why;
-        const int is_here = !b->device(0, name, sizeof name, &why);
-        line(b->name, is_here, b->does, is_here ? name : why.text);
+        const int is_here = !b->device(0, words, 256, &why);
+        if (!is_here)
+            snprintf(words, sizeof words, "%s", why.text);
+        for (int k = 0; k < t->count && is_here; k++)
+            if (t->results[k].backend == b)
+                add_trial(words, sizeof words, &t->results[k]);
+        line(b->name, is_here, b->does, words);
     }
+}
+
+/* True if a kept trial names the devices that are here now. */
+static int is_of_today(const trial *t)
+{
+    for (int i = 0; i < t->count; i++) {
+        const trial_result *r = &t->results[i];
+        char name[TRIAL_TEXT];
+        fxs_message why;
+        const int is_here = !r->backend->device(0, name, sizeof name, &why);
+        if (is_here == (r->state == TRIAL_ABSENT) ||
+            (r->state >= TRIAL_DIFFERS && strcmp(name, r->text)))
+            return 0;
+    }
+    return 1;
+}
+
+static void print_auto(int is_anew)
+{
+    trial t;
+    fxs_message why;
+    int error = trial_get(&t, is_anew, &why);
+    if (!error && !is_anew && !is_of_today(&t))
+        error = trial_get(&t, 1, &why);
+    print_backends(&t);
+    printf("%-14s takes %s for a window and for many pictures%s%s\n", "auto", trial_fastest(&t, 0)->backend->name,
+           error ? "; its trial is not kept: " : "", error ? why.text : "");
 }
 
 static void print_formats(void)
@@ -114,16 +159,28 @@ static void print_helpers(void)
     }
 }
 
+typedef struct doctor_options {
+    int trial;
+} doctor_options;
+
+#define OPTIONS doctor_options
+
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"trial", 0, FLAG(trial), .help = "make the trial of the back ends anew by which --backend auto chooses"},
+    {0}
+};
+
 static int run(int argc, char **argv)
 {
-    int none;
-    if (take_options(&command_doctor, &none, argc, argv))
+    doctor_options o = {0};
+    if (take_options(&command_doctor, &o, argc, argv))
         return EXIT_USAGE;
     if (optind != argc)
         return fail(EXIT_USAGE, "doctor takes no '%s'; see: fixsplat doctor --help", argv[optind]);
     print_version();
     print_processor();
-    print_backends();
+    print_auto(o.trial);
     print_formats();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         line(parts[i].name, parts[i].is_built, parts[i].gives, "");
@@ -136,10 +193,14 @@ static int run(int argc, char **argv)
 
 const command command_doctor = {
     "doctor", "lists libraries, programs and devices of this machine", run,
-    "Usage: fixsplat doctor\n\n"
+    "Usage: fixsplat doctor [--trial]\n\n"
     "Lists threads, instruction sets, GPUs, formats, libraries and programs of this machine, one per line, and the\n"
-    "use of each missing one. A missing one is no error: the exit status is 0.\n",
+    "use of each missing one. A missing one is no error: the exit status is 0.\n\n"
+    "Also shows the trial of the back ends for --backend auto: each draws a small scene. It is kept in the file\n"
+    "$XDG_CACHE_HOME/fixsplat/trial (default ~/.cache/fixsplat/trial; Windows: %LOCALAPPDATA%\\fixsplat\\trial), and\n"
+    "made anew for another version, processor, device or driver.\n",
     0,
-    "  $ fixsplat doctor\n",
-    {COMMON_TABLE}
+    "  $ fixsplat doctor\n"
+    "  $ fixsplat doctor --trial\n",
+    {{own_rows, 0}, COMMON_TABLE}
 };

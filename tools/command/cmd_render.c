@@ -8,6 +8,8 @@
 #include <fixsplat/scene.h>
 #include "src/base/os_calls.h"
 #include "src/image/depth_file.h"
+#include "auto_backend.h"
+#include "views.h"
 
 enum { FRAMES_MOST = 100000, SAMPLES_MOST = 1024 };
 
@@ -286,11 +288,22 @@ static int read_options(render_options *o, int argc, char **argv)
     return frame_options_check(&o->frame);
 }
 
+/* Returns how many pictures are drawn at least: the samples of each picture count; the frames along a path and the views
+   of a list are many. */
+static double pictures_of(const frame_options *f)
+{
+    const double views = f->path || names_several(f->view) ? AUTO_PIXELS : f->orbit ? f->orbit : 1;
+    return f->shutter > 0 || f->aperture > 0 ? views * f->samples : views;
+}
+
 static int run(int argc, char **argv)
 {
     static render_options o;
     const int status = read_options(&o, argc, argv);
-    return status ? status : render_views(&o);
+    if (status)
+        return status;
+    settle_backend(&o.frame, pictures_of(&o.frame));
+    return render_views(&o);
 }
 
 const command command_render = {

@@ -21,9 +21,21 @@ void picture_free(picture *p)
     memset(p, 0, sizeof *p);
 }
 
+/* Replaces the back end that auto chose by the processor. */
+static int take_cpu(renderer *r, fxs_message *why)
+{
+    if (r->self)
+        r->backend->close(r->self);
+    r->self = NULL;
+    r->is_auto = 0;
+    r->how.device = 0;
+    r->backend = fxs_backend_find("cpu");
+    return r->backend->open(&r->self, &r->how, why);
+}
+
 int renderer_open(renderer *r, const frame_options *options)
 {
-    fxs_backend_options how;
+    fxs_backend_options how = {0};
     fxs_message why;
     memset(r, 0, sizeof *r);
     r->stereo = options->stereo;
@@ -34,7 +46,13 @@ int renderer_open(renderer *r, const frame_options *options)
     int devices[DEVICES_MOST];
     choose_devices(options, devices);
     int status = choose_backend(options, devices[0], &r->backend, &how);
-    if (!status && r->backend->open(&r->self, &how, &why))
+    const int is_cpu = !status && !strcmp(r->backend->name, "cpu");
+    int error = status ? 0 : r->backend->open(&r->self, &how, &why);
+    r->is_auto = options->is_auto && !is_cpu;
+    r->how = how;
+    if (error && r->is_auto)
+        error = take_cpu(r, &why);
+    if (error)
         status = fail(EXIT_FAILED, "--backend %s: %s", options->backend, why.text);
     return status;
 }
@@ -272,6 +290,12 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
                        "a larger %s, or a smaller --budget", missing, g.missing ? "--pool" : "--max-memory");
 }
 
+static int draw(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    return world_is_paged(w) ? draw_in_part(r, w, request, stats, why)
+                             : r->backend->render(r->self, request, stats, why);
+}
+
 int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats)
 {
@@ -293,8 +317,11 @@ int renderer_render(renderer *r, const world *w, const fxs_view *view, const fxs
         if (r->gazes && look_at(r, request.cameras, &request.targets[eye].rates))
             return EXIT_FAILED;
     }
-    const int error = world_is_paged(w) ? draw_in_part(r, w, &request, stats, &why)
-                                        : r->backend->render(r->self, &request, stats, &why);
+    int error = draw(r, w, &request, stats, &why);
+    if (r->is_auto && (error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY || error == FXS_ERR_UNSUPPORTED)) {
+        error = take_cpu(r, &why);
+        error = error ? error : draw(r, w, &request, stats, &why);
+    }
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 

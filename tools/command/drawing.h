@@ -22,6 +22,8 @@ void picture_free(picture *p);
 typedef struct renderer {
     const fxs_backend *backend;
     void *self;                             /* private state of the back end; null: closed */
+    fxs_backend_options how;                /* options of the open back end */
+    int is_auto;                            /* 1: the processor replaces a back end that lacks a feature or fails */
     double stereo;                          /* distance of the eyes in scene units; 0: mono */
     size_t max_memory;
     enum fxs_format format;

@@ -153,7 +153,7 @@ const option_row frame_rows[] = {
      "instruction sets to use: all (default), c for none, or a list out of sse41,avx2,avx512,neon"},
     {"backend", "NAME", TEXT(backend), .basic = 1, .help =
      "renderer: cpu, cuda, gles, gles-fetch, gles-compute, osmesa or vulkan, all with the same bytes; auto (default) "
-     "is cpu. fixsplat help backends describes them"},
+     "takes the fastest by a trial. fixsplat help backends describes them"},
     {"device", "LIST", take_devices, 0, .help =
      "GPUs of --backend cuda or vulkan: numbers from 0, separated by commas, or all (default 0). render --view all "
      "shares its views among them; other commands use the first"},

@@ -107,6 +107,7 @@ static void open_next(viewer *v, request *r)
 {
     int now = 0, count = 0;
     (void)r;
+    v->opened.is_auto = 0;
     while (fxs_backend_at(count))
         count++;
     while (fxs_backend_at(now) != v->renderer.backend)
@@ -126,6 +127,7 @@ static void take_backend(viewer *v, request *r)
 {
     (void)r;
     v->options.backend = v->renderer.backend->name;
+    v->options.is_auto = 0;
     v->changed = 1;
 }
 

@@ -3,6 +3,7 @@
 #include <fixsplat/internal/output.h>
 #include "src/base/os_calls.h"
 #include "viewer.h"
+#include "tools/command/auto_backend.h"
 #include "tools/command/cmd_view.h"
 
 int main(int argc, char **argv)
@@ -12,6 +13,8 @@ int main(int argc, char **argv)
     fxs_program_begin(&argc, &argv);
     check_printed_at_exit();
     int status = view_options_take(&o, argc, argv);
+    if (!status)
+        settle_backend(&o.frame, o.screenshot ? 1 : AUTO_PIXELS);
     if (!status)
         status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
     if (status)

@@ -1,4 +1,5 @@
-# Sourced after check.sh by scripts that run the command fixsplat. Sets $fixsplat, $scenes, $helper and $work.
+# Sourced after check.sh by scripts that run the command fixsplat. Sets $fixsplat, $scenes, $helper and $work,
+# and a cache folder of its own.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -7,6 +8,7 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 mkdir logs
+export XDG_CACHE_HOME="$work/cache"
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
