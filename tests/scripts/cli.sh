@@ -811,6 +811,7 @@ succeeds "doctor" doctor
 check "doctor: a line each, and what is not here gives" awk '
     /^fixsplat [0-9]/ || /^(processor|scenes read|and written) / { next }
     not_here { if (!/^ +with it: ./) exit 1; not_here = 0; next }
+    /^auto +takes / { next }
     { if (!/^[a-zA-Z-]+ +(here|not here)/) exit 1; not_here = / not here/; n[not_here]++ }
     END { if (not_here || !n[0]) exit 1 }' logs/out
 check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP:libzip PNG:libpng EXPAT:expat; do
@@ -822,6 +823,80 @@ with_it() { PATH=$1 "$fixsplat" doctor | sed -n '/^ffmpeg *not here/{n;s/^ *with
 check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films, render writes .mp4, .webm and .gif: apt install ffmpeg"
 check "doctor without apt" equal "$(with_it)" "fit takes films, render writes .mp4, .webm and .gif: install it, in a folder of PATH"
 fails "doctor takes nothing" 2 "doctor takes no 'x'" doctor x
+
+# ---- --backend auto --------------------------------------------------------------------------------------------------
+
+tests_cache=$XDG_CACHE_HOME kept=$PWD/cache/fixsplat/trial
+export XDG_CACHE_HOME="$PWD/cache"
+many='--orbit 20 --size 1280x720 --hash'
+succeeds "auto: a small picture" render one.ply $small --hash
+check "auto: no trial for a small picture" [ ! -e cache ]
+for options in '--backend cpu' '--threads 1' '--cpu c' '--max-memory 64M'; do
+    succeeds "auto: many pictures with $options" render one.ply $many $options
+    check "auto: no trial with $options" [ ! -e cache ]
+done
+cp logs/out by_cpu
+succeeds "auto: many pictures" render one.ply $many
+check "auto: the same pictures" cmp logs/out by_cpu
+check "auto: the trial is kept" grep -q "^cpu exact [0-9]* [0-9]* " "$kept"
+check "auto: nothing else is left" equal "$(ls cache/fixsplat)" trial
+check "auto: a line for each back end" equal "$(sed 1d "$kept" | cut -d ' ' -f 1 | tr '\n' ' ')" "cpu cuda vulkan gles-compute "
+again() { run render one.ply $many && [ $status = 0 ] && [ ! -s logs/err ] && cmp logs/out by_cpu; }
+mark() { sed "s/^cpu exact [0-9]* [0-9]*/cpu exact 7 1/" "$kept" >marked && cp marked "$kept"; }
+# From here on without drivers, for short trials.
+export VK_DRIVER_FILES=/none __EGL_VENDOR_LIBRARY_FILENAMES=/none
+check "auto: without drivers" again
+mark
+check "auto: a kept trial is used" again
+check "auto: and stays" cmp marked "$kept"
+remade() { again && ! grep -q "^cpu exact 7 1" "$kept" && grep -q "^cpu exact" "$kept"; }
+for change in 's/^fixsplat [^,]*/fixsplat 0.0.1/' 's/ threads/0 threads/' 's/, \([^,]*\), \([0-9]*\) threads/, Z80, \2 threads/' \
+    's/drivers ./drivers x/' 's/^cuda /cude /' 's/^vulkan [a-z]*/vulkan fine/' 's/^cpu exact/cpu failed/' '$d' 'd' \
+    's/^cpu exact [0-9]*/cpu exact -/' 's/^cuda.*//'; do
+    mark
+    sed -i "$change" "$kept"
+    check "auto: a new trial after $change" remade
+done
+mark
+check "auto: a new trial with another driver" env VK_DRIVER_FILES=/other "$fixsplat" render one.ply $many
+check "auto: that trial is kept" sh -c '! grep -q "^cpu exact 7 1" "$0"' "$kept"
+head -c 100000 /dev/urandom >"$kept"
+check "auto: a new trial after random bytes" remade
+rm "$kept" && mkdir "$kept"
+check "auto: a folder in the file's place" again
+rmdir "$kept" && ln -s /dev/full "$kept"
+check "auto: a full device in the file's place" again
+check "auto: the device is left alone" [ -c /dev/full ]
+rm -r cache && printf 'x' >cache
+check "auto: a file in the folder's place" again
+check "auto: that file is left alone" equal "$(cat cache)" x
+run doctor
+check "doctor: why the trial is not kept" grep -q '^auto .* takes [a-z-]* .*; its trial is not kept: .*cache/fixsplat' logs/out
+rm cache
+XDG_CACHE_HOME= HOME= run doctor
+check "doctor without a home: exit status 0" equal $status 0
+check "doctor without a home" grep -q 'not kept: no folder to keep a trial in$' logs/out
+unset VK_DRIVER_FILES __EGL_VENDOR_LIBRARY_FILENAMES
+succeeds "doctor makes a trial" doctor
+mark
+succeeds "doctor shows the kept trial" doctor
+check "doctor: its times" grep -q '^cpu  *here: the processor; trial: 0.0 ms a frame, opened in 0 ms$' logs/out
+check "doctor: what auto takes" grep -q '^auto  *takes cpu for a window and for many pictures$' logs/out
+sed -i 's/^\(vulkan\|gles-compute\) [a-z]* \(.*\)/\1 differs \2/' "$kept"
+succeeds "doctor: a wrong picture" doctor
+check "doctor: a wrong picture is told" equal "$(grep -c "never taken by auto: its picture differs from the processor's" logs/out)" \
+    "$(grep -c differs "$kept")"
+sed -i 's/^\(vulkan\|gles-compute\) differs \([0-9]*\) \([0-9]*\) .*/\1 exact \2 \3 Voodoo 2/' "$kept"
+cp "$kept" before
+succeeds "doctor: other devices" doctor
+check "doctor: a new trial for other devices" equal "$(grep -c Voodoo "$kept")" 0
+mark
+succeeds "doctor --trial" doctor --trial
+check "doctor --trial: anew" sh -c '! grep -q "^cpu exact 7 1" "$0"' "$kept"
+# A kept trial that prefers a back end which cannot run: the processor draws.
+sed -i 's/^cuda absent [0-9]* [0-9]*/cuda exact 0 0/' "$kept"
+check "auto: a back end that does not open" again
+export XDG_CACHE_HOME="$tests_cache"
 fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
 for name in a.spz a.compressed.ply a.fxs; do
     fails "make-scene -o $name" 2 "$name: expected .* \.ply" make-scene knot -o $name

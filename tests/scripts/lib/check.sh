@@ -1,6 +1,12 @@
 # Sourced by the test scripts. Prints one line for each check, and the totals at the end.
 passed=0 failed=0 skipped=0
 
+# A cache folder of the tests, for the trial of --backend auto. ccache keeps its own.
+user_cache=${XDG_CACHE_HOME:-$HOME/.cache}
+[ ! -d "$user_cache/ccache" ] || export CCACHE_DIR="${CCACHE_DIR:-$user_cache/ccache}"
+case ${B:-build} in /*) XDG_CACHE_HOME=$B/tests/cache ;; *) XDG_CACHE_HOME=$PWD/${B:-build}/tests/cache ;; esac
+export XDG_CACHE_HOME
+
 ok() { echo "ok $1"; passed=$((passed + 1)); }
 fail() { echo "FAIL $1: $2"; failed=$((failed + 1)); }
 skip() { echo "skip $1: $2"; skipped=$((skipped + 1)); }

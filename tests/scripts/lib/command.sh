@@ -1,5 +1,4 @@
-# Sourced after check.sh by scripts that run the command fixsplat. Sets $fixsplat, $scenes, $helper and $work,
-# and a cache folder of its own.
+# Sourced after check.sh by scripts that run the command fixsplat. Sets $fixsplat, $scenes, $helper and $work.
 fixsplat=$PWD/${B:-build}/fixsplat
 case $B in /*) fixsplat=$B/fixsplat ;; esac
 scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
@@ -8,7 +7,6 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 mkdir logs
-export XDG_CACHE_HOME="$work/cache"
 helper=logs/helper
 ${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
 
