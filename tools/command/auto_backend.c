@@ -18,7 +18,6 @@ static const char *const candidates[CANDIDATES] = {"cpu", "cuda", "vulkan", "gle
 static const char *const drivers[] = {
     "/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/usr/share/glvnd/egl_vendor.d",
     "/usr/lib/dri", "/usr/lib64/dri", "/usr/lib/x86_64-linux-gnu/dri", "/usr/lib/aarch64-linux-gnu/dri",
-    "C:/Windows/System32/vulkan-1.dll", "C:/Windows/System32/nvcuda.dll", "C:/Windows/System32/DriverStore/FileRepository",
 };
 static const char *const facts[] = {"/proc/driver/nvidia/version", "/sys/module/nvidia/version",
                                     "/sys/module/amdgpu/version"};

@@ -100,7 +100,7 @@ typedef struct fxs_backend {
    reason. */
 FXS_API const fxs_backend *fxs_backend_at(int index);
 
-/* Returns a back end by its name: cpu, auto (also the processor), gles, gles-fetch, gles-compute, osmesa, vulkan, cuda.
+/* Returns a back end by its name: cpu, auto (here the processor), gles, gles-fetch, gles-compute, osmesa, vulkan, cuda.
    Returns null for other names. */
 FXS_API const fxs_backend *fxs_backend_find(const char *name);
 
