@@ -50,9 +50,11 @@ WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/gaussian/% core/src
 # Modules with threads link only thread-safe functions of wasi-libc. fixsplat.js creates their shared memory.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
-wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
+# wasm-opt would inline large functions with one caller, such as memmove, which clang has kept apart for size.
+wasm_opt_of_simd := -ocimfs=200 -fimfs=10
+wasm_opt_of_threads := $(wasm_opt_of_simd) --enable-threads --enable-bulk-memory --enable-mutable-globals
 wasm_link_of_import_threads := $(wasm_link_of_threads)
-wasm_opt_of_import_threads := $(wasm_opt_of_threads)
+wasm_opt_of_import_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
 objects_for_threads := simd
 objects_for_import_threads := import
 web_objects_of = $(patsubst %.c,$(B)/web/$(or $(objects_for_$(1)),$(1))/%.o,$(sources_of_$(1)))
@@ -140,6 +142,7 @@ $(WEB_NONE:%.c=$(B)/web/libs/%.o): $(B)/web/libs/%.o: port/web/libs/%.c $(B)/com
 $(WEB_LIBS): $(wildcard port/web/libs/*.h)
 $(IMPORTS:%=$(WEB)/%.wasm): $(WEB_LIBS)
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
+    $(wasm_opt_of_threads) \
     $(sort $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(call wasm_flags_of,$(module),$(file)))))
 
 $(WEB)/package.json $(VIEWER)/package.json: src/include/fixsplat/fixsplat.h

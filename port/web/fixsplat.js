@@ -109,13 +109,23 @@ class Module {
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
-      if (this.fetches) for (const pager of this.pagers) pager.looked(this.ahead)
+      this.looked()
       return result
     } catch (error) {
       this.c.settle?.()
       if (this.stack) this.c.__stack_pointer.value = this.stack
       throw error
     }
+  }
+
+  /** Has the loaders of streamed scenes request what the frame lacks. */
+  looked() {
+    if (this.fetches) for (const pager of this.pagers) pager.looked(this.ahead)
+  }
+
+  drawn() {
+    const [drawn, missing] = this.get(0, 2)
+    return { drawn, missing: missing + this.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
   }
 
   packedBytes(name, header) {
@@ -653,11 +663,6 @@ function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', 
   return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
 }
 
-function drawnBy(core) {
-  const [drawn, missing] = core.get(0, 2)
-  return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
-}
-
 // For each colour format and each other target: the type of the array and the count of numbers a pixel. The order is
 // that of take_targets in web_core.c.
 const FORMATS = {
@@ -740,7 +745,7 @@ function draw(core, width, height, eyes, options) {
     plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
     core.put(...places)
     core.draw('render', code, depthBits, ...valuesOf(core, options))
-    const facts = { width, height, ...drawnBy(core) }
+    const facts = { width, height, ...core.drawn() }
     const all = plans.map(taken)
     return all.map((parts) => (targets ? { ...facts, ...Object.fromEntries(parts) } : parts[0][1]))
   } finally {
@@ -825,7 +830,7 @@ class Copied {
     const { backdrop } = options
     const [drawn] = draw(core, width, height, 1, { ...options, targets: backdrop && { colour: true, backdrop } })
     this.#pixels = backdrop ? drawn.colour : drawn
-    const facts = drawnBy(core)
+    const facts = core.drawn()
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
     this.#context.putImageData(new ImageData(shown, width), 0, 0)
     return facts
@@ -907,7 +912,7 @@ class Drawn {
     }
     if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
     if (failure) throw failure
-    return drawnBy(core)
+    return core.drawn()
   }
 
   pixels() {

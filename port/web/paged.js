@@ -10,6 +10,8 @@ const HEADER = 192
 const CHUNK_HEADER = 128
 const GAUSSIANS = 256           // number of Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
+const POOL = 2 ** 28            // default size in bytes of the pool on a WebGPU device
+const HEADS = -2                // number of the buffer of chunk headers, see gpu_pieces in webgpu.c
 // number of coarsest chunks, which are loaded before the first picture and never evicted
 const TOP = 64
 const BLOCK = 2048              // number of chunk headers in one request
@@ -317,6 +319,53 @@ export class Pager {
     const isOver = this.failure && !this.failure.isLasting && performance.now() - this.failedAt > AGAIN
     if (isOver) this.failure = null
     this.#fetch()
+  }
+
+  /** Makes a pool of at most `most` bytes on a WebGPU device, with the coarsest chunks. A frame draws from the pool
+      after `use`, and `upload` then sends chunks that the frame lacked, for later frames. `scoped` runs a function and
+      returns a promise that is rejected if the device reports an error; the pool has this promise as `made`. */
+  poolOn(device, rooms, scoped, most = POOL) {
+    const { c } = this.#core
+    const pool = { at: this.#core.place(c.gpu_pool(this.#at, most)), rows: [] }
+    pool.use = () => (c.gpu_use(this.#at, pool.at), pool)
+    pool.upload = () => this.#upload(pool, rooms, device)
+    pool.free = () => (pool.at = c.release(pool.at))
+    pool.check = () => {
+      if (!pool.at) throw new Error(`${this.#remote.name}: was freed, or the device failed: draw again`)
+    }
+    pool.use()
+    pool.made = scoped(() => {
+      const made = (part) => this.#bufferOf(device, rooms, part)
+      pool.heads = made(HEADS)
+      pool.rows = Array.from({ length: c.gpu_parts(rooms, this.#at) }, (_, part) => made(part))
+      pool.upload()
+    })
+    pool.made.catch(() => {})
+    return pool
+  }
+
+  /** Makes a GPU buffer of a pool, which has the palette but no chunks. */
+  #bufferOf(device, rooms, part) {
+    const core = this.#core
+    core.c.gpu_pieces(rooms, this.#at, part)
+    const [size, , , , , , , palette, bytes] = core.get(0, 9)
+    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST
+    const buffer = device.createBuffer({ size: Math.max(size, 64), usage })
+    if (bytes) device.queue.writeBuffer(buffer, 0, core.bytes(palette, bytes).slice())
+    return buffer
+  }
+
+  #upload({ at, heads, rows }, rooms, { queue }) {
+    const core = this.#core
+    const count = at && !this.#ended ? core.c.gpu_step(at) : 0
+    const write = (buffer, to, from, bytes) => queue.writeBuffer(buffer, to, core.bytes(from, bytes).slice())
+    for (const place of count ? this.#words(core.get(0, 1)[0], count) : []) {
+      core.c.gpu_place(rooms, at, place)
+      const [header, row, part, to] = core.get(0, 4)
+      write(heads, CHUNK_HEADER * place, header, CHUNK_HEADER)
+      write(rows[part], to, row, this.#layout.chunkBytes)
+    }
+    if (count) this.#came()
   }
 
   arrival() {

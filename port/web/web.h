@@ -28,6 +28,7 @@ typedef struct fxs_web_scene {
     uint32_t *stamps;
     uint32_t *wanted;
     uint32_t wanted_count, turn;
+    struct fxs_mirror *mirror;     /* the scene's pool on the device of the Screen that draws; null: a whole scene */
 } fxs_web_scene;
 
 /* The callback fxs_options.want of a streamed scene: a frame wants a chunk (256 Gaussians). Stamps a loaded chunk as

@@ -5,10 +5,14 @@
 #include <string.h>
 
 #include "kernels/compute/plan.h"
+#include "src/core/chunk.h"
+#include "src/core/mirror.h"
 #include "web.h"
 
 /* largest part of a scene in one GPU buffer, in bytes; every device can map such a buffer */
 #define PART_BYTES (1 << 27)
+/* most bytes of a streamed scene that go to the device after a frame */
+#define UPLOAD_BYTES (1 << 23)
 
 typedef struct web_plan {
     fxs_plan plan;
@@ -43,32 +47,93 @@ EXPORT(gpu_reset) void fxs_web_gpu_reset(fxs_plan_rooms *rooms)
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
+/* Returns the scene that frames draw: of a streamed scene, the mirror's scene. */
+static const fxs_scene *drawn_of(const fxs_web_scene *s)
+{
+    return s->mirror ? &s->mirror->scene : &s->scene;
+}
+
+/* Returns a drawn scene as it lies on the device, where a streamed scene is a pool. */
+static fxs_scene on_device(const fxs_scene *drawn)
+{
+    return drawn->places ? fxs_mirror_pool((const fxs_mirror *)(const void *)drawn) : *drawn;
+}
+
 static uint32_t part_chunks(const fxs_plan_rooms *rooms, const fxs_scene *scene)
 {
     return fxs_plan_part_chunks(scene, rooms->most < PART_BYTES ? rooms->most : PART_BYTES, fxs_web_message());
 }
 
+/* Finds the number of chunks in a GPU buffer of a scene, and returns the number of buffers. */
+static int find_parts(const fxs_plan_rooms *rooms, const fxs_scene *drawn, uint32_t *each)
+{
+    const fxs_scene scene = on_device(drawn);
+    *each = part_chunks(rooms, &scene);
+    return *each ? (int)((fxs_scene_chunks(&scene) - 1) / *each + 1) : FXS_ERR_MEMORY;
+}
+
 EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_web_scene *s)
 {
-    if (s->scene.places)
-        return fxs_plan_say(fxs_web_message(), FXS_ERR_UNSUPPORTED,
-                            "a scene that comes in parts cannot be on the device: load it with `paging: false`", "");
-    const uint32_t each = part_chunks(rooms, &s->scene);
-    return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
+    uint32_t each;
+    return find_parts(rooms, drawn_of(s), &each);
 }
 
 /* Describes a part of a scene, or the scene's chunk headers, for an upload to a GPU buffer. Out: bytes of the part;
-   then for each of 3 pieces of the part: address, bytes, offset in the buffer. */
+   then for each of 3 pieces of the part: address, bytes, offset in the buffer. Of a pool, only the last piece, the
+   palette, is in memory. */
 EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
 {
+    const fxs_scene scene = on_device(drawn_of(s));
     double *out = fxs_web_numbers();
     fxs_piece pieces[3];
-    *out++ = (double)fxs_plan_pieces(&s->scene, part_chunks(rooms, &s->scene), part, pieces);
+    *out++ = (double)fxs_plan_pieces(&scene, part_chunks(rooms, &scene), part, pieces);
     for (int i = 0; i < 3; i++) {
         *out++ = (double)(uintptr_t)pieces[i].from;
         *out++ = (double)pieces[i].bytes;
         *out++ = (double)pieces[i].at;
     }
+}
+
+/* Draws a streamed scene from its pool on the device. Each Screen has a pool of its own. */
+EXPORT(gpu_use) void fxs_web_gpu_use(fxs_web_scene *s, fxs_mirror *mirror)
+{
+    s->mirror = mirror;
+}
+
+/* Returns an empty pool of at most `bytes` bytes, which the caller frees with `release`. */
+EXPORT(gpu_pool) fxs_mirror *fxs_web_gpu_pool(const fxs_web_scene *s, double bytes)
+{
+    const fxs_scene *scene = &s->scene;
+    const uint32_t room = fxs_places_room(scene, (uint64_t)bytes, fxs_mirror_place_bytes(scene));
+    if (!room)
+        fxs_plan_say(fxs_web_message(), FXS_ERR_MEMORY, "the device's pool has no room for 16 chunks", "");
+    fxs_mirror *m = room ? fxs_web_allocate(sizeof *m + (size_t)fxs_mirror_bytes(scene, room)) : NULL;
+    if (m) {
+        fxs_mirror_init(m, scene, room, m + 1);
+        m->pool.turn = 0;          /* the first frame has turn 1 or a later one */
+    }
+    return m;
+}
+
+/* Chooses chunks to upload to the pool. Returns their number. Out: address of their places in the pool. */
+EXPORT(gpu_step) uint32_t fxs_web_gpu_step(fxs_mirror *m)
+{
+    const uint32_t *places, count = fxs_mirror_step(m, UPLOAD_BYTES, &places);
+    fxs_web_numbers()[0] = (double)(uintptr_t)places;
+    return count;
+}
+
+/* Describes the chunk in a place of the pool. Out: addresses of its header and of its rows; number of the GPU buffer for
+   the rows; offset in this buffer. */
+EXPORT(gpu_place) void fxs_web_gpu_place(const fxs_plan_rooms *rooms, const fxs_mirror *m, uint32_t place)
+{
+    const fxs_scene pool = fxs_mirror_pool(m);
+    const uint32_t each = part_chunks(rooms, &pool), chunk = fxs_mirror_chunk(m, place);
+    double *out = fxs_web_numbers();
+    out[0] = (double)(uintptr_t)fxs_header(m->from, chunk);
+    out[1] = (double)(uintptr_t)fxs_rows(m->from, chunk);
+    out[2] = place / each;
+    out[3] = (double)fxs_plan_place_at(&pool, each, place);
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
@@ -100,18 +165,35 @@ static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bit
         images[i]->stride = row;
 }
 
+/* Replaces the objects' streamed scenes by their mirrors, which know the pools. */
+static void take_mirrors(fxs_request *r)
+{
+    for (uint32_t i = 0; i < r->count; i++) {
+        fxs_object *object = (fxs_object *)(uintptr_t)&r->objects[i];
+        const fxs_web_scene *s = (const fxs_web_scene *)(const void *)object->scene;
+        fxs_mirror *m = s->mirror;
+        if (!m)
+            continue;
+        if (m->pool.turn != s->turn)
+            fxs_mirror_begin(m, s->turn, m->pool.turn, &(fxs_want){fxs_web_want, NULL});
+        object->scene = &m->scene;
+    }
+    r->options.want.call = fxs_mirror_want;
+}
+
 static int begin(web_plan *w)
 {
     w->memory = fxs_web_allocate(fxs_plan_memory(&w->request));
     int error = w->memory ? fxs_plan_begin(&w->plan, &w->request, w->memory, fxs_web_message()) : FXS_ERR_MEMORY;
     for (uint32_t i = 0; i < w->request.count && !error; i++) {
-        w->plan.part_chunks[i] = part_chunks(w->rooms, w->request.objects[i].scene);
-        error = w->plan.part_chunks[i] ? 0 : FXS_ERR_MEMORY;
+        const int parts = find_parts(w->rooms, w->request.objects[i].scene, &w->plan.part_chunks[i]);
+        w->plan.part_counts[i] = (uint32_t)parts;
+        error = parts < 0 ? parts : 0;
     }
     return error;
 }
 
-/* Begins a frame on the GPU, which gpu_end frees. Out: the number of drawn Gaussians. */
+/* Begins a frame on the GPU, which gpu_end frees. Out: numbers of drawn Gaussians and of chunks that the GPU lacks. */
 EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
@@ -124,11 +206,13 @@ EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, 
     fxs_web_request(&w->request, background, sh_degree, square, budget, detail_q8);
     take_targets(w->request.targets, w->request.cameras->width, alpha, depth_bits, asked);
     w->crops = fxs_web_take_crops();
+    take_mirrors(&w->request);
     if (begin(w)) {
         fxs_web_gpu_end(w);
         return NULL;
     }
     fxs_web_numbers()[0] = (double)w->plan.places * FXS_CHUNK;
+    fxs_web_numbers()[1] = w->plan.missing;
     return w;
 }
 

@@ -182,6 +182,7 @@ export class Computed {
   #names
   #pipelines = {}
   #rooms
+  #pool
   #buffers = []
   #groups = []
   #bound = 0
@@ -198,8 +199,9 @@ export class Computed {
   #last
   #freed = false
 
-  constructor(canvas, core, device, valuesOf) {
+  constructor(canvas, core, device, pool, valuesOf) {
     this.#canvas = canvas
+    this.#pool = pool
     this.#core = core
     this.#valuesOf = valuesOf
     this.device = device
@@ -207,9 +209,9 @@ export class Computed {
     device.lost.then(() => (this.lost = true))
   }
 
-  static async open(canvas, core, { device }, valuesOf) {
+  static async open(canvas, core, { device, pool }, valuesOf) {
     if (!core.c.gpu_open) throw new Error('the module without simd128 has no WebGPU')
-    const way = new Computed(canvas, core, device ?? (await ownDevice()), valuesOf)
+    const way = new Computed(canvas, core, device ?? (await ownDevice()), pool, valuesOf)
     await way.#open()
     return way
   }
@@ -294,15 +296,23 @@ export class Computed {
     return this.#scenes.get(scene)
   }
 
+  #poolOf(scene) {
+    const [, , pager] = scene.inside
+    const scoped = (act) => this.#scoped(act)
+    if (!this.#scenes.has(scene)) this.#scenes.set(scene, pager.poolOn(this.device, this.#rooms, scoped, this.#pool))
+    return this.#scenes.get(scene).use()
+  }
+
   /** Uploads a scene anew with the next frame. */
   forget(scene) {
     this.#edited.add(scene)
   }
 
   #forget(which) {
-    for (const [scene, { heads, rows }] of this.#scenes)
+    for (const [scene, copy] of this.#scenes)
       if (which(scene)) {
-        for (const buffer of [heads, ...rows]) buffer.destroy()
+        for (const buffer of [copy.heads, ...copy.rows]) buffer?.destroy()
+        copy.free?.()
         this.#scenes.delete(scene)
       }
   }
@@ -315,17 +325,19 @@ export class Computed {
     if (into && !into.texture && this.#context) into = { ...into, texture: this.#partsOf(this.#canvas) }
     this.#checkPlace(into, width, height, alpha, Object.keys(targets).length > 0)
     const scenes = objects.map(({ scene }) => scene)
+    const pools = scenes.map((scene) => scene.paged && this.#poolOf(scene))
     for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
     const [background, shDegree, square, budget, detail, limit] = this.#valuesOf(core, options)
     const asked = Object.keys(TARGETS).map((name) => targets[name] || name === 'colour').concat(!!into?.depth, !!backdrop)
     const bits = asked.reduce((sum, is, i) => sum + (is ? 2 ** i : 0), 0)
     const values = [alpha ? 1 : 0, depthBits, bits, background, shDegree, square, budget, detail]
     const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
-    const [drawn] = core.get(0, 1)
+    const facts = core.drawn()
+    core.looked()
     if (this.#next) core.c.gpu_end(this.#next.at)
-    this.#next = { at, scenes, width, height, into, backdrop, targets, depthBits, bits, limit }
+    this.#next = { at, scenes, pools, width, height, into, backdrop, targets, depthBits, bits, limit }
     this.#running ??= this.#run()
-    return { drawn, missing: 0 }
+    return facts
   }
 
   #checkPlace(into, width, height, alpha, hasTargets) {
@@ -366,6 +378,7 @@ export class Computed {
     const format = texture?.format ?? this.#format
     const show = format && (await programsOf(this.device).show(format, over))
     if (frame.bits & ~(1 | (1 << BACKDROP))) await this.#need('trace_tiles', 'finish_traced', 'name_pixels', 'hide')
+    await Promise.all(frame.pools.map(({ made }) => made))
     this.#stay()
     const status = this.#statuses[this.#submitted++ % FLIGHTS]
     const words = this.#scoped(() => this.#submit(frame, show, status))
@@ -411,7 +424,8 @@ export class Computed {
     this.#writePlace(frame)
     if (frame.backdrop) this.device.queue.writeBuffer(this.#buffers[MEMORY], 4 * frame.images[BACKDROP], frame.backdrop)
     this.#write(MEMORY, placesAt, places, placesBytes)
-    const copies = frame.scenes.map((scene) => this.#copyOf(scene))
+    const copies = frame.scenes.map((scene, i) => frame.pools[i] || this.#copyOf(scene))
+    for (const pool of frame.pools) pool.check?.()
     const encoder = this.device.createCommandEncoder()
     const pass = encoder.beginComputePass()
     this.#bound = 0
@@ -421,6 +435,7 @@ export class Computed {
     encoder.copyBufferToBuffer(this.#buffers[COUNTS], 0, status, 0, 4 * STATUS)
     this.#show(encoder, frame, show)
     this.device.queue.submit([encoder.finish()])
+    for (const pool of frame.pools) pool.upload?.()
     return this.#read(status)
   }
 

@@ -19,6 +19,7 @@ check "makes a scene" make_scene knot knot 20000
 check "makes another" make_scene fog fog 40000
 check "makes a small one" make_scene few knot 3000
 check "with levels" make_scene levels knot 20000 --levels
+check "one to stream" make_scene parts knot 60000 --levels
 for scene in knot:6000 landscape:8000 needles:4000 fog:1500 layers:3000 cubes:4096; do
     for profile in default compact small; do
         check "${scene%:*}, $profile" make_scene "${scene%:*}-$profile" "${scene%:*}" "${scene#*:}" --profile $profile

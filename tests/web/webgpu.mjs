@@ -162,6 +162,58 @@ const tests = {
     assert.deepEqual(seen, devices.map(([, , frames], i) => [hashesOf(frames), [2, 6][i], true]))
   },
 
+  async 'a streamed scene: partly there, whole, from elsewhere, in a pool that evicts, and in one too small'() {
+    const of = (eye) => frame('parts', 96, 64, ['--budget', '12000', '--eye', `${eye}`], { budget: 12000 }, { eye })
+    const views = [of([2, -1, -4]), of([-3, 2, 3])], wanted = views.map(hashOf)
+    const [first, half, seen, told, moves, small, left] = await run(`${COUNTS}
+      const { load, render } = await import('/fixsplat.js')
+      let told = 0
+      const changed = (error) => (told += !error)
+      const scene = await load('/work/parts.fxs?ranges', { paging: { changed, cache: 0 } }), placed = [{ scene }]
+      // draws until the device has all chunks in memory that the picture needs; compares with the processor
+      async function settled(screen, { camera, options }) {
+        const still = { ...options, fetch: false }
+        const { missing, colour } = render(placed, camera, { ...still, targets: { colour: true } })
+        for (let i = 1; i < 100; i++) {
+          const facts = screen.draw(placed, camera, still)
+          const now = hash(await screen.pixels())
+          if (facts.missing === missing) return { missing, now, wanted: hash(colour), draws: i }
+        }
+        throw new Error('the device never has what is in memory')
+      }
+      const screen = await Screen.open(canvas(), 'webgpu'), [{ camera, options }] = args
+      const first = await settled(screen, args[0])
+      await scene.complete(camera, { ...options, budget: 8000 })
+      const half = await settled(screen, args[0]), seen = []
+      for (const view of args) {
+        const facts = screen.draw(placed, view.camera, view.options)
+        await scene.complete(view.camera, view.options)
+        seen.push([facts.missing, await settled(screen, view)])
+      }
+      screen.free()
+      const few = await Screen.open(canvas(), 'webgpu', { pool: 60 * scene.bytes / 469 }), moves = []
+      for (const view of [...args, ...args, ...args]) {
+        await scene.complete(view.camera, view.options)
+        const { bytes } = counts
+        const { now } = await settled(few, view)
+        moves.push([now, counts.bytes - bytes])
+      }
+      few.free()
+      const none = await Screen.open(canvas(), 'webgpu', { pool: 15 * scene.bytes / 469 })
+      const small = await wordsOf((async () => none.draw(placed, camera, options))())
+      none.free()
+      undo.forEach((one) => one())
+      scene.free()
+      return [first, half, seen, told, moves, small, counts.buffers]`, ...views)
+    for (const { missing, now, wanted } of [first, half]) assert.ok(missing > 0 && now === wanted, `${missing}, ${now}`)
+    assert.equal(new Set([first.now, half.now, ...wanted]).size, 4)
+    seen.forEach(([before, { missing, now }], i) => assert.deepEqual([before > 0, missing, now], [true, 0, wanted[i]]))
+    assert.ok(told > 0)
+    moves.forEach(([now, bytes], i) => assert.ok(now === wanted[i % 2] && bytes > 50000, `${i}: ${now}, ${bytes} bytes`))
+    assert.match(small, /the device's pool has no room for 16 chunks/)
+    assert.equal(left, 0)
+  },
+
   async 'nothing is shown before it is whole'() {
     const [first, second, third] = await run(`${COUNTS}
       const screen = await Screen.open(canvas(), 'webgpu'), placed = [{ scene: await sceneOf('knot') }], seen = []

@@ -203,8 +203,6 @@ const words = {
   },
 
   async screen(id, canvas, backend) {
-    const isInParts = objects().some(({ scene }) => scene.paged)
-    if (backend === 'webgpu' && isInParts) throw new Error('WebGPU draws no scene in parts')
     screens[id] = await Screen.open(canvas, backend, how)
     const lost = () => postMessage({ stage: 'lost', id })
     canvas.addEventListener('webglcontextlost', lost)
