@@ -470,7 +470,10 @@ export class Screen {
   private constructor()
   /** Opens a Screen with a back end. All back ends draw the same bytes:
       - 'wasm' copies the picture of `render` to the canvas.
-      - 'webgpu' renders on the GPU. Streamed scenes are not supported.
+      - 'webgpu' renders on the GPU. Each streamed scene has a pool on the GPU, of `pool` bytes at most (default 2^28).
+        A frame draws the nearest coarser chunk in place of a chunk that the pool lacks. After a frame, at most 8 MiB
+        of the chunks that it lacked go to the pool, and `Paging.changed` is called. `draw` throws if the pool has no
+        room for 16 chunks.
       - 'webgl2' prepares the picture on the processor and draws the picture on the GPU.
 
       The promise is rejected if the canvas has a context of another kind, or if the platform lacks the back end. The
@@ -479,12 +482,12 @@ export class Screen {
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas | null,
     backend: 'webgpu',
-    options?: LoadOptions & { device?: GPUDevice }
+    options?: LoadOptions & { device?: GPUDevice; pool?: number }
   ): Promise<Screen & { readonly device: GPUDevice }>
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas | null,
     backend: Backend,
-    options?: LoadOptions & { device?: GPUDevice }
+    options?: LoadOptions & { device?: GPUDevice; pool?: number }
   ): Promise<Screen>
   /** The back end that draws this Screen, as given to `Screen.open`. */
   readonly backend: Backend

@@ -123,8 +123,8 @@ EXPORT(gpu_step) uint32_t fxs_web_gpu_step(fxs_mirror *m)
     return count;
 }
 
-/* Describes the chunk in a place of the pool. Out: addresses of its header and of its rows; number of the GPU buffer for
-   the rows; offset in this buffer. */
+/* Describes the chunk in a place of the pool. Out: addresses of its header and of its rows; number of the GPU buffer
+   for the rows; offset in this buffer. */
 EXPORT(gpu_place) void fxs_web_gpu_place(const fxs_plan_rooms *rooms, const fxs_mirror *m, uint32_t place)
 {
     const fxs_scene pool = fxs_mirror_pool(m);

@@ -179,10 +179,10 @@ export function rendered(scene, ...options) {
   return words.trim().split(/\s/)[0]
 }
 
-export function native(scene, view, size, background = '0e1116') {
+export function native(scene, view, size, background = '0e1116', ...more) {
   const n = view.split(',')
   const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
-  return rendered(scene, ...camera, '--fov', n[9], '--size', size, '--bg', background)
+  return rendered(scene, ...camera, '--fov', n[9], '--size', size, '--bg', background, ...more)
 }
 
 export async function run(tests) {

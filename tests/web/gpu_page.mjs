@@ -7,6 +7,12 @@ const exact = async (backend) => {
   assert.equal(await inside('return v.backend'), backend)
   assert.equal(await hash(), native('few.fxs', await viewOf(), '640x360'))
 }
+const PARTS = '?scene=/scenes/parts.fxs%3Franges&budget=6000'
+const exactParts = async () => {
+  await moved()
+  assert.equal(await inside('return v.backend'), 'webgpu')
+  assert.equal(await hash(), native('parts.fxs', await viewOf(), '160x90', '0e1116', '--budget', '6000'))
+}
 const viewOf = () => inside('return v.view')
 const before = (more) => (text) => `${more}\n${text}`
 const faults = {
@@ -29,6 +35,19 @@ const slowWorker = (number) => `if (globalThis.GPU) {
         if (result?.milliseconds && this.number === ${number}) result.milliseconds += 1e6
         if (result?.milliseconds && this.number === 1) window.tried = true
         if (result?.milliseconds && this.number === 0 && window.tried) window.trialEnded = true
+        hear(event)
+      }
+    }
+  }
+}`
+
+const slowProcessor = `if (globalThis.GPU) {
+  GPU.prototype.requestAdapter = async () => ({ info: { vendor: 'a card' } })
+  window.Worker = class extends Worker {
+    set onmessage(hear) {
+      super.onmessage = (event) => {
+        const { result } = event.data
+        if (result?.pixels) result.milliseconds += 1e6
         hear(event)
       }
     }
@@ -94,6 +113,20 @@ await run({
     await moved()
     await exact('webgpu')
     assert.equal(await inside(`return $('error').hidden`), true)
+  },
+
+  async 'a streamed scene: asked for, after a move, and found by a trial in its own worker'() {
+    await open(`${PARTS}&backend=webgpu`, 160, 90)
+    await exactParts()
+    await page.keyboard.press('ArrowLeft', { delay: 300 })
+    await exactParts()
+    await without(slowProcessor, async () => {
+      await open(PARTS, 160, 90)
+      const isOnCard = () => document.querySelector('fixsplat-viewer').backend === 'webgpu'
+      await page.waitForFunction(isOnCard, { timeout: 300000 })
+      await exactParts()
+      assert.equal(page.workers().filter((worker) => worker.url().endsWith('/viewer/worker.js')).length, 1)
+    })
   },
 
   async 'the fastest is found by a trial'() {

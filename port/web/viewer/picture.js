@@ -7,6 +7,7 @@ const LEAST_PIXELS = 1 << 14
 const SHOWN_MS = 100
 const AGAIN_MS = 5000 // milliseconds: a back end that loses its context sooner after its opening is not opened again
 const TRIES = 3
+const MOST_TRIES = 50 // number of pictures after which a back end that lacks parts of a streamed scene is given up
 const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i
 const NEXT = { webgpu: 'webgl2', webgl2: 'wasm' }
 
@@ -114,7 +115,7 @@ export class Picture {
     const wins = found !== own && own === this.#screen
     for (const other of others) if (!wins || other !== found) free(other.canvas)
     if (wins) [this.#screen, this.#pace] = [found, new Pace()]
-    else engine.end()
+    else if (engine !== own.engine) engine.end()
     return wins ? engine : null
   }
 
@@ -165,9 +166,9 @@ function hasWebGl() {
 async function fastest(own, others, camera, { divisor, ...options }) {
   const least = async ({ engine }, id) => {
     const times = []
-    while (times.length < TRIES) {
-      const { milliseconds, lost } = await engine.ask('draw', id, camera, options)
-      times.push(lost ? Infinity : milliseconds)
+    for (let i = 0; times.length < TRIES && i < MOST_TRIES; i++) {
+      const { milliseconds, lost, missing } = await engine.ask('draw', id, camera, options)
+      if (lost || !missing) times.push(lost ? Infinity : milliseconds)
     }
     return Math.min(...times)
   }

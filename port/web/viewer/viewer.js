@@ -770,7 +770,8 @@ export class Viewer extends HTMLElement {
       this.#stuck = true
       this.#fail(new Error(words))
     }
-    if (this.#missing || words) this.#change()
+    // a picture that is being drawn may lack the parts that have come
+    if (this.#missing || this.#busy || words) this.#change()
   }
 
   async #take(opening, scene) {
@@ -1001,16 +1002,19 @@ export class Viewer extends HTMLElement {
     }
     if (this.#held) return
     this.#held = true
-    const newEngine = () => this.#newEngine((told) => this.#hear(null, told))
+    // a streamed scene is not copied: its own worker tries the GPU
+    const newEngine = () => (this.#scene.paged ? engine : this.#newEngine((told) => this.#hear(null, told)))
     const list = this.#shown
-    const copy = (other) => this.#copy(engine, other, list)
+    const copy = (other) => other === engine || this.#copy(engine, other, list)
     const trial = this.#picture.try(newEngine, copy, this.#pilot.rendered(options), options)
     const other = await trial.finally(() => (this.#held = false))
     if (!other) return
-    this.#leaveTo(other, list)
-    engine.end()
-    this.#busy = false
-    this.#gather()
+    if (other !== engine) {
+      this.#leaveTo(other, list)
+      engine.end()
+      this.#busy = false
+      this.#gather()
+    }
     this.#change()
   }
 
