@@ -300,6 +300,16 @@ static void fill_stats(const fxs_vk_slot *slot, const fxs_vulkan *v, fxs_stats *
     stats->memory.total = (size_t)v->frame->bytes;
 }
 
+int fxs_vk_take_result(fxs_vulkan *v, fxs_stats *stats, fxs_message *why)
+{
+    const fxs_vk_slot *slot = &v->slots[1 + (v->call - 1) % v->options.frames];
+    fxs_vk_collect(v);
+    v->late = 0;
+    fill_stats(slot, v, stats);
+    *why = slot->result < 0 ? slot->why : *why;
+    return slot->result < 0 ? slot->result : 0;
+}
+
 static int check_request(const fxs_request *r, fxs_message *why)
 {
     if (r->eyes < 1 || r->eyes > 2 || (r->count && !r->objects))

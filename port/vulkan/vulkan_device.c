@@ -1,4 +1,4 @@
-/* Opens a Vulkan device without a window. Vulkan's loader is loaded at run time. */
+/* Opens a Vulkan device. Vulkan's loader is loaded at run time. */
 #include "vulkan_device.h"
 
 #include <dlfcn.h>
@@ -24,7 +24,9 @@ static int make_instance(fxs_vulkan_device *d, fxs_message *why)
     const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pEngineName = "fixsplat",
                                            .engineVersion = FXS_VERSION_NUMBER, .apiVersion = VK_API_VERSION_1_1};
     const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                       .pApplicationInfo = &application};
+                                       .pApplicationInfo = &application,
+                                       .enabledExtensionCount = d->extension_count,
+                                       .ppEnabledExtensionNames = d->extensions};
     const PFN_vkCreateInstance create = CALL(CreateInstance);
     const VkResult result = create ? create(&info, 0, &d->options.instance) : VK_ERROR_INITIALIZATION_FAILED;
     if (result)
@@ -77,10 +79,15 @@ static int choose(fxs_vulkan_device *d, int number, fxs_message *why)
 int fxs_vulkan_find_device(fxs_vulkan_device *d, PFN_vkGetInstanceProcAddr load, int number, fxs_message *why)
 {
     memset(d, 0, sizeof *d);
-    fxs_vulkan_options_init(&d->options);
     d->options.load = load;
-    int error = load ? 0 : load_library(&d->options.load, why);
-    error = error ? error : make_instance(d, why);
+    const int error = load ? 0 : load_library(&d->options.load, why);
+    return error ? error : fxs_vulkan_choose_device(d, number, why);
+}
+
+int fxs_vulkan_choose_device(fxs_vulkan_device *d, int number, fxs_message *why)
+{
+    d->options.size = sizeof d->options;
+    int error = make_instance(d, why);
     error = error ? error : choose(d, number, why);
     if (error)
         fxs_vulkan_close_device(d);
@@ -94,7 +101,8 @@ int fxs_vulkan_open_device(fxs_vulkan_device *d, fxs_message *why)
                                            .queueFamilyIndex = d->options.family, .queueCount = 1,
                                            .pQueuePriorities = &priority};
     const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1,
-                                     .pQueueCreateInfos = &queue};
+                                     .pQueueCreateInfos = &queue, .enabledExtensionCount = d->extension != 0,
+                                     .ppEnabledExtensionNames = &d->extension};
     const VkResult result = CALL(CreateDevice)(d->options.physical, &info, 0, &d->options.device);
     if (result) {
         d->options.device = VK_NULL_HANDLE;

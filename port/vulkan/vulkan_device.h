@@ -1,4 +1,4 @@
-/* A Vulkan device of the library's own, without a window. */
+/* A Vulkan device of the library's own. */
 #ifndef FXS_VULKAN_DEVICE_H
 #define FXS_VULKAN_DEVICE_H
 
@@ -6,12 +6,18 @@
 
 typedef struct fxs_vulkan_device {
     fxs_vulkan_options options;    /* all handles are set */
+    const char *const *extensions; /* of the instance; the caller keeps them until the device is found */
+    uint32_t extension_count;
+    const char *extension;         /* of the device; null: none */
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
 } fxs_vulkan_device;
 
 /* Finds device number `number` with Vulkan 1.1 and a queue with compute, discrete GPUs first, and writes its name.
    `load` null: Vulkan's loader is loaded at run time. Returns 0 or an FXS_ERR_*. */
 int fxs_vulkan_find_device(fxs_vulkan_device *device, PFN_vkGetInstanceProcAddr load, int number, fxs_message *why);
+
+/* Like fxs_vulkan_find_device, with the loader and the extensions of *device. Its other fields must be 0. */
+int fxs_vulkan_choose_device(fxs_vulkan_device *device, int number, fxs_message *why);
 
 /* Creates the VkDevice. */
 int fxs_vulkan_open_device(fxs_vulkan_device *device, fxs_message *why);

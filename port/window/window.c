@@ -43,7 +43,13 @@ static void choose_drivers(void)
     SDL_SetHint(SDL_HINT_VIDEODRIVER, list);
 }
 
-int fxs_window_open(fxs_window **window, fxs_message *message)
+static SDL_Window *make_window(Uint32 flags)
+{
+    return SDL_CreateWindow("fixsplat", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, 1, 1,
+                            flags | SDL_WINDOW_HIDDEN | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
+}
+
+int fxs_window_open(fxs_window **window, int vulkan, fxs_message *message)
 {
     /* Makes SDL draw without OpenGL, because a renderer may need the OpenGL context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
@@ -57,8 +63,9 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
         return fxs_fail(message, "no window: out of memory");
     choose_drivers();
     if (!SDL_InitSubSystem(SDL_INIT_VIDEO)) {
-        (*window)->window = SDL_CreateWindow("fixsplat", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, 1, 1,
-                                             SDL_WINDOW_HIDDEN | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
+        (*window)->window = vulkan ? make_window(SDL_WINDOW_VULKAN) : 0;
+        if (!(*window)->window)
+            (*window)->window = make_window(0);
         SDL_StopTextInput();
     }
     if ((*window)->window)
@@ -89,6 +96,11 @@ void fxs_window_close(fxs_window *window)
     if (!SDL_WasInit(0))
         SDL_Quit();
     free(window);
+}
+
+void *fxs_window_handle(const fxs_window *window)
+{
+    return window->window;
 }
 
 void fxs_window_size(const fxs_window *window, int *width, int *height)

@@ -36,8 +36,13 @@ typedef struct fxs_window_event {
     const char *path;           /* drop event: path of the dropped file, valid until the next event */
 } fxs_window_event;
 
-/* Opens a hidden window. Returns 0 and the window, or -1, a null window and a message. */
-int fxs_window_open(fxs_window **window, fxs_message *message);
+/* Opens a hidden window; with `vulkan`, one for Vulkan frames, if SDL has Vulkan. Returns 0 and the window, or -1, a
+   null window and a message. */
+int fxs_window_open(fxs_window **window, int vulkan, fxs_message *message);
+
+/* Returns the SDL_Window. */
+void *fxs_window_handle(const fxs_window *window);
+
 void fxs_window_close(fxs_window *window);
 
 /* Shows the window with width x height pixels. If the screen is smaller, scales the window down in proportion. */

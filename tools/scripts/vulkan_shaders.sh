@@ -3,6 +3,7 @@
 # kernels/compute/generated/*.comp and kernels/vulkan/convert.comp, with glslangValidator and spirv-opt. The repository
 # stores these files in kernels/vulkan/generated.
 # vulkan_shaders.sh -c FILE...: prints SPIR-V files as C arrays of 32-bit words.
+# vulkan_shaders.sh -w: prints port/window/panel_shaders.h, from port/window/panel.vert and panel.frag.
 if [ "$1" = -c ]; then
     shift
     for file; do
@@ -12,9 +13,19 @@ if [ "$1" = -c ]; then
     done
     exit
 fi
-folder=${1:?folder}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
+if [ "$1" = -w ]; then
+    echo '/* The shaders of panels in SPIR-V, by tools/scripts/vulkan_shaders.sh -w. */'
+    for stage in vert frag; do
+        glslangValidator -V --target-env vulkan1.1 -g0 -o "$work/first" "port/window/panel.$stage" >"$work/said" ||
+            { cat "$work/said" >&2; exit 1; }
+        spirv-opt -O --strip-debug "$work/first" -o "$work/panel.$stage" || exit 1
+        sh "$0" -c "$work/panel.$stage" | sed 's/,/, /g' | fold -s -w 108 | sed 's/ *$//; s/^0x/    &/'
+    done
+    exit
+fi
+folder=${1:?folder}
 { echo '#version 310 es'; cat kernels/gl/depth.frag kernels/vulkan/convert.comp; } >"$work/convert.comp"
 for file in kernels/compute/generated/*.comp; do
     # the uniform buffers are bindings 0 and 1 of the descriptor set, the storage buffers 2 to 5

@@ -662,6 +662,8 @@ void viewer_step(viewer *v, int milliseconds)
         return;
     collect_loaded(v);
     stop_frame(v);
+    if (v->screen_lost)
+        lose_screen(v);
     viewer_collect(v);
     take_arrived(v);
     if (v->path && !v->request_count && (v->changed || is_still(v))) {
@@ -712,15 +714,18 @@ int viewer_open(viewer *v, const frame_options *options, const char *screenshot_
     v->rate_wanted = rate_wanted;
     v->recent_marked = -1;
     v->options = v->loading.options = *options;
-    int status = fxs_window_open(&v->window, &message) ? fail_for(&message) : start(v);
+    v->vulkan = fxs_backend_find(options->backend) == fxs_backend_find("vulkan");
+    int status = fxs_window_open(&v->window, v->vulkan, &message) ? fail_for(&message) : start(v);
     if (status)
         viewer_close(v);
     return status;
 }
 
-static void close_renderer(void *argument)
+static void close_renderers(void *argument)
 {
-    renderer_close(argument);
+    viewer *v = argument;
+    renderer_close(&v->screen_renderer);
+    renderer_close(&v->renderer);
 }
 
 void viewer_close(viewer *v)
@@ -730,7 +735,7 @@ void viewer_close(viewer *v)
     if (v->drawer) {
         fxs_worker_stop(v->drawer);
         fxs_worker_wait(v->drawer);
-        fxs_worker_do(v->drawer, close_renderer, &v->renderer);
+        fxs_worker_do(v->drawer, close_renderers, v);
         fxs_worker_end(v->drawer);
     }
     if (v->loading.on && !v->loading.status) {

@@ -4,6 +4,7 @@
 #define VIEWER_H
 
 #include "port/window/recent.h"
+#include "port/window/screen.h"
 #include "port/window/window.h"
 #include "port/window/worker.h"
 #include "tools/command/drawing.h"
@@ -45,6 +46,7 @@ typedef struct request {
     fxs_options render;
     int divisor, x, y;
     int moves, shows_part;
+    int on_screen;                          /* 1: the picture is in the screen's memory */
     enum viewer_picture shown;
     crop_box crop;
     enum edit_act edit;
@@ -83,6 +85,11 @@ struct viewer {
     request requests[REQUESTS_MOST];
     int request_count, given;               /* number of queued requests; `given` 1: the first is in progress */
     renderer renderer;                      /* the renderer's thread owns it while requests are queued */
+    renderer screen_renderer;               /* draws frames for the screen; self is null without a screen */
+    fxs_screen *screen;                     /* shows Vulkan frames; belongs to the window's thread; null: none */
+    int vulkan;                             /* 1: the window was opened for Vulkan */
+    int on_screen;                          /* 1: the last frame is in the screen's memory */
+    int screen_lost;                        /* 1: the next back end must replace the screen's */
     frame_options opened;
     int cropped;
     picture drawn;
@@ -155,6 +162,12 @@ void ask_frame(viewer *v);
 void stop_frame(viewer *v);
 void ask_screenshot(viewer *v);
 void ask_backend(viewer *v);
+
+/* Goes on with the next back end after an error of the screen. */
+void lose_screen(viewer *v);
+
+/* Drops the copies of the world's scenes on devices. Runs on the renderer's thread. */
+void forget_scenes(viewer *v);
 void ask_focus(viewer *v, double x, double y);
 void ask_film(viewer *v);
 void ask_end(viewer *v, double x, double y);

@@ -43,7 +43,7 @@ static int copy_scene(viewer *v, fxs_message *message)
         fxs_aligned_free(copy);
         return error;
     }
-    renderer_forget(&v->renderer, &v->world);
+    forget_scenes(v);
     fxs_close(scene->opened);
     scene->opened = opened;
     e->copy = copy;
@@ -146,7 +146,7 @@ static void work(viewer *v, request *r)
     if (!r->unwritten)
         r->unwritten = do_edit(v, r);
     free((void *)(uintptr_t)r->shape.points);
-    renderer_forget(&v->renderer, &v->world);
+    forget_scenes(v);
 }
 
 int is_edited(const viewer *v)

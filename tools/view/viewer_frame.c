@@ -84,9 +84,32 @@ void tell(viewer *v, const char *text)
     v->exposed = 1;
 }
 
+/* Opens the screen for frames of Vulkan. Without one, Vulkan's pictures are copied to the window. */
+static void open_screen(viewer *v)
+{
+    fxs_backend_options how;
+    fxs_screen *screen = 0;
+    fxs_message why;
+    int devices[DEVICES_MOST];
+    const fxs_backend *backend;
+    choose_devices(&v->opened, devices);
+    if (!v->vulkan || strcmp(v->renderer.backend->name, "vulkan") ||
+        choose_backend(&v->opened, devices[0], &backend, &how))
+        return;
+    if (fxs_screen_open(&screen, v->window, &how, &why))
+        fail(0, "--backend vulkan: pictures are copied to the window: %s", why.text);
+    v->screen_renderer = v->renderer;
+    v->screen_renderer.backend = &fxs_screen_backend;
+    v->screen_renderer.self = screen;
+    v->screen_renderer.rates = 0;
+    v->screen_renderer.rate_room = 0;
+}
+
 static void open_renderer(viewer *v, request *r)
 {
     r->status = renderer_open(&v->renderer, &v->opened);
+    if (!r->status)
+        open_screen(v);
 }
 
 static void end_without(viewer *v, request *r)
@@ -97,10 +120,16 @@ static void end_without(viewer *v, request *r)
     }
 }
 
+static void take_renderer(viewer *v, request *r)
+{
+    v->screen = v->screen_renderer.self;
+    end_without(v, r);
+}
+
 void ask_open(viewer *v)
 {
     v->opened = v->options;
-    ask(v, open_renderer, end_without, 1);
+    ask(v, open_renderer, take_renderer, 1);
 }
 
 static void open_next(viewer *v, request *r)
@@ -108,6 +137,7 @@ static void open_next(viewer *v, request *r)
     int now = 0, count = 0;
     (void)r;
     v->opened.is_auto = 0;
+    renderer_close(&v->screen_renderer);
     while (fxs_backend_at(count))
         count++;
     while (fxs_backend_at(now) != v->renderer.backend)
@@ -118,6 +148,7 @@ static void open_next(viewer *v, request *r)
         if (!renderer_open(&other, &v->opened)) {
             renderer_close(&v->renderer);
             v->renderer = other;
+            open_screen(v);
             return;
         }
     }
@@ -126,6 +157,7 @@ static void open_next(viewer *v, request *r)
 static void take_backend(viewer *v, request *r)
 {
     (void)r;
+    v->screen = v->screen_renderer.self;
     v->options.backend = v->renderer.backend->name;
     v->options.is_auto = 0;
     v->changed = 1;
@@ -133,13 +165,34 @@ static void take_backend(viewer *v, request *r)
 
 void ask_backend(viewer *v)
 {
-    ask(v, open_next, take_backend, 1);
+    if (ask(v, open_next, take_backend, 1))
+        v->screen = 0;
+}
+
+static void take_next(viewer *v, request *r)
+{
+    char text[64];
+    take_backend(v, r);
+    snprintf(text, sizeof text, "Vulkan failed; %s draws", v->options.backend);
+    tell(v, text);
+}
+
+void lose_screen(viewer *v)
+{
+    v->screen = 0;
+    v->screen_lost = !ask(v, open_next, take_next, 1);
+}
+
+void forget_scenes(viewer *v)
+{
+    renderer_forget(&v->renderer, &v->world);
+    renderer_forget(&v->screen_renderer, &v->world);
 }
 
 static void forget(viewer *v, request *r)
 {
     (void)r;
-    renderer_forget(&v->renderer, &v->world);
+    forget_scenes(v);
 }
 
 static void install(viewer *v, request *r)
@@ -160,14 +213,23 @@ static void crop_objects(viewer *v, const crop_box *crop)
     v->cropped = crop->on;
 }
 
+/* Draws into the screen's memory, if nothing is to be drawn over the pixels. */
+static int draws_on_screen(const viewer *v, const request *r)
+{
+    return v->screen_renderer.self && r->shows_part && r->shown == SHOW_COLOUR &&
+           !(v->edit.copy && v->edit.editor.chosen);
+}
+
 static void render(viewer *v, request *r)
 {
     static const int draws[] = {[SHOW_DEPTH] = DRAW_MEDIAN_DEPTH, [SHOW_IDS] = DRAW_IDS};
     const picture *p = &v->drawn;
+    r->on_screen = draws_on_screen(v, r);
+    renderer *by = r->on_screen ? &v->screen_renderer : &v->renderer;
     crop_objects(v, &r->crop);
-    v->renderer.shows_part = r->shows_part;
-    v->renderer.draws = draws[r->shown];
-    r->status = renderer_render(&v->renderer, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
+    by->shows_part = r->shows_part;
+    by->draws = draws[r->shown];
+    r->status = renderer_render(by, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
     const fxs_canvas out = {p->pixels, p->width, p->height};
     if (!r->status && r->shown == SHOW_DEPTH)
         fxs_paint_depths(&out, p->depths);
@@ -181,6 +243,12 @@ static void take_frame(viewer *v, request *r)
 {
     if (r->status && fxs_worker_stopped(v->drawer))     /* a newer request has stopped this frame */
         return;
+    if (r->on_screen && (r->status || !v->screen)) {
+        if (v->screen)
+            lose_screen(v);
+        v->changed = 1;
+        return;
+    }
     if (r->status) {
         tell(v, "not rendered: see the terminal");
         v->coarse = 0;
@@ -191,6 +259,9 @@ static void take_frame(viewer *v, request *r)
     const picture shown = v->picture;
     v->picture = v->drawn;
     v->drawn = shown;
+    v->on_screen = r->on_screen;
+    if (v->on_screen)
+        fxs_screen_turn(v->screen);
     v->seen = r->view;
     v->coarse = r->divisor > 1;
     v->moved = v->coarse ? fxs_clock(0) : v->moved;

@@ -408,8 +408,15 @@ int viewer_show(viewer *v)
     fxs_message message;
     panels p = panels_of(v);
     add_all(&p, v);
-    const int failed = fxs_window_show(v->window, v->seen.width ? &frame : 0, p.theme->window, p.list, p.count,
-                                       &message);
+    const fxs_canvas *below = v->seen.width && v->picture.pixels ? &frame : 0;
+    int failed = v->screen && fxs_screen_show(v->screen, v->on_screen, below, p.theme->window, p.list, p.count,
+                                              &message);
+    if (failed) {
+        fail(0, "--backend vulkan: %s", message.text);
+        lose_screen(v);
+    }
+    if (!v->screen)
+        failed = fxs_window_show(v->window, v->on_screen ? 0 : below, p.theme->window, p.list, p.count, &message);
     for (int i = 0; i < p.count; i++)
         fxs_panel_free(&p.list[i]);
     show_title(v);
