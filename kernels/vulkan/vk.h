@@ -165,9 +165,6 @@ void fxs_vk_convert_in(fxs_vk_walk *w);
 void fxs_vk_convert_out(fxs_vk_walk *w);
 void fxs_vk_copy_out(const fxs_vk_walk *w);
 
-/* Reads the result and the statistics of the last frame in flight, which must have ended. */
-int fxs_vk_take_result(fxs_vulkan *v, fxs_stats *stats, fxs_message *why);
-
 /* Finds the copy of a scene; null: none. */
 fxs_vk_scene *fxs_vk_find(const fxs_vulkan *v, const fxs_scene *scene);
 

@@ -300,7 +300,7 @@ static void fill_stats(const fxs_vk_slot *slot, const fxs_vulkan *v, fxs_stats *
     stats->memory.total = (size_t)v->frame->bytes;
 }
 
-int fxs_vk_take_result(fxs_vulkan *v, fxs_stats *stats, fxs_message *why)
+int fxs_vulkan_stats(fxs_vulkan *v, fxs_stats *stats, fxs_message *why)
 {
     const fxs_vk_slot *slot = &v->slots[1 + (v->call - 1) % v->options.frames];
     fxs_vk_collect(v);

@@ -36,7 +36,8 @@ have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; e
 
 # ---- The virtual screen ----------------------------------------------------------------------------------------------
 
-Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
+mkdir "$work/frame"
+Xvfb -displayfd 3 -screen 0 800x600x24 -fbdir "$work/frame" -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
 server=$!
 
 until_() {
@@ -251,6 +252,60 @@ if open "$B/fixsplat"; then
     check "convert --edits gives the same Gaussians" cmp "$work/edited.ply" "$work/again.ply"
     "$B/fixsplat" render "$work/knot-edited-001.fxs" --cameras "$work/cameras.json" -o "$work/rendered.png"
     check "the written scene: the same picture" cmp "$work/edited.png" "$work/rendered.png"
+fi
+
+# ---- Frames of Vulkan in a swapchain ---------------------------------------------------------------------------------
+
+screen() { cp "$work/frame/Xvfb_screen0" "$work/$1.xwd"; }
+shows() { screen now && cmp "$work/now.xwd" "$work/$1.xwd"; }
+
+# Compares whole screens. The hint about the key h disappears by itself.
+differs_now() { ! shows "$1"; }
+differ_screens() { ! cmp -s "$work/$1.xwd" "$work/$2.xwd"; }
+shown_by() {
+    others="--cameras $work/cameras.json --size 320x200 --backend $1"
+    open env VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation "$B/fixsplat" || return
+}
+
+if no_vulkan=$("$B/fixsplat" render "$work/knot.ply" --size 64x48 --backend vulkan -o "$work/vulkan.png" 2>&1); then
+    screen nothing
+    shown_by cpu
+    sleep 7
+    screen first
+    check "the screen's picture" differ_screens nothing first
+    xdotool windowsize --sync "$window" 391 243
+    sleep 1
+    screen wide
+    close xdotool key Escape
+    shown_by vulkan
+    if grep -q 'copied to the window' "$work/errors"; then
+        skip "Vulkan in the window" "$(cat "$work/errors")"
+        close xdotool key Escape
+    else
+        check "Vulkan: the processor's picture is on the screen" until_ 200 shows first
+        xdotool key h
+        check "Vulkan: the keys are drawn over it" until_ 100 differs_now first
+        xdotool key h
+        check "Vulkan: the picture is kept" until_ 100 shows first
+        xdotool windowsize --sync "$window" 391 243
+        check "Vulkan: the processor's picture in another size" until_ 200 shows wide
+        xdotool windowminimize "$window" windowmap --sync "$window" windowsize --sync "$window" 320 200
+        check "Vulkan: hidden, shown and in the first size" until_ 200 shows first
+        shot vulkan
+        same vulkan --cameras "$work/cameras.json" --size 320x200
+        xdotool key z
+        check "depths" until_ 100 differs_now first
+        xdotool key z b
+        check "the next back end draws" until_ 100 titled ', cpu, \|, gles'
+        check "its picture is the same" until_ 200 shows first
+        close xdotool key Escape
+        check "Vulkan: status 0" [ $status = 0 ]
+        check "Vulkan: no message of the validation layer" equal \
+            "$(grep -v 'no words in the window\|--backend [a-z-]*:' "$work/errors")" ""
+    fi
+    others=
+else
+    skip "Vulkan in the window" "$no_vulkan"
 fi
 
 # ---- Missing and unreadable scenes -----------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
 /* Shows Vulkan frames in an SDL window: a device with a swapchain, and panels that are blended on the device. */
-#include "screen.h"
+#include "swapchain.h"
 
 #ifdef FXS_WITH_VULKAN
 
@@ -11,12 +11,11 @@
 #include <SDL2/SDL_vulkan.h>
 
 #include <fixsplat/system.h>
-#include "kernels/vulkan/vk.h"
 #include "port/vulkan/vulkan_device.h"
 #include "src/core/sized.h"
 #include "panel_shaders.h"
 
-enum { IMAGES = 8, TRIES = 4, EXTENSIONS = 16, FORMATS = 64 };
+enum { IMAGES = 8, TRIES = 4, EXTENSIONS = 16, FAMILIES = 16, FORMATS = 64 };
 
 struct picture {
     VkImage image;
@@ -65,6 +64,14 @@ struct fxs_screen {
 
 #define CALL(name) ((PFN_vk##name)s->device.options.load(s->device.options.instance, "vk" #name))
 #define DEVICE (s->device.options.device)
+
+static int said(VkResult result, fxs_message *why)
+{
+    if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY)
+        return fxs_fail_as(FXS_ERR_MEMORY, why, "the device is out of memory");
+    return result ? fxs_fail_as(FXS_ERR_DEVICE, why, "the window's device or surface was lost (error %d)", (int)result)
+                  : 0;
+}
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
@@ -298,13 +305,17 @@ static int choose_format(fxs_screen *s, fxs_message *why)
 
 static int make_surface(fxs_screen *s, fxs_message *why)
 {
+    VkQueueFamilyProperties families[FAMILIES];
+    uint32_t count = FAMILIES;
     VkBool32 shows = VK_FALSE;
     VkSurfaceCapabilitiesKHR can;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     if (!SDL_Vulkan_CreateSurface(fxs_window_handle(s->window), s->device.options.instance, &s->surface))
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s", SDL_GetError());
+    CALL(GetPhysicalDeviceQueueFamilyProperties)(s->device.options.physical, &count, families);
     CALL(GetPhysicalDeviceSurfaceSupportKHR)(s->device.options.physical, s->device.options.family, s->surface, &shows);
-    if (!shows || CALL(GetPhysicalDeviceSurfaceCapabilitiesKHR)(s->device.options.physical, s->surface, &can) ||
+    if (!shows || !(families[s->device.options.family].queueFlags & VK_QUEUE_GRAPHICS_BIT) ||
+         CALL(GetPhysicalDeviceSurfaceCapabilitiesKHR)(s->device.options.physical, s->surface, &can) ||
         (can.supportedUsageFlags & usage) != usage || can.minImageCount > IMAGES)
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s cannot draw into the window", s->device.name);
     return choose_format(s, why);
@@ -328,10 +339,7 @@ static int start(fxs_screen *s, const fxs_backend_options *options, fxs_message 
     s->device.options.frames = 1;
     s->device.options.max_memory = options->max_memory;
     error = error ? error : fxs_vulkan_create(&s->vulkan, &s->device.options, why);
-    if (!error && !s->vulkan->graphics)
-        error = fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s: its first queue with compute has no graphics",
-                            s->device.name);
-    return error ? error : fxs_vk_said(make_objects(s), why);
+    return error ? error : said(make_objects(s), why);
 }
 
 static void drop_swapchain(fxs_screen *s)
@@ -406,7 +414,7 @@ static int submit(fxs_screen *s, const fxs_request *request, fxs_message *why)
     struct picture *p = &s->pictures[!s->shown];
     const fxs_vulkan_sync sync = {.fence = s->drawn};
     fxs_vulkan_target targets[2] = {{.format = FXS_FORMAT_RGBA8}, {.format = FXS_FORMAT_RGBA8}};
-    int error = fxs_vk_said(resize_picture(s, p, request->eyes * width, height), why);
+    int error = said(resize_picture(s, p, request->eyes * width, height), why);
     for (uint32_t eye = 0; eye < request->eyes; eye++)
         targets[eye].colour = (fxs_vulkan_image){
             .image = p->image, .format = s->format.format, .usage = picture_usage, .width = p->width,
@@ -428,9 +436,9 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     pthread_mutex_unlock(&s->queue);
     if (error)
         return error;
-    error = fxs_vk_said(CALL(WaitForFences)(DEVICE, 1, &s->drawn, VK_TRUE, UINT64_MAX), why);
-    error = error ? error : fxs_vk_said(CALL(ResetFences)(DEVICE, 1, &s->drawn), why);
-    error = error ? error : fxs_vk_take_result(s->vulkan, stats, why);
+    error = said(CALL(WaitForFences)(DEVICE, 1, &s->drawn, VK_TRUE, UINT64_MAX), why);
+    error = error ? error : said(CALL(ResetFences)(DEVICE, 1, &s->drawn), why);
+    error = error ? error : fxs_vulkan_stats(s->vulkan, stats, why);
     if (error)
         return error;
     const uint64_t device = fxs_vulkan_get_info(s->vulkan).nanoseconds;
@@ -637,7 +645,7 @@ int fxs_screen_show(fxs_screen *s, int rendered, const fxs_canvas *picture, uint
         if (!result && s->extent.width && s->extent.height)
             result = show(s, rendered, rendered ? 0 : picture, colour, panels, count);
     }
-    return result < 0 && result != VK_ERROR_OUT_OF_DATE_KHR ? fxs_vk_said(result, why) : 0;
+    return result < 0 && result != VK_ERROR_OUT_OF_DATE_KHR ? said(result, why) : 0;
 }
 
 const fxs_backend fxs_screen_backend = {.name = "vulkan", .does = "frames in a window", .can = FXS_CAN_RATES,
