@@ -15,6 +15,7 @@ MODULES := core simd threads $(IMPORTS)
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
+WASM_OPT_FLAGS := -O3 --converge --flexible-inline-max-function-size=0 --low-memory-unused
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
 WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_edit.c port/web/web_paged.c src/scene/edit/editor.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c within.c) src/scene/world.c $(WEB_C)
@@ -40,9 +41,9 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter simd import import_sog,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
                 $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
-                $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
+                $(if $(filter $(addprefix kernels/simd/wasm/,bin% project% shade%),$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
-WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
+WEB_SMALL := simd/src/% $(addprefix core/src/core/,bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
@@ -129,7 +130,7 @@ $(B)/web/$(1)/%.o: %.c $(B)/commands/web
 $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	@mkdir -p $$(@D)
 	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) $(wasm_link_of_$(1)) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
-	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
+	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) $(WASM_OPT_FLAGS) -o $$@ $(B)/web/$(1).linked
 endef
 $(foreach module,$(MODULES),$(eval $(call web_rules,$(module))))
 $(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
@@ -141,7 +142,7 @@ $(WEB_NONE:%.c=$(B)/web/libs/%.o): $(B)/web/libs/%.o: port/web/libs/%.c $(B)/com
 	$(call say,CC,'$< (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
 $(WEB_LIBS): $(wildcard port/web/libs/*.h)
 $(IMPORTS:%=$(WEB)/%.wasm): $(WEB_LIBS)
-$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) $(WASM_OPT_FLAGS) \
     $(wasm_opt_of_threads) \
     $(sort $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(call wasm_flags_of,$(module),$(file)))))
 
@@ -171,7 +172,7 @@ $(WEB)/viewer/style.js $(VIEWER)/style.js: port/web/viewer/viewer.css tools/scri
 $(WEB)/inline/files.js: tools/scripts/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< files ../fixsplat_assets.js $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
-$(VIEWER)/inline_worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(WEB)/package.json $(addprefix $(VIEWER)/,worker_whole.js worker.js sky.js motion.js)
+$(VIEWER)/inline_worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(WEB)/package.json $(addprefix $(VIEWER)/,worker_whole.js worker.js pace.js sky.js motion.js)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --alias:fixsplat=$(abspath $(WEB)) \
 	    --outfile=$(B)/web/worker.js $(VIEWER)/worker_whole.js && \

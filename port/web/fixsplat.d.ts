@@ -375,6 +375,8 @@ export interface IntoTexture {
       default. */
   x?: number
   y?: number
+  /** The layer of an array texture; 0 by default. */
+  layer?: number
   /** A depth buffer of other geometry at the same pixels, in a depth format and with the usage TEXTURE_BINDING. A
       Gaussian is hidden at a pixel if its centre is farther than the depth there. `planes` are the distances from
       the camera of the depths 0 and 1, in scene units. Either distance may be Infinity. `linear` is true if depths
@@ -398,7 +400,7 @@ export interface IntoBuffers {
 /** Options of `Screen.draw`. */
 export interface ScreenOptions extends FrameOptions {
   /** Buffers for targets, with the back end 'webgpu'. A Screen without a canvas may draw into these buffers alone. */
-  targets?: IntoBuffers
+  targets?: IntoBuffers | readonly [IntoBuffers, IntoBuffers]
   /** The number of fraction bits of the fixed-point depths in `targets`, 1 to 28; 16 by default. */
   depthBits?: number
   /** Draws into another target instead of the whole canvas. For 'webgpu', see IntoTexture. For 'webgl2',
@@ -413,6 +415,7 @@ export interface ScreenOptions extends FrameOptions {
         depth?: { texture: WebGLTexture; planes: readonly [number, number] }
       }
     | IntoTexture
+    | readonly [IntoTexture, IntoTexture]
   /** A picture to draw instead of the background colour, as `Targets.backdrop`. A backdrop with `FrameOptions.alpha` is
       an Error. */
   backdrop?: Uint8ClampedArray | Uint8Array
@@ -498,9 +501,15 @@ export class Screen {
   readonly gl: WebGL2RenderingContext | undefined
   /** The GPU device of the back end 'webgpu'; undefined with other back ends. */
   readonly device: GPUDevice | undefined
+  /** The time in milliseconds that the device took for the shaders of the last complete picture. Undefined without
+      'webgpu', and for a device without the feature timestamp-query. */
+  readonly milliseconds: number | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. With 'webgpu', the picture is
-      complete at the latest when `finish` is fulfilled. If several pictures wait, only the last picture is shown. */
-  draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
+      complete at the latest when `finish` is fulfilled. If several pictures wait, only the last picture is shown.
+
+      With 'webgpu', two cameras draw two eyes in one submission, with the bytes of `renderStereo`: side by side on the
+      canvas, or into the targets `into`. */
+  draw(objects: readonly Placed[], camera?: Camera | readonly [Camera, Camera], options?: ScreenOptions): Drawn
   /** Returns a promise that is fulfilled when the GPU has completed all pictures. With 'webgpu', the promise is
       rejected if the last picture failed. A failed picture is not shown, and `draw` may be called again. */
   finish(): Promise<void>
@@ -510,6 +519,21 @@ export class Screen {
   /** Drops the device's copy of a scene that an Editor has changed. */
   forget(scene: Scene): void
   /** Frees the memory of the Screen. The canvas keeps its picture. Further calls do nothing. */
+  free(): void
+}
+
+/** A clock that chooses the size of moving pictures from their drawing times (fixsplat/pace.h). Experimental. */
+export class Pace {
+  private constructor()
+  static open(options?: LoadOptions): Promise<Pace>
+  /** Begins anew. `milliseconds` is the time of a frame, 0.1 to 2000. `scale` is the first picture's width as a share
+      of the full width, `least` the smallest share, 1/64 to 1; both are 1 by default. */
+  begin(options: { milliseconds: number; least?: number; scale?: number }): void
+  /** Takes the drawing time of a picture of the chosen size, and chooses the next picture's size. */
+  step(milliseconds: number): void
+  readonly scale: number
+  /** True if even pictures of the smallest size take too long. */
+  readonly isTooSlow: boolean
   free(): void
 }
 

@@ -982,13 +982,20 @@ export class Screen {
     return this.inside.device
   }
 
+  get milliseconds() {
+    return this.inside.milliseconds
+  }
+
   draw(objects, camera = {}, options = {}) {
     const way = this.inside
-    const [core, width, height] = begin(objects, camera, options)
+    const [left, right] = [].concat(camera)
+    if (right && this.backend !== 'webgpu') throw new Error('only WebGPU draws two eyes at once')
+    const [core, width, height] = begin(objects, left, options)
+    if (right) takeCamera(core, objects, right, width, height)
     if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
     if (options.backdrop && options.backdrop.length !== 4 * width * height)
       throw new Error(`backdrop: expected ${4 * width * height} numbers`)
-    return way.draw(core, width, height, options, objects)
+    return way.draw(core, width, height, options, objects, right ? 2 : 1)
   }
 
   pixels() {
@@ -1008,6 +1015,37 @@ export class Screen {
     if (!this.#way) return
     this.#way.free()
     this.#way = undefined
+    this.#core.scenes--
+  }
+}
+
+// ---- Frame rates ----------------------------------------------------------------------------------------------
+
+export class Pace {
+  #core
+  #at
+
+  static async open(options = {}) {
+    const pace = new Pace()
+    pace.#core = await coreFor(options)
+    pace.#core.scenes++
+    return pace
+  }
+
+  begin({ milliseconds, least = 1, scale = 1 }) {
+    const [core, shares] = [this.#core, [least, scale].map((share) => Math.round(65536 * share))]
+    this.#at = core.place(core.c.pace(this.#at ?? 0, 1e6 * milliseconds, ...shares))
+    Object.assign(this, { scale, isTooSlow: false })
+  }
+
+  step(milliseconds) {
+    this.#core.check(this.#core.c.pace_step(this.#at, 1e6 * milliseconds))
+    const [scale, reason] = this.#core.get(0, 2)
+    Object.assign(this, { scale: scale / 65536, isTooSlow: reason === 3 })
+  }
+
+  free() {
+    this.#core.c.release(this.#at ?? 0)
     this.#core.scenes--
   }
 }

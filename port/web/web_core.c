@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/camera.h>
+#include <fixsplat/pace.h>
 #include <fixsplat/scene.h>
 #include <fixsplat/world.h>
 #include <fixsplat/internal/allocator.h>
@@ -440,4 +441,27 @@ EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8,
     for (int i = 0; i < 3; i++)
         numbers[3 + i] = (double)result.position_q32[i] * 0x1p-32;
     return found;
+}
+
+/* ---- Clock ------------------------------------------------------------------------------------------------------- */
+
+/* Begins a clock anew, or makes one if `pace` is null, for a picture's size alone. Returns null without memory. */
+EXPORT(pace) fxs_pace *fxs_web_pace(fxs_pace *pace, uint32_t frame_nanoseconds, uint32_t least_q16, uint32_t scale_q16)
+{
+    if (!pace && !(pace = fxs_web_allocate(sizeof *pace)))
+        return NULL;
+    fxs_pace_init(pace);
+    pace->frame_nanoseconds = frame_nanoseconds;
+    pace->scale_least_q16 = least_q16;
+    pace->scale_q16 = scale_q16;
+    return pace;
+}
+
+/* Hands in the time of a picture of the chosen size. Out: the scale of the next picture (Q16), the reason. */
+EXPORT(pace_step) int fxs_web_pace_step(fxs_pace *pace, double nanoseconds)
+{
+    const int result = fxs_pace_step(pace, (uint64_t)nanoseconds, 0, pace->number);
+    numbers[0] = pace->scale_q16;
+    numbers[1] = pace->reason;
+    return said(result);
 }

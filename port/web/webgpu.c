@@ -146,7 +146,7 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* Sets the targets (pictures) of a frame. The bits of `asked` name them, from bit 0: colour, mean depth, median depth,
+/* Sets the targets (pictures) of an eye. The bits of `asked` name them, from bit 0: colour, mean depth, median depth,
    ids, occluder, backdrop. The pictures lie on the device, so the addresses are placeholders. The rows of all pictures
    lie side by side. */
 static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
@@ -204,7 +204,8 @@ EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, 
     memset(w, 0, sizeof *w);
     w->rooms = rooms;
     fxs_web_request(&w->request, background, sh_degree, square, budget, detail_q8);
-    take_targets(w->request.targets, w->request.cameras->width, alpha, depth_bits, asked);
+    for (uint32_t eye = 0; eye < w->request.eyes; eye++)
+        take_targets(&w->request.targets[eye], w->request.cameras->width, alpha, depth_bits, asked);
     w->crops = fxs_web_take_crops();
     take_mirrors(&w->request);
     if (begin(w)) {
@@ -224,7 +225,7 @@ static void take_step(void *argument, const fxs_step *step)
 
 /* Lays out the GPU buffers of the frame. Out: address and bytes of the uniforms; address, bytes and device offset of
    the table of drawn chunks; address and number of the steps (shader calls); device offsets in 32-bit words of colour,
-   mean depth, median depth, ids, occluder and backdrop; bytes of each buffer. */
+   mean depth, median depth, ids, occluder and backdrop; bytes of each buffer. The last two are of each eye. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;
@@ -254,13 +255,13 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     return 0;
 }
 
-/* Takes the status of a finished frame, the numbers. */
-EXPORT(gpu_look) int fxs_web_gpu_look(fxs_plan_rooms *rooms)
+/* Takes the statuses of a finished frame, the numbers. */
+EXPORT(gpu_look) int fxs_web_gpu_look(fxs_plan_rooms *rooms, uint32_t eyes)
 {
-    uint32_t status[FXS_COMPUTE_STATUS];
-    for (int i = 0; i < FXS_COMPUTE_STATUS; i++)
+    uint32_t status[FXS_COMPUTE_EYES * FXS_COMPUTE_STATUS];
+    for (uint32_t i = 0; i < eyes * FXS_COMPUTE_STATUS; i++)
         status[i] = (uint32_t)fxs_web_numbers()[i];
-    return fxs_plan_look(rooms, status, 1, fxs_web_message());
+    return fxs_plan_look(rooms, status, eyes, fxs_web_message());
 }
 
 /* Returns the table that lies at the start of the device memory: -2 ln(opacity) of each opacity code, Q11. Out: size of

@@ -12,6 +12,9 @@ const FLIGHTS = 3               // largest number of submitted frames that the d
 const STRIDE = 1024             // size of a uniform block in bytes: FXS_COMPUTE_STRIDE
 const STEP = 15
 const PLACE = 10
+const EYES = 2
+const PLACE_STRIDE = 256        // distance of two eyes' places in their buffer, in bytes
+const [TIMES, TIMES_AT] = ['timestamp-query', 4 * STATUS * EYES]     // optional feature; its two times in a status
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // depth of a pixel without a depth: FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
@@ -77,7 +80,8 @@ async function makeDevice() {
   if (!adapter) throw new Error('there is no WebGPU here')
   const { maxStorageBufferBindingSize, maxBufferSize } = adapter.limits
   const requiredLimits = { maxStorageBufferBindingSize, maxBufferSize }
-  const device = await adapter.requestDevice({ requiredLimits }).catch((error) => {
+  const requiredFeatures = adapter.features.has(TIMES) ? [TIMES] : []
+  const device = await adapter.requestDevice({ requiredLimits, requiredFeatures }).catch((error) => {
     throw new Error(`there is no WebGPU device: ${lineOf(error)}`)
   })
   device.lost.then(() => (own = undefined))
@@ -191,6 +195,8 @@ export class Computed {
   #flights = []
   #settled = Promise.resolve()
   #place
+  #times
+  #ticks
   #scenes = new Map()
   #edited = new Set()
   #next
@@ -224,8 +230,12 @@ export class Computed {
     const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
     this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
     const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST
-    this.#statuses = Array.from({ length: FLIGHTS }, () => this.#buffer(4 * STATUS, usage))
-    this.#place = this.#buffer(4 * PLACE, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
+    this.#statuses = Array.from({ length: FLIGHTS }, () => this.#buffer(TIMES_AT + 16, usage))
+    if (this.device.features.has(TIMES)) {
+      this.#times = this.device.createQuerySet({ type: 'timestamp', count: 2 })
+      this.#ticks = this.#buffer(16, GPUBufferUsage.QUERY_RESOLVE | GPUBufferUsage.COPY_SRC)
+    }
+    this.#place = this.#buffer(EYES * PLACE_STRIDE, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
   }
 
   async #take(canvas) {
@@ -266,7 +276,7 @@ export class Computed {
       if (size === this.#buffers[i]?.size) return
       this.#buffers[i]?.destroy()
       this.#buffers[i] = this.#buffer(size, (i ? STORAGE | INDIRECT : UNIFORM) | COPY_SRC | COPY_DST)
-      if (i === MEMORY) this.#write(MEMORY, 0, this.#core.c.gpu_table(), this.#core.get(0, 1)[0])
+      if (i % BUFFERS === MEMORY) this.#write(i, 0, this.#core.c.gpu_table(), this.#core.get(0, 1)[0])
     })
   }
 
@@ -319,33 +329,41 @@ export class Computed {
 
   // ---- Drawing ------------------------------------------------------------------------------------------------
 
-  draw(core, width, height, { alpha, into, backdrop, targets = {}, depthBits = 16, ...options }, objects) {
+  draw(core, width, height, { alpha, into, backdrop, targets = {}, depthBits = 16, ...options }, objects, count) {
     if (this.lost) throw new Error(LOST)
-    checkTargets(targets, width * height)
-    if (into && !into.texture && this.#context) into = { ...into, texture: this.#partsOf(this.#canvas) }
-    this.#checkPlace(into, width, height, alpha, Object.keys(targets).length > 0)
+    if (into?.length && into.length !== count) throw new Error('`into`: expected one target for each eye')
+    const eyes = Array.from({ length: count }, (_, i) => {
+      const place = { ...(Array.isArray(into) ? into[i] : { ...into, x: (into?.x ?? 0) + i * width }) }
+      if (into && !place.texture && this.#context) place.texture = this.#partsOf(this.#canvas)
+      return { place, targets: [].concat(targets)[i] ?? {} }
+    })
+    for (const { place, targets } of eyes) {
+      checkTargets(targets, width * height)
+      this.#checkPlace(into && place, count * width, width, height, alpha, Object.keys(targets).length > 0)
+    }
     const scenes = objects.map(({ scene }) => scene)
     const pools = scenes.map((scene) => scene.paged && this.#poolOf(scene))
     for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
     const [background, shDegree, square, budget, detail, limit] = this.#valuesOf(core, options)
-    const asked = Object.keys(TARGETS).map((name) => targets[name] || name === 'colour').concat(!!into?.depth, !!backdrop)
+    const isAsked = (name) => name === 'colour' || eyes.some(({ targets }) => targets[name])
+    const asked = [...Object.keys(TARGETS).map(isAsked), eyes.some(({ place }) => place.depth), !!backdrop]
     const bits = asked.reduce((sum, is, i) => sum + (is ? 2 ** i : 0), 0)
     const values = [alpha ? 1 : 0, depthBits, bits, background, shDegree, square, budget, detail]
     const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
     const facts = core.drawn()
     core.looked()
     if (this.#next) core.c.gpu_end(this.#next.at)
-    this.#next = { at, scenes, pools, width, height, into, backdrop, targets, depthBits, bits, limit }
+    this.#next = { at, scenes, pools, width, height, eyes, isWhole: !into, backdrop, depthBits, bits, limit }
     this.#running ??= this.#run()
     return facts
   }
 
-  #checkPlace(into, width, height, alpha, hasTargets) {
+  #checkPlace(into, whole, width, height, alpha, hasTargets) {
     const most = this.device.limits.maxTextureDimension2D
     if (!into && !this.#context && !hasTargets)
       throw new Error('a Screen without a canvas draws `into` a texture, or `targets`')
-    if (!into && this.#context && Math.max(width, height) > most)
-      throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
+    if (!into && this.#context && Math.max(whole, height) > most)
+      throw new Error(`${whole} x ${height} pixels are more than the device's canvas can have`)
     if (into) checkInto(into, width, height, alpha)
   }
 
@@ -374,22 +392,26 @@ export class Computed {
     const core = this.#core
     this.#forget((scene) => scene.isFreed || this.#edited.has(scene))
     this.#edited.clear()
-    const { texture, over = false } = frame.into ?? {}
-    const format = texture?.format ?? this.#format
-    const show = format && (await programsOf(this.device).show(format, over))
+    for (const eye of frame.eyes) {
+      const { texture, over = false } = eye.place
+      const format = texture?.format ?? this.#format
+      eye.show = format && (await programsOf(this.device).show(format, over))
+    }
     if (frame.bits & ~(1 | (1 << BACKDROP))) await this.#need('trace_tiles', 'finish_traced', 'name_pixels', 'hide')
     await Promise.all(frame.pools.map(({ made }) => made))
     this.#stay()
     const status = this.#statuses[this.#submitted++ % FLIGHTS]
-    const words = this.#scoped(() => this.#submit(frame, show, status))
+    const words = this.#scoped(() => this.#submit(frame, status))
     this.#last = frame
-    this.#flights.push(this.#settle(words.then((words) => this.#look(words))))
+    this.#flights.push(this.#settle(words.then((words) => this.#look(words, frame.eyes.length))))
   }
 
-  #look(words) {
+  #look(words, eyes) {
     this.#stay()
+    const [start, end] = new BigUint64Array(words.buffer, TIMES_AT)
+    this.milliseconds = Number(end - start) / 1e6 || undefined
     this.#core.put(...words)
-    this.#core.check(this.#core.c.gpu_look(this.#rooms))
+    this.#core.check(this.#core.c.gpu_look(this.#rooms, eyes))
   }
 
   #stay() {
@@ -413,27 +435,40 @@ export class Computed {
     return given.value
   }
 
-  #submit(frame, show, status) {
+  #submit(frame, status) {
     const core = this.#core
     core.check(core.c.gpu_lay_out(frame.at))
-    const facts = core.get(0, 7 + IMAGES + BUFFERS), [uniforms, bytes, places, placesBytes, placesAt, steps, count] = facts
+    const facts = core.get(0, 7 + IMAGES + BUFFERS)
+    const [uniforms, bytes, places, placesBytes, placesAt, steps, count] = facts
     frame.images = facts.slice(7, 7 + IMAGES)
     const words = new Int32Array(core.c.memory.buffer, steps, STEP * count).slice()
-    this.#reserve(facts.slice(7 + IMAGES), frame.limit)
+    const sizes = facts.slice(7 + IMAGES)
+    this.#reserve(frame.eyes.flatMap(() => sizes), frame.limit)
     this.#write(UNIFORMS, 0, uniforms, bytes)
-    this.#writePlace(frame)
-    if (frame.backdrop) this.device.queue.writeBuffer(this.#buffers[MEMORY], 4 * frame.images[BACKDROP], frame.backdrop)
-    this.#write(MEMORY, placesAt, places, placesBytes)
+    frame.eyes.forEach(({ place }, eye) => {
+      const memory = eye * BUFFERS + MEMORY
+      const { images, backdrop } = frame
+      this.#writePlace(frame, place, eye)
+      if (backdrop) this.device.queue.writeBuffer(this.#buffers[memory], 4 * images[BACKDROP], backdrop)
+      this.#write(memory, placesAt, places, placesBytes)
+    })
     const copies = frame.scenes.map((scene, i) => frame.pools[i] || this.#copyOf(scene))
     for (const pool of frame.pools) pool.check?.()
     const encoder = this.device.createCommandEncoder()
-    const pass = encoder.beginComputePass()
+    const timestampWrites = { querySet: this.#times, beginningOfPassWriteIndex: 0, endOfPassWriteIndex: 1 }
+    const pass = encoder.beginComputePass(this.#times && { timestampWrites })
     this.#bound = 0
-    if (frame.into?.depth) this.#hide(pass, frame)
+    frame.eyes.forEach(({ place }, eye) => place.depth && this.#hide(pass, frame, place, eye))
     for (let i = 0; i < words.length; i += STEP) this.#step(pass, copies, words.subarray(i, i + STEP))
     pass.end()
-    encoder.copyBufferToBuffer(this.#buffers[COUNTS], 0, status, 0, 4 * STATUS)
-    this.#show(encoder, frame, show)
+    frame.eyes.forEach((of, eye) => {
+      encoder.copyBufferToBuffer(this.#buffers[eye * BUFFERS + COUNTS], 0, status, 4 * STATUS * eye, 4 * STATUS)
+      this.#show(encoder, frame, of, eye)
+    })
+    if (this.#times) {
+      encoder.resolveQuerySet(this.#times, 0, 2, this.#ticks, 0)
+      encoder.copyBufferToBuffer(this.#ticks, 0, status, TIMES_AT, 16)
+    }
     this.device.queue.submit([encoder.finish()])
     for (const pool of frame.pools) pool.upload?.()
     return this.#read(status)
@@ -446,13 +481,13 @@ export class Computed {
     return words
   }
 
-  #writePlace({ width, height, into: { x = 0, y = 0, depth } = {}, images, depthBits }) {
+  #writePlace({ width, height, images, depthBits }, { x = 0, y = 0, depth }, eye) {
     const { planes = [], linear = false } = depth ?? {}
     const words = new Int32Array(PLACE)
     words.set([x, y, width, height, images[0], images[OCCLUDER]])
     new Float32Array(words.buffer).set(planes.map((plane) => (plane * 2 ** depthBits) ** (linear ? 1 : -1)), 6)
     words[8] = linear ? 1 : 0
-    this.device.queue.writeBuffer(this.#place, 0, words)
+    this.device.queue.writeBuffer(this.#place, PLACE_STRIDE * eye, words)
   }
 
   /** Binds the resources of a shader. The bind groups of the last frame are reused if possible, since making them is
@@ -470,48 +505,57 @@ export class Computed {
     pass.setBindGroup(group, this.#groups[this.#bound++].made)
   }
 
-  #step(pass, copies, [program, , x, y, arguments_, argumentsAt, a, b, c, d, uniform, object, part]) {
+  #step(pass, copies, [program, , x, y, arguments_, argumentsAt, a, b, c, d, uniform, object, part, eye, frame]) {
     const pipeline = this.#pipelines[this.#names[program]]
     const { heads, rows } = copies[object] ?? {}
-    const bufferOf = (number) => (number === HEADS ? heads : number === ROWS ? rows[part] : this.#buffers[number])
+    const own = (number) => this.#buffers[eye * BUFFERS + number]
+    const bufferOf = (number) => (number === HEADS ? heads : number === ROWS ? rows[part] : own(number))
     const buffer = this.#buffers[UNIFORMS]
-    const uniforms = (uniform ? [0, uniform] : [0]).map((offset) => ({ buffer, offset, size: STRIDE }))
+    const uniforms = (uniform ? [frame, uniform] : [frame]).map((offset) => ({ buffer, offset, size: STRIDE }))
     pass.setPipeline(pipeline)
     this.#bind(pass, pipeline, 0, uniforms)
     this.#bind(pass, pipeline, 1, [a, b, c, d].map((number) => (number === NONE ? null : { buffer: bufferOf(number) })))
     if (arguments_ === NONE) pass.dispatchWorkgroups(x, y)
-    else pass.dispatchWorkgroupsIndirect(this.#buffers[arguments_], argumentsAt)
+    else pass.dispatchWorkgroupsIndirect(own(arguments_), argumentsAt)
   }
 
-  #hide(pass, { width, height, into: { depth } }) {
+  #placed(eye) {
+    const place = { buffer: this.#place, offset: PLACE_STRIDE * eye, size: 4 * PLACE }
+    return [place, { buffer: this.#buffers[eye * BUFFERS + MEMORY] }]
+  }
+
+  #hide(pass, { width, height }, { depth }, eye) {
     const view = depth.texture.createView({ aspect: 'depth-only' })
     pass.setPipeline(this.#pipelines.hide)
-    this.#bind(pass, this.#pipelines.hide, 0, [{ buffer: this.#place }, { buffer: this.#buffers[MEMORY] }, view])
+    this.#bind(pass, this.#pipelines.hide, 0, [...this.#placed(eye), view])
     pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil(height / 8))
   }
 
-  #show(encoder, { width, height, into, targets, images }, pipeline) {
+  #show(encoder, frame, { targets, show }, eye) {
     Object.keys(TARGETS).forEach((name, i) => {
-      if (targets[name]) this.#copy(encoder, images[i], targets[name], 4 * TARGETS[name] * width * height)
+      const bytes = 4 * TARGETS[name] * frame.width * frame.height
+      if (targets[name]) this.#copy(encoder, eye, frame.images[i], targets[name], bytes)
     })
-    if (pipeline) this.#showColours(encoder, width, height, into, pipeline)
+    if (show) this.#showColours(encoder, frame, eye)
   }
 
-  #copy(encoder, from, to, bytes) {
-    encoder.copyBufferToBuffer(this.#buffers[MEMORY], 4 * from, to, 0, bytes)
+  #copy(encoder, eye, from, to, bytes) {
+    encoder.copyBufferToBuffer(this.#buffers[eye * BUFFERS + MEMORY], 4 * from, to, 0, bytes)
   }
 
-  #showColours(encoder, width, height, into, pipeline) {
-    if (!into) this.#resize(width, height)
-    const { texture = this.#context.getCurrentTexture(), x = 0, y = 0 } = into ?? {}
-    const target = { view: texture.createView(), loadOp: into ? 'load' : 'clear', storeOp: 'store' }
+  #showColours(encoder, { width, height, eyes, isWhole }, eye) {
+    if (isWhole) this.#resize(eyes.length * width, height)
+    const { place, show: pipeline } = eyes[eye]
+    const { texture = this.#context.getCurrentTexture(), x = 0, y = 0, layer = 0 } = place
+    const view = texture.createView({ dimension: '2d', baseArrayLayer: layer, arrayLayerCount: 1 })
+    const target = { view, loadOp: isWhole && !eye ? 'clear' : 'load', storeOp: 'store' }
     const pass = encoder.beginRenderPass({ colorAttachments: [target] })
     pass.setPipeline(pipeline)
-    this.#bind(pass, pipeline, 0, [{ buffer: this.#place }, { buffer: this.#buffers[MEMORY] }])
+    this.#bind(pass, pipeline, 0, this.#placed(eye))
     pass.setScissorRect(x, y, width, height)
     pass.draw(3)
     pass.end()
-    if (!into) this.#parts = undefined
+    if (isWhole) this.#parts = undefined
     if (texture !== this.#parts) return
     const shown = this.#context.getCurrentTexture()
     encoder.copyTextureToTexture({ texture }, { texture: shown }, [shown.width, shown.height])
@@ -544,7 +588,7 @@ export class Computed {
     const size = 4 * width * height
     const buffer = this.#buffer(size, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
     const encoder = this.device.createCommandEncoder()
-    this.#copy(encoder, images[0], buffer, size)
+    this.#copy(encoder, 0, images[0], buffer, size)
     this.device.queue.submit([encoder.finish()])
     await buffer.mapAsync(GPUMapMode.READ)
     const pixels = new Uint8ClampedArray(buffer.getMappedRange()).slice()
@@ -557,7 +601,7 @@ export class Computed {
     if (this.#next) this.#core.c.gpu_end(this.#next.at)
     this.#next = undefined
     this.#giveBack()
-    for (const buffer of [...this.#statuses, this.#place]) buffer.destroy()
+    for (const made of [...this.#statuses, this.#place, this.#times, this.#ticks]) made?.destroy()
     this.#core.c.release(this.#rooms)
     this.#context?.unconfigure()
   }

@@ -488,36 +488,36 @@ const tests = {
   },
 
   async 'the size in motion: as large as the machine can draw, and steady'() {
-    const { Pace } = await import(resolve(folder, 'viewer/pace.js'))
+    const [{ Sizes }, { Pace }] = await Promise.all(
+      ['viewer/pace.js', 'fixsplat.js'].map((name) => import(resolve(folder, name))))
     let seed = 1
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647
-    const most = (fixed, all, noise) => {
-      const pace = new Pace()
-      const take = (divisor) => pace.take(divisor, (fixed + all / divisor ** 2) * (1 + noise * (2 * random() - 1)))
-      const counts = {}
-      let [turns, last] = [0, pace.divisor]
-      take(1)
-      for (let i = 0; i < 500; i++) {
-        const { divisor } = pace
-        counts[divisor] = (counts[divisor] ?? 0) + 1
-        turns += divisor !== last
-        take((last = divisor))
-      }
-      return [Number(Object.entries(counts).sort(([, a], [, b]) => b - a)[0][0]), turns]
-    }
-    for (const [fixed, all, noise, divisor] of [
-      [0, 30, 0.1, 1],
-      [0, 130, 0.1, 2],
-      [10, 110, 0.1, 2],
-      [70, 85, 0.1, 2],
-      [300, 50, 0.1, 1],
-      [10, 1000, 0.2, 4],
+    const clock = await Pace.open({ threads: 1 })
+    for (const [fixed, all, noise, most] of [
+      [0, 30, 0.1, 34],
+      [0, 130, 0.1, 34],
+      [10, 110, 0.1, 34],
+      [70, 85, 0.1, 98],
+      [300, 50, 0.1, 395],
+      [10, 1000, 0.2, 94],
+      [20, 100, 0.4, 32],
     ]) {
-      const [found, turns] = most(fixed, all, noise)
-      assert.equal(found, divisor, `${fixed} + ${all} ms`)
-      assert.ok(turns <= 5, `${turns} changes at ${fixed} + ${all} ms`)
+      const sizes = new Sizes(clock)
+      const timeAt = (scale) => fixed + all * scale ** 2
+      const take = (moves, scale) => sizes.take(moves, timeAt(scale) * (1 + noise * (2 * random() - 1)))
+      let scale = take(false, 1)
+      for (let motion = 0; motion < 2; motion++) {
+        const scales = []
+        for (let i = 0; i < 500; i++) scales.push((scale = take(true, scale)))
+        const later = scales.slice(60)
+        const [least, largest] = [Math.min(...later), Math.max(...later)]
+        const words = `${fixed} + ${all} ms: ${least} to ${largest}, ${timeAt(largest)} ms`
+        assert.ok(timeAt(largest) < 1.03 * most && (scale === 1 || timeAt(scale) > 0.75 * most), words)
+        assert.ok(largest < 1.15 * least, words)
+        scale = take(false, 1)
+      }
     }
-    assert.ok(most(20, 100, 0.4)[1] <= 12)
+    clock.free()
   },
 
   async 'every control has a name; panels by key; noui'() {

@@ -270,6 +270,71 @@ const tests = {
     assert.match(beyond, /41 x 30 pixels from 40, 0 on do not lie/)
   },
 
+  async 'two eyes in one submission: side by side, in two textures, in two layers'() {
+    const [width, height] = [72, 50]
+    const cameras = [-0.25, 0.25].map((x) => ({ eye: [x, -2, -9], look: [x, -2, 0], near: 0.5 }))
+    for (const budget of [0, 6000]) {
+      execFileSync(command, ['render', `${work}/levels.fxs`, '--size', `${width}x${height}`, '--eye', '0,-2,-9',
+                             '--look', '0,-2,0', '--near', '0.5', '--stereo', '0.5', '--quiet', '-o',
+                             `${work}/pair.raw`, ...(budget ? ['--budget', budget] : [])])
+      const [pair, row] = [readFileSync(`${work}/pair.raw`), 4 * width]
+      const rowOf = (at) => pair.subarray(row * at, row * (at + 1))
+      const rows = (eye) => Array.from({ length: height }, (_, y) => rowOf(2 * y + eye))
+      const wanted = [0, 1].map((eye) => hash(Buffer.concat(rows(eye))))
+      const [hashes, submits, size, said] = await run(`${COUNTS}
+        const { cameras, options } = args[0], { width, height } = options
+        const shown = new OffscreenCanvas(1, 1), screen = await Screen.open(shown, 'webgpu'), { device } = screen
+        const placed = [{ scene: await sceneOf('levels') }], hashes = []
+        const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC
+        const made = (layers) => device.createTexture({ size: [192, 64, layers], format: 'rgba8unorm', usage })
+        async function hashAt({ texture, x = 0, y = 0, layer = 0 }) {
+          const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST, bytesPerRow = 4 * 192
+          const buffer = device.createBuffer({ size: bytesPerRow * 64, usage }), encoder = device.createCommandEncoder()
+          encoder.copyTextureToBuffer({ texture, origin: [x, y, layer] }, { buffer, bytesPerRow }, [width, height])
+          device.queue.submit([encoder.finish()])
+          await buffer.mapAsync(GPUMapMode.READ)
+          const bytes = new Uint8Array(buffer.getMappedRange()), row = 4 * width
+          const pixels = new Uint8Array(row * height)
+          for (let i = 0; i < height; i++) pixels.set(bytes.subarray(i * bytesPerRow, i * bytesPerRow + row), i * row)
+          return hash(pixels)
+        }
+        const draws = (into) => {
+          screen.draw(placed, cameras, { ...options, into })
+          return screen.finish()
+        }
+        await draws()
+        counts.submit = 0
+        await draws()
+        const submits = counts.submit, size = [shown.width, shown.height]
+        const flat = new OffscreenCanvas(...size).getContext('2d')
+        flat.drawImage(shown.transferToImageBitmap(), 0, 0)
+        hashes.push([0, width].map((x) => hash(flat.getImageData(x, 0, width, height).data)))
+        const one = made(1), layers = made(2)
+        for (const into of [[{ texture: made(1) }, { texture: made(1), x: 5, y: 9 }],
+                            [{ texture: layers }, { texture: layers, layer: 1 }],
+                            [{ texture: one, x: 7 }, { texture: one, x: 7 + width }]]) {
+          await draws(into)
+          hashes.push([await hashAt(into[0]), await hashAt(into[1])])
+        }
+        await draws({ texture: one, x: 3, y: 2 })
+        hashes.push([await hashAt({ texture: one, x: 3, y: 2 }), await hashAt({ texture: one, x: 3 + width, y: 2 })])
+        screen.draw(placed, cameras[1], { ...options, into: { texture: one } })
+        await screen.finish()
+        hashes.push([hashes[0][0], await hashAt({ texture: one })])
+        const said = [await wordsOf(draws({ texture: one, x: 60 })), await wordsOf(draws([{ texture: one }]))]
+        undo.forEach((one) => one())
+        screen.free()
+        const plain = await Screen.open(canvas(), 'wasm')
+        said.push(await wordsOf((async () => plain.draw(placed, cameras, options))()))
+        plain.free()
+        return [hashes, submits, size, said]`, { cameras, options: { width, height, budget } })
+      assert.deepEqual([hashes, submits, size], [Array(6).fill(wanted), 1, [2 * width, height]])
+      const words = [/72 x 50 pixels from 132, 0 on do not lie/, /expected one target for each eye/,
+                     /only WebGPU draws two eyes/]
+      words.forEach((one, i) => assert.match(said[i], one))
+    }
+  },
+
   async 'the last of frames that wait'() {
     const [hashes, textures] = await run(`${COUNTS}
       const screen = await Screen.open(canvas(), 'webgpu'), scene = await sceneOf('knot')
@@ -350,6 +415,18 @@ const tests = {
     assert.equal(behind, wanted)
     assert.equal(hides, true)
     assert.ok(apart <= 1, `${apart} apart`)
+  },
+
+  async 'the time of a picture, where the device tells it'() {
+    const [has, milliseconds, took] = await run(`const screen = await Screen.open(canvas(), 'webgpu')
+      const start = performance.now()
+      await drawn(screen, args[0])
+      const seen = [screen.device.features.has('timestamp-query'), screen.milliseconds, performance.now() - start]
+      screen.free()
+      return seen`, FRAMES.framed)
+    console.log(`  timestamp-query: ${has}, ${milliseconds} of ${took} ms`)
+    if (has) assert.ok(milliseconds > 0 && milliseconds < took)
+    else assert.equal(milliseconds ?? null, null)
   },
 
   async '20 Screens are given back'() {

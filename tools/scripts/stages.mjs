@@ -1,6 +1,6 @@
 // Assembles the compute shaders for WebGPU from kernels/compute/*.wgsl and src/include/fixsplat/internal/pixel.h.
 // node tools/scripts/stages.mjs FILE writes the module stages.js of the npm package: the texts of all shader parts
-// without comments, and for each rendering stage the names of its parts.
+// without comments and most line ends, and for each rendering stage the names of its parts.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
@@ -33,7 +33,8 @@ const partsOf = (stage) => [...textOf(stage).match(/^\/\/ Needs (.*)$/m)[1].spli
 
 export const stageText = (stage) => partsOf(stage).map(textOf).join("\n");
 
-const bare = (text) => text.replace(/\/\/.*/g, "").replace(/^\s+|[ \t]+$/gm, "");
+const bare = (text) => text.replace(/\/\/.*/g, "").replace(/^\s+|[ \t]+$/gm, "")
+    .replace(/([;{},])\n|(,) /g, "$1$2");
 
 function packageModule()
 {

@@ -1,6 +1,5 @@
 // The picture in the page: its canvas, back end and size. The first back end is 'wasm', unless the page names another.
 // A trial then times the GPU back ends once, and the fastest back end draws.
-import { Pace } from './pace.js'
 
 const MOST_PIXELS = 1 << 23
 const LEAST_PIXELS = 1 << 14
@@ -24,7 +23,7 @@ export class Picture {
   #screen = null
   #tried = true
   #most = MOST_PIXELS
-  #pace = new Pace()
+  #scale = 1 // width of moving pictures, as a share of the full width; the worker chooses it
 
   constructor(stage) {
     this.#stage = stage
@@ -39,7 +38,7 @@ export class Picture {
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
-    if (engine !== this.#screen?.engine) [this.#pace, this.#most] = [new Pace(), MOST_PIXELS]
+    if (engine !== this.#screen?.engine) [this.#scale, this.#most] = [1, MOST_PIXELS]
     this.#screen = screen
     this.#tried = !!wanted
     return screen.backend === backend || screen.backend !== 'wasm'
@@ -73,19 +72,19 @@ export class Picture {
   // ---- Drawing ------------------------------------------------------------------------------------------------------
 
   size(width, height, moving) {
-    const divisor = moving ? this.#pace.divisor : 1
+    const divisor = moving ? 1 / this.#scale : 1
     const scale = Math.min(1, Math.sqrt(this.#most / (width * height))) / divisor
     const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * scale)))
-    return { width: w, height: h, divisor }
+    return { width: w, height: h, divisor, moving }
   }
 
-  async draw(camera, { divisor, ...options }) {
+  async draw(camera, { divisor, moving, ...options }) {
     const screen = this.#screen
-    const { pixels, lost, ...facts } = await screen.engine.ask('draw', screen.id, camera, options)
+    const { pixels, lost, scale, ...facts } = await screen.engine.ask('draw', screen.id, camera, options, moving)
     if (lost || screen !== this.#screen) return null
     if (pixels) paint(screen.canvas, pixels, options)
     this.#show(screen)
-    this.#pace.take(divisor, facts.milliseconds)
+    this.#scale = scale
     return { width: options.width, height: options.height, divisor, ...facts, backend: screen.backend }
   }
 
@@ -114,7 +113,7 @@ export class Picture {
     const found = await fastest(own, others, camera, options).catch(() => own)
     const wins = found !== own && own === this.#screen
     for (const other of others) if (!wins || other !== found) free(other.canvas)
-    if (wins) [this.#screen, this.#pace] = [found, new Pace()]
+    if (wins) [this.#screen, this.#scale] = [found, 1]
     else if (engine !== own.engine) engine.end()
     return wins ? engine : null
   }

@@ -1,7 +1,8 @@
 // The worker of a viewer, which loads and draws the scenes. The page (engine.js) sends requests { id, word, args }; the
 // table `words` has the function of each word. Every request gets an answer { id, result } or { id, error }. Messages
 // with a `stage` need no request.
-import { edit, firstView, foresee, load, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
+import { edit, firstView, foresee, load, Pace, pick, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
+import { Sizes } from './pace.js'
 
 const SEEN = 40000 // smallest number of Gaussians in an early preview
 const SEEN_SHARE = 1 / 3 // downloaded share of the file after which a preview may have fewer than SEEN Gaussians
@@ -163,11 +164,17 @@ async function bitmapOf(cameras, options, backend) {
   if (canvas.width !== whole || canvas.height !== height) Object.assign(canvas, { width: whole, height })
   const { gl } = screen
   if (gl && (gl.drawingBufferWidth !== whole || gl.drawingBufferHeight !== height)) return null
-  for (let i = 0; i < cameras.length; i++) {
-    screen.draw(objects(), cameras[i], { ...options, into: { x: i * width } })
-    if (!gl || i === cameras.length - 1) await screen.finish()
-  }
+  const parts = gl ? cameras.map((camera, i) => [camera, { ...options, into: { x: i * width } }]) : [[cameras, options]]
+  for (const part of parts) screen.draw(objects(), ...part)
+  await screen.finish()
   return canvas.transferToImageBitmap()
+}
+
+let sizes
+
+async function scaleAfter(moves, milliseconds) {
+  sizes ??= new Sizes(await Pace.open(how))
+  return sizes.take(moves, milliseconds)
 }
 
 const depthOf = (camera, options) =>
@@ -214,12 +221,15 @@ const words = {
     delete screens[id]
   },
 
-  async draw(id, camera, options) {
+  async draw(id, camera, options, moves) {
     const start = performance.now()
     const facts = await draw(id, camera, await withSky(options, camera))
     lookAhead(camera, options)
     onScreen(drawn)
-    return { ...facts, milliseconds: performance.now() - start, lost: !facts }
+    const milliseconds = performance.now() - start
+    const isTimed = facts && moves !== undefined
+    const scale = isTimed ? await scaleAfter(moves, screens[id]?.milliseconds ?? milliseconds) : undefined
+    return { ...facts, milliseconds, scale, lost: !facts }
   },
 
   async eyes(cameras, options, backend) {
