@@ -288,8 +288,8 @@ static int read_options(render_options *o, int argc, char **argv)
     return frame_options_check(&o->frame);
 }
 
-/* Returns how many pictures are drawn at least: the samples of each picture count; the frames along a path and the views
-   of a list are many. */
+/* Returns about how many pictures are drawn, with the samples of each. Frames along a path and views of a list count as
+   many. */
 static double pictures_of(const frame_options *f)
 {
     const double views = f->path || names_several(f->view) ? AUTO_PIXELS : f->orbit ? f->orbit : 1;

@@ -32,7 +32,7 @@ typedef struct frame_options {
     double stereo;                          /* distance of the two eyes, scene units; 0: mono */
     fxs_options render;
     const char *cpu, *backend;
-    int is_auto;                            /* 1: settle_backend chose `backend`; the processor replaces one that fails */
+    int is_auto;                            /* 1: settle_backend chose `backend` */
     int devices[DEVICES_MOST];
     int device_count;
     uint32_t threads;

@@ -20,9 +20,9 @@ enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 static const char backends_help[] =
     "--backend chooses the renderer; all give the same bytes. fixsplat info --backends lists the back ends of this\n"
     "machine, and why others cannot run; --json lists them for a program. auto (default) takes cpu, but in the window\n"
-    "of view, and where render draws more than 16777216 pixels (18 pictures of 1280x720), the fastest by a trial, which\n"
-    "is kept in the user's cache folder. fixsplat doctor shows the trial. With --cpu, --threads or --max-memory, and in\n"
-    "other commands, auto takes cpu.\n\n";
+    "of view, and where render draws over 16777216 pixels (18 pictures of 1280x720), the fastest by a trial, kept in\n"
+    "the user's cache folder. fixsplat doctor shows the trial. With --cpu, --threads or --max-memory, and in other\n"
+    "commands, auto takes cpu.\n\n";
 
 static void help_backends(void)
 {

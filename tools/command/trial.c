@@ -4,10 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/image.h>
 #include <fixsplat/renderer.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/message.h>
 #include "src/base/os_calls.h"
-#include "src/base/output_internal.h"
 #include "procedural.h"
 
 /* A back end draws the small frame first. If it takes SLOWER times as long as the processor, the large one is left out:
@@ -194,17 +195,21 @@ const trial_result *trial_fastest(const trial *t, unsigned can)
 
 int trial_write(const trial *t, const char *path, const char *key, fxs_message *why)
 {
-    fxs_output output;
-    const int error = fxs_output_open(&output, path, 0, why);
-    if (error)
-        return error;
-    fprintf(output.file, "%s\n", key);
+    fxs_printed printed;
+    if (fxs_print_begin(&printed))
+        return fxs_fail_memory(why, path, 0);
+    fprintf(printed.file, "%s\n", key);
     for (int i = 0; i < t->count; i++) {
         const trial_result *r = &t->results[i];
-        fprintf(output.file, "%s %s %" PRIu32 " %" PRIu32 " %s\n", r->backend->name, states[r->state], r->open_us,
+        fprintf(printed.file, "%s %s %" PRIu32 " %" PRIu32 " %s\n", r->backend->name, states[r->state], r->open_us,
                 r->frame_us, r->text);
     }
-    return fxs_output_close(&output, why);
+    if (fxs_print_end(&printed))
+        return fxs_fail_memory(why, path, 0);
+    const fxs_encoded text = {.bytes = (uint8_t *)printed.text, .size = printed.size};
+    const int error = fxs_encoded_write(path, &text, why);
+    free(printed.text);
+    return error;
 }
 
 static int read_result(trial_result *r, const fxs_backend *backend, const char *line)
