@@ -64,7 +64,8 @@ done
 say "levels of detail: hashes by budget, processor and CUDA"
 "$B/fixsplat" convert --levels --quiet "$work/knot-1M.fxs" "$work/tree.fxs" || failed="$failed levels"
 for options in "--budget 1" "--budget 30000" "--budget 400000" "--detail 3" "--budget 99999 --cutoff square" \
-               "--budget 1000000" "--budget 50000 $work/knot-10k.fxs" "--budget 400000 --max-memory 100M"; do
+               "--budget 1000000" "--budget 50000 $work/knot-10k.fxs" "--budget 400000 --max-memory 100M" \
+               "--budget 100000 --pool 32M" "--budget 100000 --pool 32M --stereo 0.063"; do
     options="$options --size 1280x720 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options) cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda)
     echo "$options: $cpu $cuda"
