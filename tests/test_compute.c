@@ -19,8 +19,8 @@ int main(void)
 #include <fixsplat/internal/gl_contexts.h>
 #include "kernels/compute/gl31.h"
 #include "losing_gl.h"
-#include "device_frames.h"
-#include "src/core/mirror.h"
+typedef fxs_compute stream_device;
+#include "streamed.h"
 
 static void *egl;
 static fxs_compute *device;
@@ -230,128 +230,47 @@ static void frames_that_do_not_fit(void)
     part_free(&p);
 }
 
-/* A scene in parts: `part` has some chunks in memory, `shown` those that the device had before the last frame. */
-typedef struct streamed {
-    fxs_packed_scene packed;
-    fxs_scene whole, part, shown;
-    uint32_t *in_memory, *on_device, chunks, wanted[16], wanted_count;
-    unsigned char *rows;
-    picture expected, drawn;
-    fxs_compute_scene copy;
-} streamed;
+static fxs_compute_scene stream_copy;
 
-static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+static void stream_set(fxs_compute *c, uint64_t pool_bytes, uint64_t upload_bytes)
 {
-    streamed *s = argument;
-    CHECK(scene == &s->part && there == (s->in_memory[chunk] != FXS_NOTHING));
-    if (!there && s->wanted_count < 16)
-        s->wanted[s->wanted_count++] = chunk;
+    fxs_compute_stream(c, pool_bytes, upload_bytes);
 }
 
-static int streamed_make(streamed *s, enum fxs_profile profile)
+static int stream_upload(streamed *s, fxs_compute *c, const fxs_scene *scene)
 {
-    memset(s, 0, sizeof *s);
-    if (!CHECK(pack_tree("knot", profile, &s->packed, &s->whole)))
-        return 0;
-    const uint32_t leaves = s->whole.chunk_count, bytes = s->whole.chunk_bytes;
-    s->chunks = fxs_scene_chunks(&s->whole);
-    s->in_memory = malloc(s->chunks * sizeof *s->in_memory);
-    s->on_device = malloc(s->chunks * sizeof *s->on_device);
-    memset(s->in_memory, 0xff, s->chunks * sizeof *s->in_memory);
-    memset(s->on_device, 0xff, s->chunks * sizeof *s->on_device);
-    s->in_memory[leaves] = leaves;
-    s->rows = check_aligned((size_t)s->chunks * bytes);
-    memcpy(s->rows, s->whole.rows, (size_t)leaves * bytes);
-    memcpy(s->rows + (size_t)leaves * bytes, s->whole.node_rows, (size_t)(leaves - 1) * bytes);
-    s->part = s->shown = s->whole;
-    s->part.rows = s->shown.rows = s->rows;
-    s->part.places = s->in_memory;
-    s->shown.places = s->on_device;
-    s->expected = picture_new(100, 75, FXS_FORMAT_RGBA8);
-    s->drawn = picture_new(100, 75, FXS_FORMAT_RGBA8);
-    return 1;
-}
-
-static void streamed_free(streamed *s)
-{
-    fxs_packed_scene_free(&s->packed);
-    picture_free(&s->expected);
-    picture_free(&s->drawn);
-    free(s->in_memory);
-    free(s->on_device);
-    free(s->rows);
-}
-
-static uint32_t note_device(streamed *s)
-{
-    uint32_t came = 0;
-    for (uint32_t i = 0; i < s->chunks; i++) {
-        const uint32_t now = s->copy.mirror->scene.places[i] == FXS_NOTHING ? FXS_NOTHING : i;
-        came += now != FXS_NOTHING && s->on_device[i] == FXS_NOTHING;
-        s->on_device[i] = now;
-    }
-    return came;
-}
-
-/* Draws a view at a distance and angle on the device. *uploaded gets the number of uploaded chunks. */
-static int streamed_draw(streamed *s, fxs_compute *c, double distance, double angle, fxs_stats *stats,
-                         uint32_t *uploaded)
-{
-    const fxs_object object = one_object(&s->part);
-    const fxs_compute_scene *copies[] = {&s->copy};
-    fxs_request request = request_of(&object, 1, camera_at(distance * sin(angle), -2, -distance * cos(angle)), 9000, 0);
-    request.cameras->width = 100;
-    request.cameras->height = 75;
-    request.options.want = (fxs_want){note_wanted, s};
-    request.targets[0] = s->drawn.targets;
-    s->wanted_count = 0;
-    note_device(s);
-    void *memory = malloc(fxs_compute_memory(&request));
-    const int error = fxs_compute_render(c, &request, copies, memory, stats, &why);
-    free(memory);
-    const fxs_object shown = one_object(&s->shown);
-    fxs_stats expected;
-    request.objects = &shown;
-    request.options.want = (fxs_want){0, 0};
-    request.targets[0] = s->expected.targets;
-    CHECK(!render_there(&request, &expected));
-    CHECK(error || (is_equal(&s->expected, &s->drawn) && stats->missing == expected.missing &&
-                    stats->drawn == expected.drawn));
-    *uploaded = note_device(s);
-    for (uint32_t i = 0; i < s->wanted_count; i++)
-        s->in_memory[s->wanted[i]] = s->wanted[i];
+    const uint64_t most = c->rooms.most;
+    c->rooms.most = part_bytes ? part_bytes : most;
+    const int error = fxs_compute_upload(c, &stream_copy, scene, &why);
+    CHECK(!part_bytes == !stream_copy.parts[1]);
+    c->rooms.most = most;
+    s->mirror = stream_copy.mirror;
     return error;
 }
 
-/* A flight over a scene in parts, with a small pool and few uploads a frame, and then frames of one view. */
+static int stream_render(streamed *s, fxs_compute *c, const fxs_request *request, fxs_stats *stats)
+{
+    const fxs_compute_scene *const copies[] = {&stream_copy, &stream_copy};
+    void *memory = malloc(fxs_compute_memory(request));
+    (void)s;
+    const int error = fxs_compute_render(c, request, copies, memory, stats, &why);
+    free(memory);
+    return error;
+}
+
+static void stream_drop(streamed *s, fxs_compute *c)
+{
+    fxs_compute_drop(c, &stream_copy);
+    CHECK(!c->scene_bytes);
+    s->mirror = 0;
+}
+
 static void streams(void)
 {
-    enum { UPLOADS = 6, FRAMES = 90, FLIGHT = 40 };
-    for (int i = 0; i < 3; i++) {
-        streamed s;
-        fxs_stats stats = {0};
-        uint32_t uploaded, chunk = 0, most = 0;
-        if (!streamed_make(&s, (enum fxs_profile)i))
-            return;
-        const uint64_t each = s.whole.chunk_bytes + 128, rooms = device->rooms.most;
-        device->rooms.most = i ? 24 * each : rooms;    /* several buffers for the pool */
-        fxs_compute_stream(device, 100 * each + 1, UPLOADS * each + 1);
-        CHECK(!fxs_compute_upload(device, &s.copy, &s.part, &why) && note_device(&s) == 1);
-        CHECK(!i == !s.copy.parts[1] && s.copy.bytes < 101 * each + 5 * 40000);
-        device->rooms.most = rooms;
-        for (int frame = 0; frame < FRAMES && !check_faults; frame++) {
-            const int way = frame < FLIGHT ? frame : FLIGHT;
-            CHECK(!streamed_draw(&s, device, 4 + way % 7, way * 0.2, &stats, &uploaded));
-            most = uploaded > most ? uploaded : most;
-            if (frame < FLIGHT)                        /* the pager evicts chunks */
-                for (int k = 0; k < 5; k++, chunk = (chunk + 7) % s.whole.chunk_count)
-                    s.in_memory[chunk] = FXS_NOTHING;
-        }
-        CHECK(most == UPLOADS && !stats.missing && !uploaded && s.copy.mirror->pool.there == 100);
-        fxs_compute_drop(device, &s.copy);
-        streamed_free(&s);
-    }
-    fxs_compute_stream(device, 0, 0);
+    for (int i = 0; i < 3; i++)
+        fly(device, (enum fxs_profile)i, 1, 1, i != 0);
+    fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    stopped_frames(device);
 }
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
@@ -589,10 +508,9 @@ static void streams_lose(void)
     uint32_t uploaded, came = 0;
     if (!streamed_make(&s, FXS_PROFILE_SMALL) || !CHECK(!open_losing(&c)))
         return;
-    const uint64_t each = s.whole.chunk_bytes + 128;
-    fxs_compute_stream(c, 40 * each, 2 * each);
+    fxs_compute_stream(c, 40 * bytes_of_chunk(&s), 2 * bytes_of_chunk(&s));
     find_again();
-    CHECK(!fxs_compute_upload(c, &s.copy, &s.part, &why));
+    CHECK(!stream_upload(&s, c, &s.part));
     for (int n = 0; n < 60 && !check_faults; n++) {
         CHECK(!streamed_draw(&s, c, 5, n * 0.3, &stats, &uploaded));
         lose_after(n, losses[n % 2]);
@@ -603,8 +521,7 @@ static void streams_lose(void)
         came += uploaded;
     }
     CHECK(came > 20);
-    fxs_compute_drop(c, &s.copy);
-    CHECK(!c->scene_bytes);
+    stream_drop(&s, c);
     close_compute(c);
     find_again();
     streamed_free(&s);
@@ -613,30 +530,14 @@ static void streams_lose(void)
 static void streams_refused(void)
 {
     streamed s;
-    fxs_stats stats;
-    uint32_t uploaded;
+    fxs_object objects[2];
+    pools(device, fxs_compute_limit);
     if (!streamed_make(&s, FXS_PROFILE_SMALL))
         return;
-    const uint64_t each = s.whole.chunk_bytes + 128;
-    fxs_compute_stream(device, 16 * each - 1, 0);
-    CHECK(fxs_compute_upload(device, &s.copy, &s.part, &why) == FXS_ERR_MEMORY && why.bytes_needed == 16 * each);
-    CHECK(!strcmp(why.text, "the device's pool for a scene in parts has no room for 16 chunks"));
-    CHECK(!s.copy.mirror && !device->scene_bytes);
-    fxs_compute_stream(device, 0, 0);
-    fxs_compute_limit(device, 40 * each);      /* the pool takes at most half */
-    CHECK(fxs_compute_upload(device, &s.copy, &s.part, &why) == FXS_ERR_MEMORY);
-    fxs_compute_limit(device, 0);
-    CHECK(!fxs_compute_upload(device, &s.copy, &s.whole, &why));
-    const fxs_object object = one_object(&s.part);
-    const fxs_compute_scene *copies[] = {&s.copy};
-    fxs_request request = request_of(&object, 1, camera_at(0, -2, -5), 9000, 0);
-    void *memory = malloc(fxs_compute_memory(&request));
-    CHECK(fxs_compute_render(device, &request, copies, memory, 0, &why) == FXS_ERR_ARGUMENT);
-    free(memory);
-    CHECK(!fxs_compute_upload(device, &s.copy, &s.part, &why) && s.copy.mirror->pool.room == s.chunks);
-    s.in_memory[s.whole.chunk_count] = FXS_NOTHING;
-    CHECK(!streamed_draw(&s, device, 5, 0, &stats, &uploaded));
-    fxs_compute_drop(device, &s.copy);
+    const fxs_request request = streamed_view(&s, objects, &s.part, 5, 0);
+    CHECK(!stream_upload(&s, device, &s.whole));
+    CHECK(stream_render(&s, device, &request, 0) == FXS_ERR_ARGUMENT);
+    stream_drop(&s, device);
     streamed_free(&s);
 }
 

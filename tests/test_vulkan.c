@@ -16,9 +16,10 @@ int main(void)
 }
 #else
 
-#include "device_frames.h"
 #include "kernels/vulkan/vk.h"
 #include "losing_vulkan.h"
+typedef fxs_vulkan stream_device;
+#include "streamed.h"
 #include "port/vulkan/vulkan_device.h"
 
 static fxs_vulkan_device own;
@@ -405,7 +406,7 @@ static int has_colours(const image *i, const picture *wanted)
     image_get(i, texels);
     if (is_bgra(i->of.format))
         swap_channels(texels);
-    return !memcmp(texels, wanted->targets.colour.pixels, sizeof texels);
+    return !memcmp(texels, wanted->targets.colour.pixels, 400 * (size_t)wanted->height);
 }
 
 /* Submits frames into a layer of a BGRA image of the caller, and reads the image back. */
@@ -437,10 +438,10 @@ static void frames_in_flight(void)
 }
 
 /* Submits a frame that must end, and waits for it. */
-static int submit_frame(const knot *k, const image *to)
+static int submit_frame(const fxs_request *request, const image *to)
 {
     const fxs_vulkan_target target = {.colour = to->of};
-    const int error = fxs_vulkan_submit(device, &k->request, &target, 0, &why);
+    const int error = fxs_vulkan_submit(device, request, &target, 0, &why);
     device->vk.QueueWaitIdle(own.options.queue);
     fxs_vulkan_idle(device);
     return error;
@@ -458,14 +459,14 @@ static void submissions_lose(void)
     for (long n = 0; n < 3 * calls && !check_faults; n++) {
         fxs_vk_give_back(device);
         lose_at(n / 3, losses[n % 3], 0);
-        const int error = submit_frame(&k, &colour);
+        const int error = submit_frame(&k.request, &colour);
         stop_losing();
         fails += error != 0;
         if (!CHECK(error ? is_loss(error) : has_colours(&colour, &k.wanted)))
             printf("  call %ld: %d, %s\n", n / 3, error, why.text);
         fxs_vk_give_back(device);
         lose_at(-1, VK_SUCCESS, 0);
-        CHECK(!submit_frame(&k, &colour));
+        CHECK(!submit_frame(&k.request, &colour));
         calls = stop_losing();
         CHECK(has_colours(&colour, &k.wanted));
     }
@@ -561,6 +562,131 @@ static void image_formats(void)
     knot_free(&k);
 }
 
+/* ---- Scenes in parts --------------------------------------------------------------------------------------------- */
+
+static void stream_set(fxs_vulkan *v, uint64_t pool_bytes, uint64_t upload_bytes)
+{
+    fxs_vulkan_stream(v, pool_bytes, upload_bytes);
+}
+
+static int stream_upload(streamed *s, fxs_vulkan *v, const fxs_scene *scene)
+{
+    const int error = upload(v, scene);
+    const fxs_vk_scene *copy = error ? 0 : fxs_vk_find(v, scene);
+    CHECK(!copy || !part_bytes == !copy->parts[1]);
+    s->mirror = copy ? copy->mirror : 0;
+    return error;
+}
+
+static int stream_render(streamed *s, fxs_vulkan *v, const fxs_request *request, fxs_stats *stats)
+{
+    (void)s;
+    return fxs_vulkan_render(v, request, stats, &why);
+}
+
+static void stream_drop(streamed *s, fxs_vulkan *v)
+{
+    fxs_vulkan_drop(v, &s->part);
+    CHECK(!fxs_vk_find(v, &s->part));
+    s->mirror = 0;
+}
+
+static void streams(void)
+{
+    fly(device, FXS_PROFILE_DEFAULT, 1, 1, 0);
+    fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    stopped_frames(device);
+    pools(device, fxs_vulkan_limit);
+}
+
+/* Each call of Vulkan in a frame that uploads chunks fails once. Later frames draw what is on the device. */
+static void streams_lose(void)
+{
+    streamed s;
+    fxs_vulkan_device d;
+    fxs_vulkan *v;
+    fxs_stats stats;
+    uint32_t uploaded, came = 0, fails = 0;
+    if (!streamed_make(&s, FXS_PROFILE_SMALL) || !CHECK(!open_all(&d, &v, 0)))
+        return;
+    stream_set(v, 40 * bytes_of_chunk(&s), 2 * bytes_of_chunk(&s));
+    for (int n = 0; n < 20 && !check_faults; n++) {
+        lose_at(n, losses[n % 3], 0);
+        const int error = stream_upload(&s, v, &s.part);
+        stop_losing();
+        CHECK(!error || (is_loss(error) && !v->scenes));
+        stream_drop(&s, v);
+    }
+    CHECK(!stream_upload(&s, v, &s.part));
+    for (int n = 0; n < 45 && !check_faults; n++) {
+        CHECK(!streamed_draw(&s, v, 5, n * 0.3, &stats, &uploaded));
+        came += uploaded;
+        fxs_vk_give_back(v);       /* so that the next frame makes all of its objects */
+        lose_at(n, losses[n % 3], 0);
+        const int error = streamed_draw(&s, v, 5, n * 0.3, &stats, &uploaded);
+        stop_losing();
+        CHECK(!error || is_loss(error));
+        fails += error != 0;
+    }
+    CHECK(came > 20 && fails > 20);
+    stream_drop(&s, v);
+    close_all(&d, v);
+    streamed_free(&s);
+}
+
+/* Frames in flight of a scene in parts. If `loses` is not 0, some are not submitted, since a call fails or the program
+   drops its command buffer: the pool is empty then, and later frames are right. */
+static void streams_in_flight(int loses)
+{
+    streamed s;
+    fxs_stats expected = {0};
+    fxs_object objects[2];
+    uint32_t lost = 0;
+    if (!streamed_make(&s, FXS_PROFILE_DEFAULT))
+        return;
+    const image colour = image_make(VK_FORMAT_B8G8R8A8_UNORM, VK_IMAGE_USAGE_TRANSFER_DST_BIT, 5, 2);
+    const fxs_vulkan_target target = {.colour = colour.of};
+    stream_set(device, 60 * bytes_of_chunk(&s), 8 * bytes_of_chunk(&s));
+    CHECK(!stream_upload(&s, device, &s.part));
+    for (int frame = 0; frame < 40 && !check_faults; frame++) {
+        const int way = frame < 20 ? frame : 20, is_lost = loses && frame % 5 == 3;
+        fxs_request request = streamed_view(&s, objects, &s.part, 5, way * 0.2);
+        request.options.want = (fxs_want){note_wanted, &s};
+        note_device(&s);
+        if (is_lost && frame % 2) {
+            CHECK(!fxs_vk_begin(device, device->slots, &why));
+            CHECK(!fxs_vulkan_record(device, &request, &target, device->slots->commands, &why));
+            CHECK(!device->vk.EndCommandBuffer(device->slots->commands));
+            lost += note_device(&s) > 0;
+            fxs_vulkan_idle(device);
+        } else if (is_lost) {
+            fxs_vulkan_idle(device);
+            lose_at(2, VK_ERROR_OUT_OF_DEVICE_MEMORY, 0);     /* after vkResetFences and vkBeginCommandBuffer */
+            CHECK(submit_frame(&request, &colour) == FXS_ERR_MEMORY);
+            lost += stop_losing() > 2;
+        } else {
+            CHECK(!submit_frame(&request, &colour));
+            streamed_expect(&s, 5, way * 0.2, &expected);
+            CHECK(has_colours(&colour, &s.expected[0]));
+            CHECK(fxs_vulkan_get_info(device).missing == expected.missing);
+        }
+        CHECK(!is_lost || s.mirror->pool.there == 0);
+        streamed_page(&s);
+    }
+    CHECK(loses ? lost == 8 : !expected.missing);
+    fxs_vulkan_idle(device);
+    stream_drop(&s, device);
+    stream_set(device, 0, 0);
+    image_free(&colour);
+    streamed_free(&s);
+}
+
+static void streams_submitted(void)
+{
+    streams_in_flight(0);
+    streams_in_flight(1);
+}
+
 static void count_wait(void *argument, const fxs_step *step)
 {
     *(unsigned *)argument += step->waits;
@@ -625,6 +751,9 @@ int main(int count, char **arguments)
     RUN(frames_in_flight);
     RUN(image_formats);
     RUN(eyes_and_cache);
+    RUN(streams);
+    RUN(streams_submitted);
+    RUN(streams_lose);
     RUN(opening_fails);
     RUN(frames_lose);
     RUN(device_stays_lost);

@@ -6,13 +6,10 @@
 #include "shaders.h"
 #include "src/core/memory.h"
 #include "src/core/mirror.h"
-#include "src/core/sized.h"
 #include "src/core/targets.h"
 
 #define TIME_ELAPSED 0x88BF        /* constants of EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
-#define POOL_USUAL ((uint64_t)256 << 20)
-#define UPLOAD_USUAL ((uint64_t)8 << 20)
 
 enum { ALL_BUFFERS = FXS_COMPUTE_EYES * FXS_COMPUTE_BUFFERS };
 
@@ -304,14 +301,10 @@ static int copy_scene(fxs_compute *c, fxs_compute_scene *copy, fxs_message *why)
 /* Makes the mirror of a scene in parts, and sets how many bytes a frame may upload. */
 static int make_mirror(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why)
 {
-    const uint64_t each = fxs_mirror_place_bytes(scene), pool = c->pool_bytes ? c->pool_bytes : POOL_USUAL;
-    const uint64_t upload = c->upload_bytes ? c->upload_bytes : UPLOAD_USUAL, stage = upload > each ? upload : each;
-    const uint32_t room = fxs_places_room(scene, c->limit && c->limit / 2 < pool ? c->limit / 2 : pool, each);
-    if (!room) {
-        fxs_plan_say(why, FXS_ERR_MEMORY, "the device's pool for a scene in parts has no room for 16 chunks", "");
-        why->bytes_needed = FXS_PLACES_LEAST * each * (c->limit ? 2 : 1);
+    const uint64_t stage = fxs_mirror_upload_bytes(scene, c->upload_bytes);
+    const uint32_t room = fxs_mirror_room(scene, c->pool_bytes, c->limit, why);
+    if (!room)
         return FXS_ERR_MEMORY;
-    }
     const int error = stage > c->stage_bytes ? fxs_compute_allow(c, stage - c->stage_bytes, why) : 0;
     if (error)
         return error;
@@ -326,20 +319,15 @@ static int make_mirror(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
 
 static int fill_stage(fxs_compute *c, const fxs_mirror *m, const uint32_t *places, uint32_t count, fxs_message *why)
 {
-    const size_t rows = m->from->chunk_bytes;
     const GLsizeiptr bytes = (GLsizeiptr)(count * fxs_mirror_place_bytes(m->from));
     if (!c->stage)
         c->gl.GenBuffers(1, &c->stage);
     c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->stage);
     c->gl.BufferData(GL_COPY_READ_BUFFER, bytes, 0, GL_STREAM_DRAW);
-    unsigned char *to = c->gl.MapBufferRange(GL_COPY_READ_BUFFER, 0, bytes, GL_MAP_WRITE_BIT);
+    void *to = c->gl.MapBufferRange(GL_COPY_READ_BUFFER, 0, bytes, GL_MAP_WRITE_BIT);
     if (!to)
         return failure(c, why);
-    for (uint32_t i = 0; i < count; i++, to += sizeof(fxs_chunk) + rows) {
-        const uint32_t chunk = fxs_mirror_chunk(m, places[i]);
-        memcpy(to, fxs_header(m->from, chunk), sizeof(fxs_chunk));
-        memcpy(to + sizeof(fxs_chunk), fxs_rows(m->from, chunk), rows);
-    }
+    fxs_mirror_fill(m, places, count, to);
     return c->gl.UnmapBuffer(GL_COPY_READ_BUFFER) ? 0 : failure(c, why);
 }
 
@@ -383,7 +371,7 @@ static int put_wanted(fxs_compute *c, const fxs_compute_scene *const *copies, ui
         c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)bound[0]);
         c->gl.BindBuffer(GL_COPY_READ_BUFFER, (GLuint)bound[1]);
         if (error)
-            fxs_mirror_init(m, m->from, m->pool.room, m + 1);
+            fxs_mirror_forget(m);
     }
     return error;
 }
@@ -429,18 +417,10 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
     memset(copy, 0, sizeof *copy);
 }
 
-static int has_parts(const fxs_request *r)
-{
-    int parts = 0;
-    for (uint32_t i = 0; i < r->count; i++)
-        parts |= fxs_object_at(r->objects, i)->scene->places != 0;
-    return parts;
-}
-
 size_t fxs_compute_memory(const fxs_request *request)
 {
     const size_t bytes = fxs_plan_memory(request);
-    return bytes && has_parts(request) ? bytes + request->count * sizeof(fxs_object) : bytes;
+    return bytes && fxs_mirror_is_asked(request) ? bytes + request->count * sizeof(fxs_object) : bytes;
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
@@ -711,23 +691,9 @@ static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const 
     return error;
 }
 
-/* Replaces the scenes in parts by their mirrors. */
-static int take_mirrors(fxs_compute *c, fxs_request *request, const fxs_compute_scene *const *copies,
-                        fxs_object *objects)
+static fxs_mirror *mirror_of(const void *copies, uint32_t i)
 {
-    int error = 0;
-    c->turn++;
-    for (uint32_t i = 0; i < request->count && !error; i++) {
-        error = fxs_object_read(&objects[i], request->objects, i);
-        error = error ? error : !objects[i].scene->places != !copies[i]->mirror ? FXS_ERR_ARGUMENT : 0;
-        if (error || !copies[i]->mirror)
-            continue;
-        objects[i].scene = &copies[i]->mirror->scene;
-        fxs_mirror_begin(copies[i]->mirror, c->turn, c->turn - 1, &request->options.want);
-    }
-    request->objects = objects;
-    request->options.want.call = fxs_mirror_want;
-    return error;
+    return ((const fxs_compute_scene *const *)copies)[i]->mirror;
 }
 
 int fxs_compute_begin(fxs_compute *c, fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
@@ -735,8 +701,8 @@ int fxs_compute_begin(fxs_compute *c, fxs_request *request, const fxs_compute_sc
 {
     if (!c || !request || !memory || (!copies && request->count))
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
-    const int parts = fxs_plan_memory(request) && has_parts(request);
-    int error = parts ? take_mirrors(c, request, copies, memory) : 0;
+    const int parts = fxs_plan_memory(request) && fxs_mirror_is_asked(request);
+    int error = parts ? fxs_mirror_take(request, memory, ++c->turn, mirror_of, copies) : 0;
     if (error)
         return fxs_plan_say(why, error, fxs_strerror(error), "");
     error = fxs_plan_begin(&c->plan, request, (fxs_object *)memory + (parts ? request->count : 0), why);
@@ -751,7 +717,7 @@ int fxs_compute_begin(fxs_compute *c, fxs_request *request, const fxs_compute_sc
     for (uint32_t i = 0; i < request->count; i++) {
         const fxs_mirror *m = copies[i]->mirror;
         c->plan.part_chunks[i] = copies[i]->part_chunks;
-        c->plan.part_counts[i] = m ? (m->pool.room - 1) / copies[i]->part_chunks + 1 : 0;
+        c->plan.part_counts[i] = m ? fxs_mirror_parts(m, copies[i]->part_chunks) : 0;
     }
     return 0;
 }

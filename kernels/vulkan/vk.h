@@ -3,12 +3,16 @@
  * A frame takes a slot, with its uniforms, table of places and status, until its last command has written its serial
  * number behind the status. Slot 0 is for calls that wait; the others are for frames in flight, in turn. The large
  * buffers are parts of one block, which all frames share: they run in the order of submission to one queue. A block
- * that is replaced is retired, and freed after the last call that may use it has ended. */
+ * that is replaced is retired, and freed after the last call that may use it has ended.
+ *
+ * A frame of scenes in parts first copies chunks from its slot to places that it does not draw, for later frames.
+ * Earlier frames may draw the chunks that were there: the frame's first barrier makes its copies wait for them. */
 #ifndef FXS_VK_H
 #define FXS_VK_H
 
 #include <fixsplat/vulkan.h>
 #include "kernels/compute/plan.h"
+#include "src/core/mirror.h"
 
 /* Lists of the functions of an instance and of a device that the back end calls: F(name without vk). */
 #define FXS_VK_INSTANCE_FUNCTIONS(F) \
@@ -61,15 +65,16 @@ typedef struct fxs_vk_scene {
     fxs_scene here;
     fxs_vk_block *heads, *parts[FXS_VK_PARTS];
     uint32_t part_chunks;
+    fxs_mirror *mirror;            /* of a scene in parts: which chunks are on the device; else null */
 } fxs_vk_scene;
 
 typedef struct fxs_vk_slot {
     uint64_t serial;               /* number of the frame that is in flight; 0: none */
     fxs_request request;           /* of the plan */
     fxs_plan plan;
-    fxs_vk_block *up;              /* uniforms, table of places, planes of the host's images */
+    fxs_vk_block *up;              /* uniforms, table of places, planes of the host's images, chunks to upload */
     fxs_vk_block *down;            /* status, serial number, finished picture (at word FXS_VK_PICTURE) */
-    uint32_t eyes;
+    uint32_t eyes, chunks;         /* chunks: number of chunks that the frame uploads */
     uint64_t at[FXS_COMPUTE_EYES][FXS_COMPUTE_BUFFERS];    /* offsets of the large buffers in their block */
     int result;                    /* of fxs_plan_look, after the frame has ended */
     fxs_message why;
@@ -97,6 +102,8 @@ struct fxs_vulkan {
     fxs_vk_slot slots[FXS_VK_SLOTS];
     fxs_vk_block *frame, *retired;
     fxs_vk_scene *scenes;
+    uint64_t pool_bytes, upload_bytes;     /* of fxs_vulkan_stream; 0: the default */
+    uint32_t turn, missing;        /* number of the frame; chunks that the last one lacked */
     fxs_plan_rooms rooms;
     uint64_t serial;               /* number of frames */
     uint64_t call, ended;          /* number of calls with frames in flight; of those that have ended */
@@ -143,7 +150,8 @@ typedef struct fxs_vk_walk {
 } fxs_vk_walk;
 
 /* The stages that use the large buffers. */
-enum { FXS_VK_STEPS = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT };
+enum { FXS_VK_STEPS = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+       FXS_VK_ALL = FXS_VK_STEPS | VK_PIPELINE_STAGE_TRANSFER_BIT };
 
 void fxs_vk_take_step(void *walk, const fxs_step *step);
 
@@ -164,6 +172,15 @@ void fxs_vk_copy_in(const fxs_vk_walk *w);
 void fxs_vk_convert_in(fxs_vk_walk *w);
 void fxs_vk_convert_out(fxs_vk_walk *w);
 void fxs_vk_copy_out(const fxs_vk_walk *w);
+
+/* Uploads of chunks that the scenes in parts of `copies` lack. fxs_vk_staged returns the most bytes that a frame
+   uploads, 0 without such scenes. fxs_vk_record_chunks records copies of at most `bytes` bytes, through the slot's
+   block `up` at `at`; if the device does not run them, fxs_vk_forget_chunks must follow, which empties all pools.
+   fxs_vk_put_chunks uploads without a frame, and waits. */
+uint64_t fxs_vk_staged(const fxs_vulkan *v, fxs_vk_scene *const *copies, uint32_t count);
+void fxs_vk_record_chunks(const fxs_vk_walk *w, uint32_t count, uint64_t at, uint64_t bytes);
+void fxs_vk_forget_chunks(fxs_vulkan *v);
+int fxs_vk_put_chunks(fxs_vk_walk *w, uint32_t count, fxs_message *why);
 
 /* Finds the copy of a scene; null: none. */
 fxs_vk_scene *fxs_vk_find(const fxs_vulkan *v, const fxs_scene *scene);

@@ -188,7 +188,7 @@ void fxs_vulkan_destroy(fxs_vulkan *v)
 
 fxs_vulkan_info fxs_vulkan_get_info(const fxs_vulkan *v)
 {
-    return (fxs_vulkan_info){v->name, v->nanoseconds, v->taken};
+    return (fxs_vulkan_info){v->name, v->nanoseconds, v->taken, v->missing};
 }
 
 void fxs_vulkan_limit(fxs_vulkan *v, uint64_t bytes)

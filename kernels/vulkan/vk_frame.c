@@ -171,6 +171,18 @@ static uint64_t planes_at(const fxs_plan *plan)
     return aligned(plan->bytes[FXS_COMPUTE_UNIFORMS]) + aligned(start_bytes(plan));
 }
 
+/* The chunks that the frame uploads, behind the host's images. */
+static uint64_t chunks_at(const fxs_vk_walk *w)
+{
+    const fxs_plan *plan = &w->slot->plan;
+    return planes_at(plan) + (w->targets ? 0 : 2 * w->slot->eyes * plane_bytes(plan));
+}
+
+static uint64_t chunk_bytes(const fxs_vk_walk *w)
+{
+    return fxs_vk_staged(w->v, w->copies, w->slot->request.count);
+}
+
 static int lay_out(fxs_vk_walk *w, fxs_message *why)
 {
     fxs_vulkan *v = w->v;
@@ -183,8 +195,7 @@ static int lay_out(fxs_vk_walk *w, fxs_message *why)
     w->commands = VK_NULL_HANDLE;
     take_steps(w);
     error = reserve_frame(v, slot, why);
-    error = error ? error : fxs_vk_reserve(v, &slot->up, FXS_VK_UP,
-                                           planes + (w->targets ? 0 : 2 * slot->eyes * plane_bytes(plan)), why);
+    error = error ? error : fxs_vk_reserve(v, &slot->up, FXS_VK_UP, chunks_at(w) + chunk_bytes(w), why);
     error = error ? error : fxs_vk_reserve(v, &slot->down, FXS_VK_DOWN, 4 * (FXS_VK_PICTURE + words_down(w)), why);
     error = error ? error : reserve_sets(v, slot, w->sets, why);
     if (error)
@@ -241,11 +252,11 @@ static void record_downloads(const fxs_vk_walk *w)
 
 void fxs_vk_record(fxs_vk_walk *w)
 {
-    const VkPipelineStageFlags all = FXS_VK_STEPS | VK_PIPELINE_STAGE_TRANSFER_BIT;
     fxs_vulkan *v = w->v;
     const uint32_t query = 2 * (uint32_t)(w->slot - v->slots);
     w->slot->serial = ++v->serial;
-    fxs_vk_barrier(v, w->commands, all, all);
+    fxs_vk_barrier(v, w->commands, FXS_VK_ALL, FXS_VK_ALL);
+    fxs_vk_record_chunks(w, w->slot->request.count, chunks_at(w), chunk_bytes(w));
     for (uint32_t eye = 0; eye < w->slot->eyes; eye++)
         record_uploads(w, eye);
     if (w->targets)
@@ -264,15 +275,35 @@ void fxs_vk_record(fxs_vk_walk *w)
     record_downloads(w);
 }
 
+static fxs_mirror *mirror_of(const void *copies, uint32_t i)
+{
+    return ((fxs_vk_scene *const *)copies)[i]->mirror;
+}
+
+/* The objects lie behind the plan, as reserve_memory says. */
+static int take_mirrors(const fxs_vk_walk *w, fxs_message *why)
+{
+    fxs_vulkan *v = w->v;
+    fxs_request *request = &w->slot->request;
+    fxs_object *objects = (fxs_object *)(void *)((unsigned char *)v->memory + memory_of(request));
+    const int error = fxs_mirror_is_asked(request)
+                          ? fxs_mirror_take(request, objects, ++v->turn, mirror_of, w->copies) : 0;
+    return error ? fxs_plan_say(why, error, fxs_strerror(error), "") : 0;
+}
+
 int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why)
 {
+    fxs_vulkan *v = w->v;
     fxs_request *request = &w->slot->request;
     fxs_plan *plan = &w->slot->plan;
-    const int error = fxs_plan_begin(plan, request, w->v->memory, why);
+    int error = take_mirrors(w, why);
+    error = error ? error : fxs_plan_begin(plan, request, v->memory, why);
     w->slot->eyes = request->eyes;
+    v->missing = plan->missing;
     for (uint32_t i = 0; i < request->count && !error; i++) {
-        plan->part_chunks[i] = w->copies[i]->part_chunks;
-        plan->part_counts[i] = 0;
+        const fxs_vk_scene *copy = w->copies[i];
+        plan->part_chunks[i] = copy->part_chunks;
+        plan->part_counts[i] = copy->mirror ? fxs_mirror_parts(copy->mirror, copy->part_chunks) : 0;
     }
     for (uint32_t eye = 0; eye < request->eyes && w->targets; eye++)
         fxs_vk_ask_planes(&request->targets[eye], &w->targets[eye]);
@@ -281,12 +312,22 @@ int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why)
 
 static int run_frame(fxs_vk_walk *w, fxs_message *why)
 {
-    const int error = fxs_vk_begin(w->v, w->slot, why);
+    int error = fxs_vk_begin(w->v, w->slot, why);
     if (error)
         return error;
     w->commands = w->slot->commands;
     fxs_vk_record(w);
-    return fxs_vk_run(w->v, w->slot, why);
+    error = fxs_vk_run(w->v, w->slot, why);
+    if (error && w->slot->chunks)
+        fxs_vk_forget_chunks(w->v);
+    return error;
+}
+
+/* A stopped frame, too, uploads what it lacks. */
+static int put_stopped(fxs_vk_walk *w, fxs_message *why)
+{
+    const int error = fxs_vk_put_chunks(w, w->slot->request.count, why);
+    return error ? error : fxs_plan_say(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED), "");
 }
 
 static void fill_stats(const fxs_vk_slot *slot, const fxs_vulkan *v, fxs_stats *stats)
@@ -322,10 +363,10 @@ static int check_request(const fxs_request *r, fxs_message *why)
     return 0;
 }
 
-/* Makes room for a plan, and behind it for the copies of its objects' scenes. */
+/* Makes room for a plan, and behind it for its objects and the copies of their scenes. */
 static int reserve_memory(fxs_vulkan *v, const fxs_request *r, fxs_vk_scene ***copies, fxs_message *why)
 {
-    const size_t plan = memory_of(r), bytes = plan + r->count * sizeof **copies;
+    const size_t before = memory_of(r) + r->count * sizeof(fxs_object), bytes = before + r->count * sizeof **copies;
     if (bytes > v->memory_bytes) {
         free(v->memory);
         v->memory = malloc(bytes);
@@ -333,7 +374,7 @@ static int reserve_memory(fxs_vulkan *v, const fxs_request *r, fxs_vk_scene ***c
     }
     if (!v->memory)
         return fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
-    *copies = (fxs_vk_scene **)(void *)((unsigned char *)v->memory + plan);
+    *copies = (fxs_vk_scene **)(void *)((unsigned char *)v->memory + before);
     return 0;
 }
 
@@ -363,7 +404,7 @@ int fxs_vulkan_render(fxs_vulkan *v, const fxs_request *request, fxs_stats *stat
     w.copies = copies;
     slot->request = *request;
     error = fxs_vk_prepare(&w, why);
-    error = error ? error : run_frame(&w, why);
+    error = !error ? run_frame(&w, why) : error == FXS_ERR_STOPPED ? put_stopped(&w, why) : error;
     if (!error && slot->result)
         *why = slot->why;
     error = error ? error : slot->result;

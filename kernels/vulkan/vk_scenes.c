@@ -1,4 +1,4 @@
-/* Copies of packed scenes on the device of the Vulkan back end. */
+/* Copies of packed scenes on the device of the Vulkan back end, whole or in parts. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,33 +30,49 @@ static int put(fxs_vulkan *v, fxs_vk_slot *slot, const fxs_vk_block *to, const f
     return error;
 }
 
-static int make_part(fxs_vulkan *v, fxs_vk_slot *slot, fxs_vk_scene *copy, fxs_vk_block **block, int64_t part,
-                     fxs_message *why)
+/* Makes one buffer of a scene's copy. The pool of a scene in parts gets only its palette. */
+static int make_part(fxs_vulkan *v, const fxs_vk_scene *copy, const fxs_scene *scene, fxs_vk_block **block,
+                     int64_t part, fxs_message *why)
 {
     fxs_piece pieces[3];
-    uint64_t bytes = fxs_plan_pieces(&copy->here, copy->part_chunks, part, pieces);
+    fxs_vk_slot *slot = v->slots;
+    uint64_t bytes = fxs_plan_pieces(scene, copy->part_chunks, part, pieces);
     bytes = bytes ? bytes : 64;
     int error = fxs_vk_reserve(v, block, FXS_VK_DEVICE, bytes, why);
     error = error ? error : fxs_vk_reserve(v, &slot->up, FXS_VK_UP, bytes < STAGED ? bytes : STAGED, why);
-    for (int i = 0; i < 3 && !error; i++)
+    for (int i = copy->mirror ? 2 : 0; i < 3 && !error; i++)
         error = put(v, slot, *block, &pieces[i], why);
     return error;
 }
 
 static int copy_scene(fxs_vulkan *v, fxs_vk_scene *copy, fxs_message *why)
 {
-    fxs_vk_slot *slot = v->slots;
-    copy->part_chunks = fxs_plan_part_chunks(&copy->here, v->rooms.most, why);
+    const fxs_scene scene = copy->mirror ? fxs_mirror_pool(copy->mirror) : copy->here;
+    copy->part_chunks = fxs_plan_part_chunks(&scene, v->rooms.most, why);
     if (!copy->part_chunks)
         return FXS_ERR_MEMORY;
-    const uint64_t chunks = fxs_scene_chunks(&copy->here), parts = (chunks + copy->part_chunks - 1) / copy->part_chunks;
+    const uint64_t chunks = fxs_scene_chunks(&scene), parts = (chunks + copy->part_chunks - 1) / copy->part_chunks;
     if (parts > FXS_VK_PARTS)
         return fxs_plan_say(why, FXS_ERR_MEMORY, "the scene takes more buffers than there may be", "");
-    int error = make_part(v, slot, copy, &copy->heads, FXS_PLAN_HEADS, why);
+    int error = make_part(v, copy, &scene, &copy->heads, FXS_PLAN_HEADS, why);
     for (uint32_t part = 0; part < parts && !error; part++)
-        error = make_part(v, slot, copy, &copy->parts[part], part, why);
-    fxs_vk_retire(v, &slot->up);
+        error = make_part(v, copy, &scene, &copy->parts[part], part, why);
+    fxs_vk_walk w = {.v = v, .slot = v->slots, .copies = &copy};
+    error = error ? error : fxs_vk_put_chunks(&w, 1, why);
+    fxs_vk_retire(v, &v->slots->up);
     return error;
+}
+
+static int make_mirror(const fxs_vulkan *v, fxs_vk_scene *copy, fxs_message *why)
+{
+    const uint32_t room = fxs_mirror_room(copy->key, v->pool_bytes, v->options.max_memory, why);
+    if (!room)
+        return FXS_ERR_MEMORY;
+    copy->mirror = malloc(sizeof *copy->mirror + (size_t)fxs_mirror_bytes(copy->key, room));
+    if (!copy->mirror)
+        return fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
+    fxs_mirror_init(copy->mirror, copy->key, room, copy->mirror + 1);
+    return 0;
 }
 
 static void free_copy(fxs_vulkan *v, fxs_vk_scene *copy)
@@ -64,6 +80,7 @@ static void free_copy(fxs_vulkan *v, fxs_vk_scene *copy)
     fxs_vk_retire(v, &copy->heads);
     for (int i = 0; i < FXS_VK_PARTS; i++)
         fxs_vk_retire(v, &copy->parts[i]);
+    free(copy->mirror);
     free(copy);
     fxs_vk_collect(v);
 }
@@ -72,16 +89,14 @@ int fxs_vulkan_upload(fxs_vulkan *v, const fxs_scene *scene, fxs_message *why)
 {
     if (fxs_vk_find(v, scene))
         return 0;
-    if (scene->places)
-        return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a scene of which a part is in memory cannot be on the device",
-                            "");
     fxs_vulkan_drop(v, scene);
     fxs_vk_scene *copy = calloc(1, sizeof *copy);
     if (!copy)
         return fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
     copy->key = scene;
     copy->here = *scene;
-    const int error = copy_scene(v, copy, why);
+    int error = scene->places ? make_mirror(v, copy, why) : 0;
+    error = error ? error : copy_scene(v, copy, why);
     if (error) {
         fxs_vk_give_back(v);
         free_copy(v, copy);
@@ -100,4 +115,82 @@ void fxs_vulkan_drop(fxs_vulkan *v, const fxs_scene *scene)
             free_copy(v, copy);
             return;
         }
+}
+
+/* ---- Scenes in parts --------------------------------------------------------------------------------------------- */
+
+void fxs_vulkan_stream(fxs_vulkan *v, uint64_t pool_bytes, uint64_t upload_bytes)
+{
+    v->pool_bytes = pool_bytes;
+    v->upload_bytes = upload_bytes;
+    for (fxs_vk_scene *copy = v->scenes, *next; copy; copy = next) {
+        next = copy->next;
+        if (copy->mirror)
+            fxs_vulkan_drop(v, copy->key);
+    }
+}
+
+uint64_t fxs_vk_staged(const fxs_vulkan *v, fxs_vk_scene *const *copies, uint32_t count)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint64_t bytes = copies[i]->mirror ? fxs_mirror_upload_bytes(copies[i]->key, v->upload_bytes) : 0;
+        most = bytes > most ? bytes : most;
+    }
+    return most;
+}
+
+static void record_chunk(const fxs_vk_walk *w, const fxs_vk_scene *copy, uint32_t place, uint64_t at)
+{
+    const fxs_scene *scene = copy->key;
+    const VkBuffer from = w->slot->up->buffer;
+    const VkBufferCopy header = {at, place * (uint64_t)sizeof(fxs_chunk), sizeof(fxs_chunk)};
+    const VkBufferCopy rows = {at + sizeof(fxs_chunk), fxs_plan_place_at(scene, copy->part_chunks, place),
+                               scene->chunk_bytes};
+    w->v->vk.CmdCopyBuffer(w->commands, from, copy->heads->buffer, 1, &header);
+    w->v->vk.CmdCopyBuffer(w->commands, from, copy->parts[place / copy->part_chunks]->buffer, 1, &rows);
+}
+
+void fxs_vk_record_chunks(const fxs_vk_walk *w, uint32_t count, uint64_t at, uint64_t bytes)
+{
+    fxs_vk_slot *slot = w->slot;
+    slot->chunks = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_mirror *m = w->copies[i]->mirror;
+        const uint64_t each = m ? fxs_mirror_place_bytes(m->from) : 0;
+        const uint32_t *places, wanted = m ? fxs_mirror_step(m, bytes, &places) : 0;
+        if (!wanted)
+            continue;
+        fxs_mirror_fill(m, places, wanted, (unsigned char *)slot->up->memory.mapped + at);
+        for (uint32_t k = 0; k < wanted; k++)
+            record_chunk(w, w->copies[i], places[k], at + k * each);
+        slot->chunks += wanted;
+        at += wanted * each;
+        bytes -= wanted * each;
+    }
+}
+
+void fxs_vk_forget_chunks(fxs_vulkan *v)
+{
+    for (fxs_vk_scene *copy = v->scenes; copy; copy = copy->next)
+        if (copy->mirror)
+            fxs_mirror_forget(copy->mirror);
+}
+
+int fxs_vk_put_chunks(fxs_vk_walk *w, uint32_t count, fxs_message *why)
+{
+    const uint64_t bytes = fxs_vk_staged(w->v, w->copies, count);
+    if (!bytes)
+        return 0;
+    int error = fxs_vk_reserve(w->v, &w->slot->up, FXS_VK_UP, bytes, why);
+    error = error ? error : fxs_vk_begin(w->v, w->slot, why);
+    if (error)
+        return error;
+    w->commands = w->slot->commands;
+    fxs_vk_barrier(w->v, w->commands, FXS_VK_ALL, FXS_VK_ALL);
+    fxs_vk_record_chunks(w, count, 0, bytes);
+    error = fxs_vk_run(w->v, w->slot, why);
+    if (error)
+        fxs_vk_forget_chunks(w->v);
+    return error;
 }

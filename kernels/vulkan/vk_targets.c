@@ -313,6 +313,8 @@ int fxs_vulkan_submit(fxs_vulkan *v, const fxs_request *request, const fxs_vulka
     error = fxs_vk_said(submit(v, w.slot->commands, sync), why);
     if (error) {
         v->call--;
+        if (w.slot->chunks)
+            fxs_vk_forget_chunks(v);
         fxs_vk_drop_slot(v, w.slot);
     }
     return error;
@@ -320,9 +322,14 @@ int fxs_vulkan_submit(fxs_vulkan *v, const fxs_request *request, const fxs_vulka
 
 void fxs_vulkan_idle(fxs_vulkan *v)
 {
+    uint32_t lost = 0;
     fxs_vk_collect(v);
-    for (int i = 0; i < FXS_VK_SLOTS; i++)
+    for (int i = 0; i < FXS_VK_SLOTS; i++) {
+        lost += v->slots[i].serial ? v->slots[i].chunks : 0;
         v->slots[i].serial = 0;
+    }
+    if (lost)
+        fxs_vk_forget_chunks(v);
     v->ended = v->call;
     fxs_vk_collect(v);
 }

@@ -156,12 +156,7 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
 /* Makes the pools of scenes in parts on the device larger if the request needs more. */
 static void choose_pools(compute_backend *b, const fxs_request *r)
 {
-    uint64_t bytes = b->pool_bytes;
-    for (uint32_t i = 0; i < r->count; i++) {
-        const fxs_scene *scene = fxs_object_at(r->objects, i)->scene;
-        const uint64_t usual = scene->places ? fxs_mirror_usual_bytes(scene, r->options.budget) : 0;
-        bytes = usual > bytes ? usual : bytes;
-    }
+    const uint64_t bytes = fxs_mirror_usual_bytes(r, b->pool_bytes);
     for (uint32_t i = b->scene_count; i-- > 0 && bytes > b->pool_bytes;)
         if (b->scenes[i].mirror)
             forget(b, b->scenes[i].key);

@@ -7,6 +7,7 @@
 #include <fixsplat/internal/message.h>
 #ifdef FXS_WITH_VULKAN
 #include "port/vulkan/vulkan_device.h"
+#include "src/core/mirror.h"
 #endif
 
 #ifdef FXS_WITH_VULKAN
@@ -15,6 +16,7 @@ typedef struct vulkan_backend {
     fxs_backend_options options;
     fxs_vulkan_device device;
     fxs_vulkan *vulkan;            /* null after the device was lost */
+    uint64_t pool_bytes;           /* size of the pools of scenes in parts */
 } vulkan_backend;
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
@@ -42,11 +44,13 @@ static int start(vulkan_backend *b, fxs_message *why)
     int error = fxs_vulkan_find_device(&b->device, 0, b->options.device, why);
     error = error ? error : fxs_vulkan_open_device(&b->device, why);
     error = error ? error : fxs_vulkan_create(&b->vulkan, &b->device.options, why);
-    if (error)
+    if (error) {
         shut(b);
-    else
-        fxs_vulkan_limit(b->vulkan, b->options.max_memory);
-    return error;
+        return error;
+    }
+    fxs_vulkan_limit(b->vulkan, b->options.max_memory);
+    fxs_vulkan_stream(b->vulkan, b->pool_bytes, 0);
+    return 0;
 }
 
 static void close_device(void *self)
@@ -70,12 +74,23 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return error;
 }
 
+/* Makes the pools of scenes in parts on the device larger if the request needs more. */
+static void choose_pools(vulkan_backend *b, const fxs_request *r)
+{
+    const uint64_t bytes = r->objects ? fxs_mirror_usual_bytes(r, b->pool_bytes) : b->pool_bytes;
+    if (bytes > b->pool_bytes)
+        fxs_vulkan_stream(b->vulkan, bytes, 0);
+    b->pool_bytes = bytes;
+}
+
 /* Opens the device again if it was lost. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     vulkan_backend *b = self;
     const uint64_t started = fxs_clock(0);
     int error = b->vulkan ? 0 : start(b, why);
+    if (!error)
+        choose_pools(b, request);
     error = error ? error : fxs_vulkan_render(b->vulkan, request, stats, why);
     if (error == FXS_ERR_DEVICE)
         shut(b);
@@ -113,7 +128,7 @@ static const char *version(const void *self, enum fxs_stage stage)
 
 const fxs_backend fxs_backend_vulkan = {
     .name = "vulkan", .does = "whole frames in compute shaders of Vulkan 1.1",
-    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES | FXS_CAN_RATES,
+    .can = FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES | FXS_CAN_PART | FXS_CAN_RATES,
     .device = device_name, .open = open_device,
     .render = render, .forget = forget, .version = version, .nanoseconds = nanoseconds, .close = close_device
 };

@@ -2,6 +2,11 @@
 #include "mirror.h"
 
 #include "chunk.h"
+#include "memory.h"
+#include "sized.h"
+
+#define POOL_USUAL ((uint64_t)256 << 20)
+#define UPLOAD_USUAL ((uint64_t)8 << 20)
 
 uint64_t fxs_mirror_place_bytes(const fxs_scene *scene)
 {
@@ -14,10 +19,43 @@ uint64_t fxs_mirror_bytes(const fxs_scene *scene, uint32_t room)
            room * (uint64_t)(sizeof(fxs_place) + sizeof(uint32_t));
 }
 
-uint64_t fxs_mirror_usual_bytes(const fxs_scene *scene, uint32_t budget)
+int fxs_mirror_is_asked(const fxs_request *request)
 {
-    const uint64_t chunks = budget ? 2 * (uint64_t)fxs_chunks_of(budget) + FXS_KEPT_MOST : fxs_scene_chunks(scene);
-    return chunks * fxs_mirror_place_bytes(scene);
+    int parts = 0;
+    for (uint32_t i = 0; i < request->count; i++)
+        parts |= fxs_object_at(request->objects, i)->scene->places != 0;
+    return parts;
+}
+
+uint64_t fxs_mirror_usual_bytes(const fxs_request *request, uint64_t bytes)
+{
+    const uint32_t budget = request->options.budget;
+    for (uint32_t i = 0; i < request->count; i++) {
+        const fxs_scene *scene = fxs_object_at(request->objects, i)->scene;
+        const uint64_t chunks = budget ? 2 * (uint64_t)fxs_chunks_of(budget) + FXS_KEPT_MOST : fxs_scene_chunks(scene);
+        const uint64_t usual = scene->places ? chunks * fxs_mirror_place_bytes(scene) : 0;
+        bytes = usual > bytes ? usual : bytes;
+    }
+    return bytes;
+}
+
+uint32_t fxs_mirror_room(const fxs_scene *scene, uint64_t bytes, uint64_t limit, fxs_message *why)
+{
+    static const char small[] = "the device's pool for a scene in parts has no room for 16 chunks";
+    const uint64_t each = fxs_mirror_place_bytes(scene), pool = bytes ? bytes : POOL_USUAL;
+    const uint32_t room = fxs_places_room(scene, limit && limit / 2 < pool ? limit / 2 : pool, each);
+    if (!room) {
+        memset(why, 0, sizeof *why);
+        memcpy(why->text, small, sizeof small);
+        why->bytes_needed = FXS_PLACES_LEAST * each * (limit ? 2 : 1);
+    }
+    return room;
+}
+
+uint64_t fxs_mirror_upload_bytes(const fxs_scene *scene, uint64_t bytes)
+{
+    const uint64_t each = fxs_mirror_place_bytes(scene), most = bytes ? bytes : UPLOAD_USUAL;
+    return most > each ? most : each;
 }
 
 fxs_scene fxs_mirror_pool(const fxs_mirror *m)
@@ -34,6 +72,11 @@ void fxs_mirror_init(fxs_mirror *m, const fxs_scene *scene, uint32_t room, void 
     *m = (fxs_mirror){.scene = *scene, .from = scene, .wanted = wanted};
     fxs_places_init(&m->pool, scene, room, of_chunks, (fxs_place *)(void *)(wanted + room));
     m->scene.places = of_chunks;
+}
+
+void fxs_mirror_forget(fxs_mirror *m)
+{
+    fxs_mirror_init(m, m->from, m->pool.room, m->pool.of_chunks);
 }
 
 void fxs_mirror_begin(fxs_mirror *m, uint32_t turn, uint32_t since, const fxs_want *want)
@@ -61,6 +104,23 @@ void fxs_mirror_want(void *argument, const fxs_scene *scene, uint32_t chunk, int
         m->want.call(m->want.argument, m->from, chunk, is_in_memory(m, chunk));
 }
 
+int fxs_mirror_take(fxs_request *request, fxs_object *objects, uint32_t turn, fxs_mirror_of_fn *of, const void *copies)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < request->count && !error; i++) {
+        fxs_mirror *m = of(copies, i);
+        error = fxs_object_read(&objects[i], request->objects, i);
+        error = error ? error : !objects[i].scene->places != !m ? FXS_ERR_ARGUMENT : 0;
+        if (error || !m)
+            continue;
+        objects[i].scene = &m->scene;
+        fxs_mirror_begin(m, turn, turn - 1, &request->options.want);
+    }
+    request->objects = objects;
+    request->options.want.call = fxs_mirror_want;
+    return error;
+}
+
 static uint32_t take_place(fxs_mirror *m)
 {
     return m->used < m->pool.room ? m->used++ : fxs_places_evict(&m->pool, m->since);
@@ -84,4 +144,15 @@ uint32_t fxs_mirror_step(fxs_mirror *m, uint64_t bytes, const uint32_t **places)
     }
     *places = m->wanted;
     return count;
+}
+
+void fxs_mirror_fill(const fxs_mirror *m, const uint32_t *places, uint32_t count, void *to)
+{
+    const size_t rows = m->from->chunk_bytes;
+    unsigned char *at = to;
+    for (uint32_t i = 0; i < count; i++, at += sizeof(fxs_chunk) + rows) {
+        const uint32_t chunk = fxs_mirror_chunk(m, places[i]);
+        memcpy(at, fxs_header(m->from, chunk), sizeof(fxs_chunk));
+        memcpy(at + sizeof(fxs_chunk), fxs_rows(m->from, chunk), rows);
+    }
 }

@@ -63,6 +63,8 @@ typedef struct fxs_vulkan_info {
     uint64_t nanoseconds;          /* device time of the last call of fxs_vulkan_render, or of the last frame in
                                       flight that was seen to end; 0 if the queue has no timestamps */
     uint64_t memory;               /* device memory of scenes and frames in bytes */
+    uint32_t missing;              /* fxs_stats.missing of the last frame: chunks of scenes in parts that it drew
+                                      coarser, as they were not on the device */
 } fxs_vulkan_info;
 
 /* Creates the back end: loads functions and makes the pipelines. A back end belongs to one thread at a time.
@@ -84,9 +86,19 @@ FXS_EXPERIMENTAL int fxs_vulkan_cache(fxs_vulkan *vulkan, void *to, size_t *byte
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
+/* Settings of scenes in parts (fxs_scene.places is not null, as in a pager's scene). Drops those on the device.
+   `pool_bytes` is the size of the pool on the device for a scene's chunks (256 Gaussians each), at least 16 chunks; 0:
+   256 MiB. It is capped at the scene's size, and at half of the limit of device memory. `upload_bytes` is the most
+   bytes that a frame uploads to all pools together, at least one chunk; 0: 8 MiB. Each frame in flight has as many
+   bytes of memory that the host writes, besides the limit. */
+FXS_EXPERIMENTAL void fxs_vulkan_stream(fxs_vulkan *vulkan, uint64_t pool_bytes, uint64_t upload_bytes);
+
 /* Copies a scene to the device and waits. The scene is identified by the address of its fxs_scene; a scene that is
-   already on the device is copied again only if its fxs_scene has changed. All rows (Gaussian codes) must be in
-   memory, so `places` must be null. */
+   already on the device is copied again only if its fxs_scene has changed. Of a scene in parts, only the coarsest
+   chunks are copied. Each frame then copies chunks that it lacks and that are in memory, for the next frames; the least
+   recently drawn chunks on the device make room. The frame draws the nearest ancestors that are on the device, as
+   fxs_render does with the same chunks in memory. options.want tells, as in fxs_render, if a wanted chunk is in
+   memory. */
 FXS_EXPERIMENTAL int fxs_vulkan_upload(fxs_vulkan *vulkan, const fxs_scene *scene, fxs_message *why);
 
 /* Drops the device's copy of a scene; its memory is freed when the frames that read it have ended. Call it before the
@@ -95,7 +107,9 @@ FXS_EXPERIMENTAL void fxs_vulkan_drop(fxs_vulkan *vulkan, const fxs_scene *scene
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* Renders a request into its targets in host memory, and waits. Missing scenes are uploaded. `stats` may be null.
+/* Renders a request into its targets in host memory, and waits. Missing scenes are uploaded. `stats` may be null. A
+   stopped frame (FXS_ERR_STOPPED) uploads chunks too. Frames of scenes in parts that were recorded must have been
+   submitted.
    Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an error, the targets of an eye
    are unchanged or complete. */
 FXS_EXPERIMENTAL int fxs_vulkan_render(fxs_vulkan *vulkan, const fxs_request *request, fxs_stats *stats,
@@ -136,6 +150,9 @@ typedef struct fxs_vulkan_target {
    maps of rates. The scenes must have been uploaded. Submit the command buffers to the queue of the options, in the
    order of the calls. The images are used after all earlier commands of the queue, and before all later ones. The
    call changes the bound pipeline, descriptor sets and push constants of compute.
+   Later frames draw the chunks of scenes in parts that a recorded frame uploads. So if a recorded frame is not
+   submitted, do not submit those recorded after it, and call fxs_vulkan_idle, which forgets the chunks on the device.
+   The rows of the chunks are read only during the call.
    Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or
    planes; FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY,
    FXS_ERR_DEVICE. After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is
@@ -163,7 +180,8 @@ FXS_EXPERIMENTAL int fxs_vulkan_submit(fxs_vulkan *vulkan, const fxs_request *re
    device found in this frame, which no later call returns then. */
 FXS_EXPERIMENTAL int fxs_vulkan_stats(fxs_vulkan *vulkan, fxs_stats *stats, fxs_message *why);
 
-/* Tells that no frame is in flight: the device is idle, and recorded frames that were not submitted never will be. */
+/* Tells that no frame is in flight: the device is idle, and recorded frames that were not submitted never will be. If
+   these uploaded chunks of scenes in parts, all pools are empty again. */
 FXS_EXPERIMENTAL void fxs_vulkan_idle(fxs_vulkan *vulkan);
 
 #ifdef __cplusplus
