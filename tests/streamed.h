@@ -11,17 +11,17 @@ typedef struct streamed {
     fxs_packed_scene packed;
     fxs_scene whole, part, shown;
     uint32_t *in_memory, *on_device, chunks, wanted[16], wanted_count;
-    uint32_t objects, eyes;        /* of each frame: 1, or more objects of the scene; 1 or 2 */
+    uint32_t objects, eyes, number;        /* objects and eyes of a frame, 1 or 2 each; number of the scene, 0 or 1 */
     unsigned char *rows;
     picture expected[2], drawn[2];
     const fxs_mirror *mirror;      /* set by stream_upload; null: no scene in parts is on the device */
 } streamed;
 
 /* stream_set sets the pool's size and the upload's, in bytes. stream_upload copies s->part or s->whole to the device,
-   in buffers of at most `part_bytes` bytes; stream_drop drops it. stream_render renders objects of that scene. */
+   in buffers of at most `part_bytes` bytes; stream_drop drops it. stream_render renders objects of such scenes. */
 static void stream_set(stream_device *d, uint64_t pool_bytes, uint64_t upload_bytes);
 static int stream_upload(streamed *s, stream_device *d, const fxs_scene *scene);
-static int stream_render(streamed *s, stream_device *d, const fxs_request *request, fxs_stats *stats);
+static int stream_render(stream_device *d, const fxs_request *request, fxs_stats *stats);
 static void stream_drop(streamed *s, stream_device *d);
 
 static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
@@ -133,7 +133,7 @@ static int streamed_draw(streamed *s, stream_device *d, double distance, double 
     for (int eye = 0; eye < 2; eye++)
         request.targets[eye] = s->drawn[eye].targets;
     note_device(s);
-    const int error = stream_render(s, d, &request, stats);
+    const int error = stream_render(d, &request, stats);
     streamed_expect(s, distance, angle, &expected);
     CHECK(error || (is_equal(&s->expected[0], &s->drawn[0]) && is_equal(&s->expected[1], &s->drawn[1]) &&
                     stats->missing == expected.missing && stats->drawn == expected.drawn));
@@ -195,6 +195,48 @@ static void pools(stream_device *d, void (*limit)(stream_device *d, uint64_t byt
     streamed_free(&s);
 }
 
+static void bring_all(streamed *s)
+{
+    for (uint32_t i = 0; i < s->chunks; i++)
+        s->in_memory[i] = i;
+}
+
+/* Two scenes in parts, which share the bytes that a frame may upload. */
+static void two_scenes(stream_device *d)
+{
+    streamed s[2];
+    fxs_stats stats = {0}, expected;
+    if (!streamed_make(&s[0], FXS_PROFILE_DEFAULT) || !streamed_make(&s[1], FXS_PROFILE_SMALL))
+        return;
+    const uint64_t most = 8 * bytes_of_chunk(&s[0]);
+    s[1].number = 1;
+    s[0].objects = 2;
+    stream_set(d, 0, most);
+    for (int i = 0; i < 2; i++) {
+        bring_all(&s[i]);
+        CHECK(!stream_upload(&s[i], d, &s[i].part) && note_device(&s[i]) > 0);
+    }
+    for (int frame = 0; frame < 20 && !check_faults; frame++) {
+        fxs_object objects[2], shown[2];
+        fxs_request request = streamed_view(s, objects, &s[0].part, 5, 1);
+        objects[1].scene = &s[1].part;
+        request.targets[0] = s[0].drawn[0].targets;
+        CHECK(!stream_render(d, &request, &stats));
+        request = streamed_view(s, shown, &s[0].shown, 5, 1);
+        shown[1].scene = &s[1].shown;
+        request.targets[0] = s[0].expected[0].targets;
+        CHECK(!render_there(&request, &expected));
+        CHECK(is_equal(&s[0].expected[0], &s[0].drawn[0]) && stats.missing == expected.missing);
+        CHECK(note_device(&s[0]) * bytes_of_chunk(&s[0]) + note_device(&s[1]) * bytes_of_chunk(&s[1]) <= most);
+    }
+    CHECK(!stats.missing);
+    for (int i = 0; i < 2; i++) {
+        stream_drop(&s[i], d);
+        streamed_free(&s[i]);
+    }
+    stream_set(d, 0, 0);
+}
+
 static int stop_at_once(void *argument)
 {
     (void)argument;
@@ -209,8 +251,7 @@ static void stopped_frames(stream_device *d)
     uint32_t uploaded;
     if (!streamed_make(&s, FXS_PROFILE_DEFAULT))
         return;
-    for (uint32_t i = 0; i < s.chunks; i++)
-        s.in_memory[i] = i;
+    bring_all(&s);
     stream_set(d, 0, 20 * bytes_of_chunk(&s));
     CHECK(!stream_upload(&s, d, &s.part));
     for (int i = 0; i < 30; i++) {
@@ -218,7 +259,7 @@ static void stopped_frames(stream_device *d)
         fxs_request request = streamed_view(&s, objects, &s.part, 5, 1);
         request.targets[0] = s.drawn[0].targets;
         request.options.stop.call = stop_at_once;
-        CHECK(stream_render(&s, d, &request, &stats) == FXS_ERR_STOPPED);
+        CHECK(stream_render(d, &request, &stats) == FXS_ERR_STOPPED);
     }
     CHECK(!streamed_draw(&s, d, 5, 1, &stats, &uploaded) && !stats.missing && !uploaded);
     stream_drop(&s, d);

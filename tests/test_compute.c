@@ -230,7 +230,7 @@ static void frames_that_do_not_fit(void)
     part_free(&p);
 }
 
-static fxs_compute_scene stream_copy;
+static fxs_compute_scene stream_copies[2];
 
 static void stream_set(fxs_compute *c, uint64_t pool_bytes, uint64_t upload_bytes)
 {
@@ -239,20 +239,23 @@ static void stream_set(fxs_compute *c, uint64_t pool_bytes, uint64_t upload_byte
 
 static int stream_upload(streamed *s, fxs_compute *c, const fxs_scene *scene)
 {
+    fxs_compute_scene *copy = &stream_copies[s->number];
     const uint64_t most = c->rooms.most;
     c->rooms.most = part_bytes ? part_bytes : most;
-    const int error = fxs_compute_upload(c, &stream_copy, scene, &why);
-    CHECK(!part_bytes == !stream_copy.parts[1]);
+    const int error = fxs_compute_upload(c, copy, scene, &why);
+    CHECK(!part_bytes == !copy->parts[1]);
     c->rooms.most = most;
-    s->mirror = stream_copy.mirror;
+    copy->key = &s->part;
+    s->mirror = copy->mirror;
     return error;
 }
 
-static int stream_render(streamed *s, fxs_compute *c, const fxs_request *request, fxs_stats *stats)
+static int stream_render(fxs_compute *c, const fxs_request *request, fxs_stats *stats)
 {
-    const fxs_compute_scene *const copies[] = {&stream_copy, &stream_copy};
+    const fxs_compute_scene *copies[2];
+    for (uint32_t i = 0; i < request->count; i++)
+        copies[i] = &stream_copies[request->objects[i].scene != stream_copies->key];
     void *memory = malloc(fxs_compute_memory(request));
-    (void)s;
     const int error = fxs_compute_render(c, request, copies, memory, stats, &why);
     free(memory);
     return error;
@@ -260,8 +263,8 @@ static int stream_render(streamed *s, fxs_compute *c, const fxs_request *request
 
 static void stream_drop(streamed *s, fxs_compute *c)
 {
-    fxs_compute_drop(c, &stream_copy);
-    CHECK(!c->scene_bytes);
+    fxs_compute_drop(c, &stream_copies[s->number]);
+    CHECK(stream_copies[!s->number].heads || !c->scene_bytes);
     s->mirror = 0;
 }
 
@@ -270,6 +273,7 @@ static void streams(void)
     for (int i = 0; i < 3; i++)
         fly(device, (enum fxs_profile)i, 1, 1, i != 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    two_scenes(device);
     stopped_frames(device);
 }
 
@@ -536,7 +540,7 @@ static void streams_refused(void)
         return;
     const fxs_request request = streamed_view(&s, objects, &s.part, 5, 0);
     CHECK(!stream_upload(&s, device, &s.whole));
-    CHECK(stream_render(&s, device, &request, 0) == FXS_ERR_ARGUMENT);
+    CHECK(stream_render(device, &request, 0) == FXS_ERR_ARGUMENT);
     stream_drop(&s, device);
     streamed_free(&s);
 }

@@ -578,9 +578,8 @@ static int stream_upload(streamed *s, fxs_vulkan *v, const fxs_scene *scene)
     return error;
 }
 
-static int stream_render(streamed *s, fxs_vulkan *v, const fxs_request *request, fxs_stats *stats)
+static int stream_render(fxs_vulkan *v, const fxs_request *request, fxs_stats *stats)
 {
-    (void)s;
     return fxs_vulkan_render(v, request, stats, &why);
 }
 
@@ -595,6 +594,7 @@ static void streams(void)
 {
     fly(device, FXS_PROFILE_DEFAULT, 1, 1, 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    two_scenes(device);
     stopped_frames(device);
     pools(device, fxs_vulkan_limit);
 }
@@ -618,17 +618,17 @@ static void streams_lose(void)
         stream_drop(&s, v);
     }
     CHECK(!stream_upload(&s, v, &s.part));
-    for (int n = 0; n < 45 && !check_faults; n++) {
+    for (int n = 0; n < 66 && !check_faults; n++) {
         CHECK(!streamed_draw(&s, v, 5, n * 0.3, &stats, &uploaded));
         came += uploaded;
         fxs_vk_give_back(v);       /* so that the next frame makes all of its objects */
-        lose_at(n, losses[n % 3], 0);
+        lose_at(n / 3, losses[n % 3], 0);
         const int error = streamed_draw(&s, v, 5, n * 0.3, &stats, &uploaded);
         stop_losing();
         CHECK(!error || is_loss(error));
         fails += error != 0;
     }
-    CHECK(came > 20 && fails > 20);
+    CHECK(came > 20 && fails > 40);
     stream_drop(&s, v);
     close_all(&d, v);
     streamed_free(&s);

@@ -90,13 +90,14 @@ for options in "" "--budget 9000" "--detail 4" "--budget 9000 --stereo 0.1" \
 done
 check "render --pool: less than the file, several views" equal \
     "$(hash_of knot.fxs --pool $((size / 2)) --budget 9000 --orbit 7)" "$(hash_of knot.fxs --budget 9000 --orbit 7)"
-! "$fixsplat" info --backends | grep -q '^gles-compute  *here' || {
-    check "render --pool on a device: less than the file, two eyes" equal \
-        "$(hash_of knot.fxs --pool $((size / 2)) --budget 9000 --orbit 3 --stereo 0.1 --backend gles-compute)" \
+for backend in gles-compute vulkan; do
+    "$fixsplat" info --backends | grep -q "^$backend  *here" || continue
+    check "render --pool on a device: less than the file, two eyes, $backend" equal \
+        "$(hash_of knot.fxs --pool $((size / 2)) --budget 9000 --orbit 3 --stereo 0.1 --backend $backend)" \
         "$(hash_of knot.fxs --budget 9000 --orbit 3 --stereo 0.1)"
-    refused "render --pool on a device: too little device memory" 1 'max-memory 262144: it needs at least 520192' \
-        render knot.fxs --pool $((size / 2)) --budget 9000 --backend gles-compute --max-memory 256K --hash
-}
+    refused "render --pool on a device: too little device memory, $backend" 1 'max-memory 262144: it needs at least 520192' \
+        render knot.fxs --pool $((size / 2)) --budget 9000 --backend $backend --max-memory 256K --hash
+done
 refused "render --pool: too little for any" 1 'knot.fxs: a pool of 9999 bytes is too little' \
     render knot.fxs --pool 9999 --hash
 refused "render --pool: too little for the picture" 1 'the pool has no room for .* larger --pool' \
@@ -121,9 +122,12 @@ camera='--eye 4.6,-1.9,-12.7 --look 0,-2.2,0'
 check "render --budget of a large scene: the bytes of another pool" equal \
     "$(hash_of large.fxs --budget 60000 --orbit 3)" "$(hash_of large.fxs --budget 60000 --orbit 3 --pool 200M)"
 "$fixsplat" bench large.fxs $small --budget 60000 --json >bench.json
-! "$fixsplat" info --backends | grep -q '^gles-compute  *here' ||
-    check "render --budget of a large scene, in part on a device" equal \
-        "$(hash_of large.fxs $camera --budget 60000 --backend gles-compute)" "$(hash_of large.fxs $camera --budget 60000)"
+for backend in gles-compute vulkan; do
+    ! "$fixsplat" info --backends | grep -q "^$backend  *here" ||
+        check "render --budget of a large scene, in part on a device, $backend" equal \
+            "$(hash_of large.fxs $camera --budget 60000 --backend $backend)" \
+            "$(hash_of large.fxs $camera --budget 60000)"
+done
 check "bench --budget of a large scene" grep -q '"budget": 60000' bench.json
 root=$(($(wc -c <large.fxs) - ($(od -An -tu4 -j12 -N4 large.fxs) - 1) * 16128))
 { head -c $root large.fxs; printf damaged; tail -c +$((root + 8)) large.fxs; } >damaged.fxs
