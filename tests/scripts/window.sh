@@ -256,12 +256,13 @@ fi
 
 # ---- Frames of Vulkan in a swapchain ---------------------------------------------------------------------------------
 
-screen() { cp "$work/frame/Xvfb_screen0" "$work/$1.xwd"; }
-shows() { screen now && cmp "$work/now.xwd" "$work/$1.xwd"; }
+# the first three of a pixel's four bytes are colours
+screen() { od -An -v -tx1 -w4 "$work/frame/Xvfb_screen0" | cut -c 2-9 >"$work/$1.screen"; }
+shows() { screen now && cmp "$work/now.screen" "$work/$1.screen"; }
 
 # Compares whole screens. The hint about the key h disappears by itself.
 differs_now() { ! shows "$1"; }
-differ_screens() { ! cmp -s "$work/$1.xwd" "$work/$2.xwd"; }
+differ_screens() { ! cmp -s "$work/$1.screen" "$work/$2.screen"; }
 shown_by() {
     others="--cameras $work/cameras.json --size 320x200 --backend $1"
     open env VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation "$B/fixsplat" || return
@@ -282,22 +283,22 @@ if no_vulkan=$("$B/fixsplat" render "$work/knot.ply" --size 64x48 --backend vulk
         skip "Vulkan in the window" "$(cat "$work/errors")"
         close xdotool key Escape
     else
-        check "Vulkan: the processor's picture is on the screen" until_ 200 shows first
+        check "Vulkan: the processor's picture is on the screen" until_ 60 shows first
         xdotool key h
-        check "Vulkan: the keys are drawn over it" until_ 100 differs_now first
+        check "Vulkan: the keys are drawn over it" until_ 60 differs_now first
         xdotool key h
-        check "Vulkan: the picture is kept" until_ 100 shows first
+        check "Vulkan: the picture is kept" until_ 60 shows first
         xdotool windowsize --sync "$window" 391 243
-        check "Vulkan: the processor's picture in another size" until_ 200 shows wide
+        check "Vulkan: the processor's picture in another size" until_ 60 shows wide
         xdotool windowminimize "$window" windowmap --sync "$window" windowsize --sync "$window" 320 200
-        check "Vulkan: hidden, shown and in the first size" until_ 200 shows first
+        check "Vulkan: hidden, shown and in the first size" until_ 60 shows first
         shot vulkan
         same vulkan --cameras "$work/cameras.json" --size 320x200
         xdotool key z
-        check "depths" until_ 100 differs_now first
+        check "depths" until_ 60 differs_now first
         xdotool key z b
         check "the next back end draws" until_ 100 titled ', cpu, \|, gles'
-        check "its picture is the same" until_ 200 shows first
+        check "its picture is the same" until_ 60 shows first
         close xdotool key Escape
         check "Vulkan: status 0" [ $status = 0 ]
         check "Vulkan: no message of the validation layer" equal \
