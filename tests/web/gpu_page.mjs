@@ -11,7 +11,7 @@ const PARTS = '?scene=/scenes/parts.fxs%3Franges&budget=6000'
 const exactParts = async () => {
   await moved()
   assert.equal(await inside('return v.backend'), 'webgpu')
-  assert.equal(await hash(), native('parts.fxs', await viewOf(), '160x90', '0e1116', '--budget', '6000'))
+  assert.equal(await hash(), native('parts.fxs', await viewOf(), '320x180', '0e1116', '--budget', '6000'))
 }
 const viewOf = () => inside('return v.view')
 const before = (more) => (text) => `${more}\n${text}`
@@ -116,12 +116,12 @@ await run({
   },
 
   async 'a streamed scene: asked for, after a move, and found by a trial in its own worker'() {
-    await open(`${PARTS}&backend=webgpu`, 160, 90)
+    await open(`${PARTS}&backend=webgpu`, 320, 180)
     await exactParts()
     await page.keyboard.press('ArrowLeft', { delay: 300 })
     await exactParts()
     await without(slowProcessor, async () => {
-      await open(PARTS, 160, 90)
+      await open(PARTS, 320, 180)
       const isOnCard = () => document.querySelector('fixsplat-viewer').backend === 'webgpu'
       await page.waitForFunction(isOnCard, { timeout: 300000 })
       await exactParts()
