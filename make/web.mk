@@ -14,8 +14,9 @@ IMPORTS := import import_threads import_sog import_core
 MODULES := core simd threads $(IMPORTS)
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+# wasm-opt would inline large functions with one caller, such as memmove, which clang has kept apart for size.
+WASM_OPT_FLAGS := -O3 --converge -ocimfs=200 -fimfs=0 --low-memory-unused
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
-WASM_OPT_FLAGS := -O3 --converge --flexible-inline-max-function-size=0 --low-memory-unused
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
 WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_edit.c port/web/web_paged.c src/scene/edit/editor.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c within.c) src/scene/world.c $(WEB_C)
@@ -51,11 +52,9 @@ WEB_SMALL := simd/src/% $(addprefix core/src/core/,bands.c pace.c setup.c sized.
 # Modules with threads link only thread-safe functions of wasi-libc. fixsplat.js creates their shared memory.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
-# wasm-opt would inline large functions with one caller, such as memmove, which clang has kept apart for size.
-wasm_opt_of_simd := -ocimfs=200 -fimfs=10
-wasm_opt_of_threads := $(wasm_opt_of_simd) --enable-threads --enable-bulk-memory --enable-mutable-globals
+wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
 wasm_link_of_import_threads := $(wasm_link_of_threads)
-wasm_opt_of_import_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
+wasm_opt_of_import_threads := $(wasm_opt_of_threads)
 objects_for_threads := simd
 objects_for_import_threads := import
 web_objects_of = $(patsubst %.c,$(B)/web/$(or $(objects_for_$(1)),$(1))/%.o,$(sources_of_$(1)))

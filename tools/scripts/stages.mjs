@@ -33,8 +33,8 @@ const partsOf = (stage) => [...textOf(stage).match(/^\/\/ Needs (.*)$/m)[1].spli
 
 export const stageText = (stage) => partsOf(stage).map(textOf).join("\n");
 
-const bare = (text) => text.replace(/\/\/.*/g, "").replace(/^\s+|[ \t]+$/gm, "")
-    .replace(/([;{},])\n|(,) /g, "$1$2");
+const bare = (text) => text.replace(/\/\/.*/g, "").replace(/^\s+|[ \t]+$/gm, "").replace(/([;{},])\n/g, "$1")
+    .replace(/ ?([,=+*&|]) /g, "$1");
 
 function packageModule()
 {
