@@ -152,7 +152,7 @@ typedef struct fxs_vulkan_target {
    call changes the bound pipeline, descriptor sets and push constants of compute.
    Later frames draw the chunks of scenes in parts that a recorded frame uploads. So if a recorded frame is not
    submitted, do not submit those recorded after it, and call fxs_vulkan_idle, which forgets the chunks on the device.
-   The rows of the chunks are read only during the call.
+   The rows of the chunks are read only during the call. A stopped frame uploads nothing.
    Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or
    planes; FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY,
    FXS_ERR_DEVICE. After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is
