@@ -175,8 +175,8 @@ export interface Drawn {
   /** The number of Gaussians that were processed for the picture, visible or not. `FrameOptions.budget` does not limit
       this number for scenes without levels of detail. */
   readonly drawn: number
-  /** The number of parts of streamed scenes (`LoadOptions.paging`) that have not arrived. The picture has coarser parts
-      in their place. 0: the picture is complete. */
+  /** The number of parts of streamed scenes (`LoadOptions.paging`) that have not arrived, or with 'webgpu' are not in
+      the GPU's pool. The picture has coarser parts in their place. 0: the picture is complete. */
   readonly missing: number
 }
 
@@ -476,7 +476,7 @@ export class Screen {
       - 'webgpu' renders on the GPU. Each streamed scene has a pool on the GPU, of `pool` bytes at most (default 2^28).
         A frame draws the nearest coarser chunk in place of a chunk that the pool lacks. After a frame, at most 8 MiB
         of the chunks that it lacked go to the pool, and `Paging.changed` is called. `draw` throws if the pool has no
-        room for 16 chunks.
+        room for 16 chunks. In a pool with less room than the budget, the picture stays coarser.
       - 'webgl2' prepares the picture on the processor and draws the picture on the GPU.
 
       The promise is rejected if the canvas has a context of another kind, or if the platform lacks the back end. The

@@ -8,6 +8,7 @@ import { createRequire } from 'node:module'
 import { tmpdir } from 'node:os'
 import { join, resolve } from 'node:path'
 import { fileURLToPath, pathToFileURL } from 'node:url'
+import { serveRanges } from './ranges.mjs'
 import { inTurns, measureText, median, VIEWERS } from './viewers.mjs'
 
 const [folder, scenes, modules, command, size = '1280x720', rounds = '3', ...asked] = process.argv.slice(2)
@@ -78,19 +79,35 @@ async function measureHere(name, scene) {
   process.exit()
 }
 
-async function isSame(scene) {
-  const { load, Screen } = await bring('fixsplat')
+/** Draws a scene until nothing is missing, and compares with the command's picture of `file`. */
+async function isSame(scene, file, camera, options, ...args) {
+  const { Screen } = await bring('fixsplat')
   const screen = await Screen.open(null, 'webgpu')
   const colour = screen.device.createBuffer({ size: 4 * width * height,
                                               usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST })
-  screen.draw([{ scene: await load(fileOf(scene)) }], {}, { width, height, targets: { colour } })
-  await screen.finish()
+  for (let missing = 1; missing; await screen.finish()) {
+    if (scene.paged) await scene.complete(camera, { ...options, width, height })
+    missing = screen.draw([{ scene }], camera, { ...options, width, height, targets: { colour } }).missing
+  }
   await colour.mapAsync(GPUMapMode.READ)
   const raw = join(tmpdir(), `dawn-${process.pid}.raw`)
-  execFileSync(command, ['render', fileOf(scene), '--size', size, '-o', raw, '--quiet'])
+  execFileSync(command, ['render', file, '--size', size, ...args, '-o', raw, '--quiet'])
   const same = Buffer.from(colour.getMappedRange()).equals(readFileSync(raw))
   screen.free()
   return same
+}
+
+async function isSameStreamed(scene) {
+  const { load } = await bring('fixsplat')
+  const file = join(tmpdir(), `dawn-${process.pid}.fxs`)
+  execFileSync(command, ['convert', fileOf(scene), file, '--levels'], { stdio: 'ignore' })
+  const server = await serveRanges(file)
+  const streamed = await load(server.url)
+  const args = ['--eye', '2,-1,-4', '--budget', '200000']
+  const same = await isSame(streamed, file, { eye: [2, -1, -4] }, { budget: 200000 }, ...args)
+  streamed.free()
+  server.close()
+  return streamed.paged && same
 }
 
 if (process.env.VIEWER) await measureHere(process.env.VIEWER, asked[0])
@@ -99,9 +116,12 @@ if (!adapter) throw new Error('Dawn finds no adapter')
 console.log(`Dawn: ${adapter.info.vendor}, ${adapter.info.architecture}, ${adapter.info.description}`)
 let failed = 0
 for (const scene of asked.length ? asked : ['guitar', 'snowmiku']) {
-  const same = await isSame(scene)
-  failed += !same
-  console.log(`${same ? 'ok  ' : 'FAIL'} ${scene} ${size}: the pixels of the command`)
+  const { load } = await bring('fixsplat')
+  const whole = await isSame(await load(fileOf(scene)), fileOf(scene), {}, {})
+  const streamed = await isSameStreamed(scene)
+  failed += !whole + !streamed
+  console.log(`${whole ? 'ok  ' : 'FAIL'} ${scene} ${size}: the pixels of the command`)
+  console.log(`${streamed ? 'ok  ' : 'FAIL'} ${scene} ${size}: the pixels of the command, streamed`)
   await inTurns(Object.keys(VIEWERS), Number(rounds), `${scene} ${size}`, (VIEWER) => Number(
     execFileSync(process.execPath, [fileURLToPath(import.meta.url), folder, scenes, modules, command, size, rounds, scene],
                  { env: { ...process.env, VIEWER }, encoding: 'utf8' }).trim().split('\n').pop()))
