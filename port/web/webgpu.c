@@ -69,7 +69,7 @@ static int find_parts(const fxs_plan_rooms *rooms, const fxs_scene *drawn, uint3
 {
     const fxs_scene scene = on_device(drawn);
     *each = part_chunks(rooms, &scene);
-    return *each ? (int)((fxs_scene_chunks(&scene) - 1) / *each + 1) : FXS_ERR_MEMORY;
+    return *each ? (int)((fxs_scene_chunks(&scene) + (uint64_t)*each - 1) / *each) : FXS_ERR_MEMORY;
 }
 
 EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_web_scene *s)
