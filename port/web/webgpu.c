@@ -148,21 +148,22 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
 
 /* Sets the targets (pictures) of an eye. The bits of `asked` name them, from bit 0: colour, mean depth, median depth,
    ids, occluder, backdrop. The pictures lie on the device, so the addresses are placeholders. The rows of all pictures
-   lie side by side. */
-static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
+   of all eyes lie side by side. */
+static void take_targets(fxs_request *r, uint32_t eye, int alpha, int depth_bits, uint32_t asked)
 {
+    fxs_targets *t = &r->targets[eye];
     fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
-    ptrdiff_t row = 0;
+    const ptrdiff_t row = 4 * (ptrdiff_t)r->cameras->width;
+    const ptrdiff_t each = row * (__builtin_popcount(asked) + (asked >> 3 & 1));
+    uintptr_t at = 0x40 + eye * (uintptr_t)each;
     fxs_targets_init(t);
     t->format = alpha ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
     t->depth_bits = depth_bits;
     for (uint32_t i = 0; i < sizeof images / sizeof *images; i++)
         if (asked >> i & 1) {
-            images[i]->pixels = (void *)(0x40 + row);
-            row += (images[i] == &t->id ? 8 : 4) * (ptrdiff_t)width;
+            *images[i] = (fxs_image){(void *)at, (ptrdiff_t)r->eyes * each};
+            at += (uintptr_t)(images[i] == &t->id ? 2 * row : row);
         }
-    for (uint32_t i = 0; i < sizeof images / sizeof *images; i++)
-        images[i]->stride = row;
 }
 
 /* Replaces the objects' streamed scenes by their mirrors, which know the pools. */
@@ -205,7 +206,7 @@ EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, 
     w->rooms = rooms;
     fxs_web_request(&w->request, background, sh_degree, square, budget, detail_q8);
     for (uint32_t eye = 0; eye < w->request.eyes; eye++)
-        take_targets(&w->request.targets[eye], w->request.cameras->width, alpha, depth_bits, asked);
+        take_targets(&w->request, eye, alpha, depth_bits, asked);
     w->crops = fxs_web_take_crops();
     take_mirrors(&w->request);
     if (begin(w)) {

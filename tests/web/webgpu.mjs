@@ -298,9 +298,9 @@ const tests = {
           for (let i = 0; i < height; i++) pixels.set(bytes.subarray(i * bytesPerRow, i * bytesPerRow + row), i * row)
           return hash(pixels)
         }
-        const draws = (into) => {
+        const draws = async (into) => {
           screen.draw(placed, cameras, { ...options, into })
-          return screen.finish()
+          await screen.finish()
         }
         await draws()
         counts.submit = 0
