@@ -320,7 +320,7 @@ const tests = {
         hashes.push([await hashAt({ texture: one, x: 3, y: 2 }), await hashAt({ texture: one, x: 3 + width, y: 2 })])
         screen.draw(placed, cameras[1], { ...options, into: { texture: one } })
         await screen.finish()
-        hashes.push([hashes[0][0], await hashAt({ texture: one })])
+        if (!options.budget) hashes.push([hashes[0][0], await hashAt({ texture: one })])   // one eye has its own cut
         const said = [await wordsOf(draws({ texture: one, x: 60 })), await wordsOf(draws([{ texture: one }]))]
         undo.forEach((one) => one())
         screen.free()
@@ -328,7 +328,7 @@ const tests = {
         said.push(await wordsOf((async () => plain.draw(placed, cameras, options))()))
         plain.free()
         return [hashes, submits, size, said]`, { cameras, options: { width, height, budget } })
-      assert.deepEqual([hashes, submits, size], [Array(6).fill(wanted), 1, [2 * width, height]])
+      assert.deepEqual([hashes, submits, size], [Array(budget ? 5 : 6).fill(wanted), 1, [2 * width, height]])
       const words = [/72 x 50 pixels from 132, 0 on do not lie/, /expected one target for each eye/,
                      /only WebGPU draws two eyes/]
       words.forEach((one, i) => assert.match(said[i], one))
