@@ -111,7 +111,8 @@ static void print_course(const device *d)
         double longest = 0;
         for (int i = 0; i < SECOND; i++)
             longest = fmax(longest, draw(&c, d));
-        printf("%s %u %u %.1f %.1f\n", d->name, c.frames, c.missed, c.pace.budget * 100.0 / MOST, 100 * longest / FRAME);
+        printf("%s %u %u %.1f %.1f\n", d->name, c.frames, c.missed, c.pace.budget * 100.0 / MOST,
+               100 * longest / FRAME);
     }
 }
 
