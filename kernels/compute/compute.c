@@ -342,12 +342,14 @@ static int put_chunks(fxs_compute *c, const fxs_compute_scene *copy, const uint3
                       fxs_message *why)
 {
     const fxs_mirror *m = copy->mirror;
-    const uint64_t each = fxs_mirror_place_bytes(m->from);
+    const uint64_t header = sizeof(fxs_chunk), rows = m->from->chunk_bytes;
     const int error = fill_stage(c, m, places, count, why);
-    for (uint32_t i = 0; i < count && !error; i++) {
-        put_staged(c, copy->heads, i * each, places[i] * (uint64_t)sizeof(fxs_chunk), sizeof(fxs_chunk));
-        put_staged(c, copy->parts[places[i] / copy->part_chunks], i * each + sizeof(fxs_chunk),
-                   fxs_plan_place_at(m->from, copy->part_chunks, places[i]), m->from->chunk_bytes);
+    for (uint32_t i = 0, run; i < count && !error; i += run) {
+        const uint32_t place = places[i];
+        run = fxs_mirror_run(places + i, count - i, copy->part_chunks);
+        put_staged(c, copy->heads, i * header, place * header, run * header);
+        put_staged(c, copy->parts[place / copy->part_chunks], count * header + i * rows,
+                   fxs_plan_place_at(m->from, copy->part_chunks, place), run * rows);
     }
     return error ? error : fxs_compute_check(c, why);
 }

@@ -106,18 +106,19 @@ __global__ void __launch_bounds__(FETCH_THREADS) fetch_chunks(const __grid_const
         to[i] = from[i];
 }
 
-/* Copies uploaded chunks to places of a pool, one chunk per thread block. `from` is pinned host memory with the header
-   and the rows of each chunk. */
-__global__ void __launch_bounds__(FETCH_THREADS) put_chunks(const __grid_constant__ fxs_scene pool,
-                                                            const unsigned char *from, const uint32_t *places)
+/* Copies uploaded chunks to places of a pool, one chunk per thread block. `from` is pinned host memory with the headers
+   of all chunks, then their rows. */
+__global__ void __launch_bounds__(FETCH_THREADS) put_chunks(const __grid_constant__ fxs_scene pool, const uint4 *from,
+                                                            const uint32_t *places)
 {
-    const uint32_t header = sizeof(fxs_chunk) / sizeof(uint4), words = header + pool.chunk_bytes / sizeof(uint4);
-    const uint32_t place = places[blockIdx.x];
-    const uint4 *own = (const uint4 *)from + (size_t)blockIdx.x * words;
-    uint4 *head = (uint4 *)(pool.chunks + (size_t)place * sizeof(fxs_chunk));
-    uint4 *rows = (uint4 *)(pool.rows + (size_t)place * pool.chunk_bytes);
-    for (uint32_t i = threadIdx.x; i < words; i += FETCH_THREADS)
-        (i < header ? head + i : rows + (i - header))[0] = own[i];
+    const uint32_t header = sizeof(fxs_chunk) / sizeof(uint4), row = pool.chunk_bytes / sizeof(uint4);
+    const size_t place = places[blockIdx.x];
+    uint4 *head = (uint4 *)(pool.chunks + place * sizeof(fxs_chunk));
+    uint4 *rows = (uint4 *)(pool.rows + place * pool.chunk_bytes);
+    for (uint32_t i = threadIdx.x; i < header; i += FETCH_THREADS)
+        head[i] = from[blockIdx.x * header + i];
+    for (uint32_t i = threadIdx.x; i < row; i += FETCH_THREADS)
+        rows[i] = from[gridDim.x * header + (size_t)blockIdx.x * row + i];
 }
 
 }

@@ -300,23 +300,19 @@ int put_wanted(const scene_copy *copy, upload *u, cudaStream_t stream, fxs_messa
 {
     fxs_mirror *m = copy->mirror;
     const uint32_t *places, count = fxs_mirror_step(m, u->most - u->used, &places);
-    unsigned char *start_of_chunks = (unsigned char *)u->memory.data + u->used, *to = start_of_chunks;
+    unsigned char *chunks = (unsigned char *)u->memory.data + u->used;
     uint32_t *numbers = (uint32_t *)((unsigned char *)u->memory.data + u->most) + u->count;
     if (!count)
         return 0;
-    for (uint32_t i = 0; i < count; i++, to += fxs_mirror_place_bytes(m->from)) {
-        const uint32_t chunk = fxs_mirror_chunk(m, places[i]);
-        memcpy(to, fxs_header(m->from, chunk), sizeof(fxs_chunk));
-        memcpy(to + sizeof(fxs_chunk), fxs_rows(m->from, chunk), m->from->chunk_bytes);
-        numbers[i] = places[i];
-    }
-    u->used += (uint64_t)(to - start_of_chunks);
+    fxs_mirror_fill(m, places, count, chunks);
+    memcpy(numbers, places, count * sizeof *places);
+    u->used += count * fxs_mirror_place_bytes(m->from);
     u->count += count;
-    start(put_chunks, count, FETCH_THREADS, 0, stream, copy->there, (const unsigned char *)start_of_chunks,
+    start(put_chunks, count, FETCH_THREADS, 0, stream, copy->there, (const uint4 *)chunks,
           (const uint32_t *)numbers);
     const int error = check(why, cudaGetLastError());
     if (error)
-        fxs_mirror_init(m, m->from, m->pool.room, m + 1);
+        fxs_mirror_forget(m);
     return error;
 }
 

@@ -140,15 +140,21 @@ uint64_t fxs_vk_staged(const fxs_vulkan *v, fxs_vk_scene *const *copies, uint32_
     return most;
 }
 
-static void record_chunk(const fxs_vk_walk *w, const fxs_vk_scene *copy, uint32_t place, uint64_t at)
+/* Copies the chunks of `places` from the staging memory at `at` to the pool. */
+static void record_copies(const fxs_vk_walk *w, const fxs_vk_scene *copy, const uint32_t *places, uint32_t count,
+                          uint64_t at)
 {
-    const fxs_scene *scene = copy->key;
+    const uint64_t header = sizeof(fxs_chunk), rows = copy->key->chunk_bytes;
     const VkBuffer from = w->slot->up->buffer;
-    const VkBufferCopy header = {at, place * (uint64_t)sizeof(fxs_chunk), sizeof(fxs_chunk)};
-    const VkBufferCopy rows = {at + sizeof(fxs_chunk), fxs_plan_place_at(scene, copy->part_chunks, place),
-                               scene->chunk_bytes};
-    w->v->vk.CmdCopyBuffer(w->commands, from, copy->heads->buffer, 1, &header);
-    w->v->vk.CmdCopyBuffer(w->commands, from, copy->parts[place / copy->part_chunks]->buffer, 1, &rows);
+    for (uint32_t i = 0, run; i < count; i += run) {
+        const uint32_t place = places[i];
+        run = fxs_mirror_run(places + i, count - i, copy->part_chunks);
+        const VkBufferCopy of_headers = {at + i * header, place * header, run * header};
+        const VkBufferCopy of_rows = {at + count * header + i * rows,
+                                      fxs_plan_place_at(copy->key, copy->part_chunks, place), run * rows};
+        w->v->vk.CmdCopyBuffer(w->commands, from, copy->heads->buffer, 1, &of_headers);
+        w->v->vk.CmdCopyBuffer(w->commands, from, copy->parts[place / copy->part_chunks]->buffer, 1, &of_rows);
+    }
 }
 
 void fxs_vk_record_chunks(const fxs_vk_walk *w, uint32_t count, uint64_t at, uint64_t bytes)
@@ -162,8 +168,7 @@ void fxs_vk_record_chunks(const fxs_vk_walk *w, uint32_t count, uint64_t at, uin
         if (!wanted)
             continue;
         fxs_mirror_fill(m, places, wanted, (unsigned char *)slot->up->memory.mapped + at);
-        for (uint32_t k = 0; k < wanted; k++)
-            record_chunk(w, w->copies[i], places[k], at + k * each);
+        record_copies(w, w->copies[i], places, wanted, at);
         slot->chunks += wanted;
         at += wanted * each;
         bytes -= wanted * each;

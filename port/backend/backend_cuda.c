@@ -8,7 +8,6 @@
 #ifdef FXS_WITH_CUDA
 #include <fixsplat/cuda.h>
 #include "src/core/mirror.h"
-#include "src/core/sized.h"
 #include "src/core/stereo.h"
 #endif
 
@@ -82,18 +81,6 @@ static int check_request(const fxs_request *r, fxs_message *why)
                                                            : "the targets of two eyes overlap");
 }
 
-/* Makes the pools of scenes in parts on the device larger if the request needs more. */
-static void choose_pools(cuda_backend *b, const fxs_request *r)
-{
-    fxs_object object;
-    for (uint32_t i = 0; i < r->count && r->objects && !fxs_object_read(&object, r->objects, i); i++) {
-        const fxs_scene *scene = object.scene;
-        const uint64_t usual = scene && scene->places ? fxs_mirror_usual_bytes(scene, r->options.budget) : 0;
-        b->pool_bytes = usual > b->pool_bytes ? usual : b->pool_bytes;
-    }
-    fxs_cuda_stream(b->cuda, b->pool_bytes, 0);
-}
-
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     cuda_backend *b = self;
@@ -104,7 +91,8 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     for (uint32_t i = 0; i < request->eyes && !error; i++)
         frames[i] = (fxs_cuda_frame){request->cameras[i], request->objects, request->count, request->targets[i]};
     fxs_cuda_stereo(b->cuda, request->eyes == 2);
-    choose_pools(b, request);
+    b->pool_bytes = fxs_mirror_usual_bytes(request, b->pool_bytes);
+    fxs_cuda_stream(b->cuda, b->pool_bytes, 0);
     error = error ? error : fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;

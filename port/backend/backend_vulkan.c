@@ -77,7 +77,7 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
 /* Makes the pools of scenes in parts on the device larger if the request needs more. */
 static void choose_pools(vulkan_backend *b, const fxs_request *r)
 {
-    const uint64_t bytes = r->objects ? fxs_mirror_usual_bytes(r, b->pool_bytes) : b->pool_bytes;
+    const uint64_t bytes = fxs_mirror_usual_bytes(r, b->pool_bytes);
     if (bytes > b->pool_bytes)
         fxs_vulkan_stream(b->vulkan, bytes, 0);
     b->pool_bytes = bytes;

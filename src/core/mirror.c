@@ -30,10 +30,13 @@ int fxs_mirror_is_asked(const fxs_request *request)
 uint64_t fxs_mirror_usual_bytes(const fxs_request *request, uint64_t bytes)
 {
     const uint32_t budget = request->options.budget;
-    for (uint32_t i = 0; i < request->count; i++) {
+    const uint32_t count = request->objects && request->count <= FXS_MAX_OBJECTS ? request->count : 0;
+    for (uint32_t i = 0; i < count; i++) {
         const fxs_scene *scene = fxs_object_at(request->objects, i)->scene;
+        if (!scene || !scene->places)
+            continue;
         const uint64_t chunks = budget ? 2 * (uint64_t)fxs_chunks_of(budget) + FXS_KEPT_MOST : fxs_scene_chunks(scene);
-        const uint64_t usual = scene->places ? chunks * fxs_mirror_place_bytes(scene) : 0;
+        const uint64_t usual = chunks * fxs_mirror_place_bytes(scene);
         bytes = usual > bytes ? usual : bytes;
     }
     return bytes;
@@ -149,10 +152,18 @@ uint32_t fxs_mirror_step(fxs_mirror *m, uint64_t bytes, const uint32_t **places)
 void fxs_mirror_fill(const fxs_mirror *m, const uint32_t *places, uint32_t count, void *to)
 {
     const size_t rows = m->from->chunk_bytes;
-    unsigned char *at = to;
-    for (uint32_t i = 0; i < count; i++, at += sizeof(fxs_chunk) + rows) {
+    unsigned char *header = to, *row = header + count * sizeof(fxs_chunk);
+    for (uint32_t i = 0; i < count; i++) {
         const uint32_t chunk = fxs_mirror_chunk(m, places[i]);
-        memcpy(at, fxs_header(m->from, chunk), sizeof(fxs_chunk));
-        memcpy(at + sizeof(fxs_chunk), fxs_rows(m->from, chunk), rows);
+        memcpy(header + i * sizeof(fxs_chunk), fxs_header(m->from, chunk), sizeof(fxs_chunk));
+        memcpy(row + i * rows, fxs_rows(m->from, chunk), rows);
     }
+}
+
+uint32_t fxs_mirror_run(const uint32_t *places, uint32_t count, uint32_t part_chunks)
+{
+    uint32_t run = 1;
+    while (run < count && places[run] == places[0] + run && places[run] % part_chunks)
+        run++;
+    return run;
 }

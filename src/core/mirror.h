@@ -72,8 +72,12 @@ void fxs_mirror_want(void *argument, const fxs_scene *scene, uint32_t chunk, int
    chunks fxs_mirror_chunk returns. */
 uint32_t fxs_mirror_step(fxs_mirror *m, uint64_t bytes, const uint32_t **places);
 
-/* Copies the chunks of places to staging memory. Each takes fxs_mirror_place_bytes: the header, then the rows. */
+/* Copies the headers of the chunks of `places`, then their rows, to staging memory: fxs_mirror_place_bytes each. */
 void fxs_mirror_fill(const fxs_mirror *m, const uint32_t *places, uint32_t count, void *to);
+
+/* Returns the number of places, from the first of `count`, that follow one another in a buffer of `part_chunks` places:
+   one copy uploads their rows. */
+uint32_t fxs_mirror_run(const uint32_t *places, uint32_t count, uint32_t part_chunks);
 
 /* Empties the pool. */
 void fxs_mirror_forget(fxs_mirror *m);
