@@ -147,7 +147,8 @@ static void complete_last(void)
     need(cpu->render(processor, &request, 0, &why));
     cpu->close(processor);
     const int same = !stats.missing && !memcmp(pixels[0], pixels[1], (size_t)width * (size_t)height * 4);
-    printf("%s: the last frame, complete, %s the processor's picture\n", same ? "ok  " : "FAIL", same ? "is" : "is not");
+    printf("%s: the last frame, complete, %s the processor's picture\n", same ? "ok  " : "FAIL",
+           same ? "is" : "is not");
     if (!same)
         exit(1);
 }

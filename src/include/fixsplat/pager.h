@@ -14,8 +14,8 @@
  * and the frame then has the same bytes as a frame of the whole scene.
  *
  * Only one thread at a time may render the pager's scene and call fxs_pager_want and fxs_pager_turn. A back end without
- * FXS_CAN_PART cannot draw the pager's scene. The back ends gles-compute (gl.h), vulkan (vulkan.h) and cuda (cuda.h) have
- * a pool of their own on the device, to which each frame copies chunks of the pager's pool.
+ * FXS_CAN_PART cannot draw the pager's scene. The back ends gles-compute (gl.h), vulkan (vulkan.h) and cuda (cuda.h)
+ * have a pool of their own on the device, to which each frame copies chunks of the pager's pool.
  *
  * Functions return 0, or an FXS_ERR_* and a message. New in version 1.0. */
 #ifndef FXS_PAGER_H
