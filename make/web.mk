@@ -15,7 +15,7 @@ MODULES := core simd threads $(IMPORTS)
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 # wasm-opt would inline large functions with one caller, such as memmove, which clang has kept apart for size.
-WASM_OPT_FLAGS := -O3 --converge -ocimfs=200 -fimfs=0 --low-memory-unused
+WASM_OPT_FLAGS := --flatten --rereloop -O3 -O3 --converge -ocimfs=200 -fimfs=0 --low-memory-unused
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
 WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_edit.c port/web/web_paged.c src/scene/edit/editor.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \

@@ -154,7 +154,7 @@ static void take_targets(fxs_request *r, uint32_t eye, int alpha, int depth_bits
     fxs_targets *t = &r->targets[eye];
     fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
     const ptrdiff_t row = 4 * (ptrdiff_t)r->cameras->width;
-    const ptrdiff_t each = row * (__builtin_popcount(asked) + (asked >> 3 & 1));
+    const ptrdiff_t each = row * (__builtin_popcount(asked) + (int)(asked >> 3 & 1));
     uintptr_t at = 0x40 + eye * (uintptr_t)each;
     fxs_targets_init(t);
     t->format = alpha ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
