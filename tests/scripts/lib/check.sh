@@ -3,6 +3,7 @@ passed=0 failed=0 skipped=0
 
 # A cache folder of the tests, for the trial of --backend auto. ccache keeps its own.
 user_cache=${XDG_CACHE_HOME:-$HOME/.cache}
+export WEB_SOURCES="${WEB_SOURCES-$user_cache/fixsplat}" WINDOWS_LIBRARIES="${WINDOWS_LIBRARIES-$user_cache/fixsplat/windows}"
 [ ! -d "$user_cache/ccache" ] || export CCACHE_DIR="${CCACHE_DIR:-$user_cache/ccache}"
 case ${B:-build} in /*) XDG_CACHE_HOME=$B/tests/cache ;; *) XDG_CACHE_HOME=$PWD/${B:-build}/tests/cache ;; esac
 export XDG_CACHE_HOME
