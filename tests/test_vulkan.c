@@ -409,6 +409,18 @@ static int has_colours(const image *i, const picture *wanted)
     return !memcmp(texels, wanted->targets.colour.pixels, 400 * (size_t)wanted->height);
 }
 
+/* The statistics of a submitted frame are those of the same frame rendered to the host. */
+static void statistics(const fxs_request *request)
+{
+    fxs_stats submitted = {0}, rendered = {0};
+    CHECK(!fxs_vulkan_stats(device, &submitted, &why));
+    CHECK(!fxs_vulkan_render(device, request, &rendered, &why));
+    CHECK(submitted.gaussians == rendered.gaussians && submitted.drawn == rendered.drawn && rendered.drawn > 0);
+    CHECK(submitted.visible == rendered.visible && submitted.entries == rendered.entries && rendered.entries > 0);
+    fxs_vk_give_back(device);
+    CHECK(fxs_vulkan_stats(device, &submitted, &why) == FXS_ERR_ARGUMENT);
+}
+
 /* Submits frames into a layer of a BGRA image of the caller, and reads the image back. */
 static void frames_in_flight(void)
 {
@@ -431,6 +443,7 @@ static void frames_in_flight(void)
     }
     fxs_vulkan_idle(device);
     CHECK(has_colours(&colour, &k.wanted));
+    statistics(&k.request);
     image_free(&colour);
     vk->DestroyFence(d, fence, 0);
     fxs_vulkan_drop(device, &k.part.scene);

@@ -345,10 +345,15 @@ int fxs_vulkan_stats(fxs_vulkan *v, fxs_stats *stats, fxs_message *why)
 {
     const fxs_vk_slot *slot = &v->slots[1 + (v->call - 1) % v->options.frames];
     fxs_vk_collect(v);
-    v->late = 0;
+    if (!v->call || slot->serial || !slot->down || !v->frame)
+        return fxs_plan_say(why, FXS_ERR_ARGUMENT, "no submitted frame has ended", "");
+    if (slot->result < 0) {
+        v->late = 0;
+        *why = slot->why;
+        return slot->result;
+    }
     fill_stats(slot, v, stats);
-    *why = slot->result < 0 ? slot->why : *why;
-    return slot->result < 0 ? slot->result : 0;
+    return 0;
 }
 
 static int check_request(const fxs_request *r, fxs_message *why)

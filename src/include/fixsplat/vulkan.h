@@ -176,8 +176,9 @@ FXS_EXPERIMENTAL int fxs_vulkan_submit(fxs_vulkan *vulkan, const fxs_request *re
                                        const fxs_vulkan_target *targets, const fxs_vulkan_sync *sync,
                                        fxs_message *why);
 
-/* Writes the statistics of the last frame that was submitted, which must have ended. Returns 0, or the error that the
-   device found in this frame, which no later call returns then. */
+/* Writes the statistics of the last frame that was submitted. Returns 0; the error that the device found in this frame,
+   which no later call returns then; or FXS_ERR_ARGUMENT if the frame has not ended, or none was submitted since the
+   last error. */
 FXS_EXPERIMENTAL int fxs_vulkan_stats(fxs_vulkan *vulkan, fxs_stats *stats, fxs_message *why);
 
 /* Tells that no frame is in flight: the device is idle, and recorded frames that were not submitted never will be. If
