@@ -268,6 +268,34 @@ static void stream_drop(streamed *s, fxs_compute *c)
     s->mirror = 0;
 }
 
+/* Returns the bytes of the splats' buffer that a frame of a view gets first. */
+static uint64_t first_splats(const streamed *s, const fxs_scene *scene)
+{
+    fxs_object objects[2];
+    fxs_request request = streamed_view(s, objects, scene, 5, 0);
+    fxs_plan_rooms rooms = {.most = 1 << 30};
+    static fxs_plan plan;
+    request.targets[0] = s->drawn[0].targets;
+    void *memory = malloc(fxs_plan_memory(&request));
+    CHECK(memory && !fxs_plan_begin(&plan, &request, memory, &why));
+    plan.part_chunks[0] = s->chunks;
+    plan.part_counts[0] = 1;
+    CHECK(!fxs_plan_lay_out(&plan, &rooms, &why));
+    free(memory);
+    return plan.bytes[FXS_COMPUTE_SPLATS];
+}
+
+/* The first frame of a scene that is being read has the buffers of its last one. */
+static void room_ahead(void)
+{
+    streamed s;
+    if (!streamed_make(&s, FXS_PROFILE_SMALL))
+        return;
+    const uint64_t first = first_splats(&s, &s.part), last = first_splats(&s, &s.whole);
+    CHECK(first >= last && last > 10 * FXS_CHUNK * 32);
+    streamed_free(&s);
+}
+
 static void streams(void)
 {
     for (int i = 0; i < 3; i++)
@@ -609,6 +637,7 @@ int main(void)
     RUN(stages);
     device_frames();
     RUN(frames_that_do_not_fit);
+    RUN(room_ahead);
     RUN(streams);
     RUN(streams_lose);
     RUN(streams_refused);

@@ -338,11 +338,11 @@ static uint64_t least_entries(uint64_t slots, uint64_t places)
     return 2 * slots + 4 * places + FXS_COMPUTE_PAGE;
 }
 
-/* With a budget, the first frame gets room for all chunks of the budget: a scene that is still being read draws more
-   chunks from frame to frame. */
+/* A frame that lacks chunks gets room for all chunks of its budget: a scene that is being read draws more chunks from
+   frame to frame. */
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
-    const uint64_t places = p->drawn && p->request->options.budget ? p->cut_room : p->places;
+    const uint64_t places = p->missing && p->request->options.budget ? p->cut_room : p->places;
     const uint64_t slots = p->drawn ? places * FXS_CHUNK : p->gaussians;
     const uint64_t of_squares = p->views->cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
     r->chunks = larger(r->chunks, places + 1);
