@@ -1,6 +1,6 @@
 #!/bin/sh
 # Checks that the GLSL shaders in kernels/compute/generated match their WGSL sources, that the SPIR-V in
-# kernels/vulkan/generated matches them, and that the WGSL compiles in Chromium.
+# kernels/vulkan/generated and of the window's panels matches its GLSL, and that the WGSL compiles in Chromium.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}
@@ -22,9 +22,15 @@ same_spirv() {
     done
 }
 
+same_panels() {
+    sh tools/scripts/vulkan_shaders.sh -w | cmp -s - port/window/panel_shaders.h ||
+        { echo "it is old: sh tools/scripts/vulkan_shaders.sh -w >port/window/panel_shaders.h"; return 1; }
+}
+
 if have glslangValidator && have spirv-opt; then
     check "the SPIR-V is made" sh tools/scripts/vulkan_shaders.sh "$work"
     check "kernels/vulkan/generated has it" same_spirv
+    check "panel_shaders.h has that of the panels" same_panels
 else
     skip "SPIR-V" "not here: glslangValidator or spirv-opt (make setup test)"
 fi
