@@ -114,11 +114,17 @@ export async function without(replace, run) {
 }
 
 export async function changed(path, change, run) {
-  changes[path] = change
+  let isSame = false
+  changes[path] = (text) => {
+    const result = change(text)
+    isSame = result === text
+    return result
+  }
   try {
     await run()
   } finally {
     delete changes[path]
+    if (isSame) throw new Error(`${path}: the text to change is not there`)
   }
 }
 

@@ -952,7 +952,7 @@ const tests = {
   },
 
   async 'too little memory for a picture: a smaller one, and words'() {
-    const begin = 'async draw(id, camera, options) {'
+    const begin = 'async draw(id, camera, options, moves) {'
     const least = 'if (options.width * options.height > 1e5) throw new Error("out of memory");'
     await changed(
       '/viewer/worker.js',
