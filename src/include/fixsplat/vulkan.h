@@ -185,6 +185,75 @@ FXS_EXPERIMENTAL int fxs_vulkan_stats(fxs_vulkan *vulkan, fxs_stats *stats, fxs_
    these uploaded chunks of scenes in parts, all pools are empty again. */
 FXS_EXPERIMENTAL void fxs_vulkan_idle(fxs_vulkan *vulkan);
 
+/* ---- Windows ----------------------------------------------------------------------------------------------------- */
+
+/* Creates a surface of the caller's window, for example by vkCreateAndroidSurfaceKHR. */
+typedef VkResult fxs_vulkan_surface_fn(void *argument, VkInstance instance, VkSurfaceKHR *surface);
+
+typedef struct fxs_vulkan_window_options {
+    uint32_t size;
+    uint32_t device;                    /* number of the device; discrete GPUs come first */
+    PFN_vkGetInstanceProcAddr load;     /* null: Vulkan's loader is loaded at run time */
+    const char *const *extensions;      /* instance extensions that `surface` needs, VK_KHR_surface among them; used
+                                           during the call */
+    uint32_t extension_count;
+    uint32_t width, height;             /* size in pixels for surfaces without a size of their own */
+    fxs_vulkan_surface_fn *surface;     /* called when the window is opened, and after a surface was lost */
+    void *argument;                     /* first argument of `surface` */
+    const void *cache;                  /* as in fxs_vulkan_options */
+    size_t cache_bytes;
+    uint64_t max_memory;                /* as in fxs_vulkan_options */
+} fxs_vulkan_window_options;
+FXS_INIT(fxs_vulkan_window_options)
+
+/* A window that shows frames by a swapchain, on a Vulkan device of the library's own. Frames stay in device memory. */
+typedef struct fxs_vulkan_window fxs_vulkan_window;
+
+typedef struct fxs_vulkan_window_info {
+    fxs_vulkan *vulkan;            /* the window's back end, for scenes, limits, the cache and statistics; the window's
+                                      functions alone draw by it */
+    PFN_vkGetInstanceProcAddr load;
+    VkInstance instance;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    VkRenderPass pass;             /* render pass of overlays, with the swapchain's image as its only attachment */
+    uint32_t width, height;        /* size of the swapchain's images; 0 before the first fxs_vulkan_window_show */
+} fxs_vulkan_window_info;
+
+/* Opens a window. fxs_vulkan_window_close frees *out, which is null after an error: FXS_ERR_UNSUPPORTED if the device
+   cannot show frames on the surface, or the errors of fxs_vulkan_create. Null is allowed in fxs_vulkan_window_close. */
+FXS_EXPERIMENTAL int fxs_vulkan_window_open(fxs_vulkan_window **out, const fxs_vulkan_window_options *options,
+                                            fxs_message *why);
+FXS_EXPERIMENTAL void fxs_vulkan_window_close(fxs_vulkan_window *window);
+
+FXS_EXPERIMENTAL fxs_vulkan_window_info fxs_vulkan_window_get_info(const fxs_vulkan_window *window);
+
+/* Destroys the surface, and with `make` true creates it anew by options.surface. Without a surface, the window shows
+   nothing, and keeps its device and scenes. Call it with `make` 0 before the system destroys the surface's window. */
+FXS_EXPERIMENTAL int fxs_vulkan_window_renew(fxs_vulkan_window *window, int make, fxs_message *why);
+
+/* Draws the colours of a request into a hidden picture; two eyes stand side by side. The request's own targets are
+   ignored, except for their maps of rates. Missing scenes are uploaded. If `stats` is null, the call does not wait for
+   the device. Else it waits for the frame and writes its statistics. */
+FXS_EXPERIMENTAL int fxs_vulkan_window_draw(fxs_vulkan_window *window, const fxs_request *request, fxs_stats *stats,
+                                            fxs_message *why);
+
+/* Shows the picture that was drawn last, from the next fxs_vulkan_window_show on. No fxs_vulkan_window_draw may run. */
+FXS_EXPERIMENTAL void fxs_vulkan_window_turn(fxs_vulkan_window *window);
+
+/* Records drawing commands over the picture, inside the window's render pass. The commands of the last
+   fxs_vulkan_window_show have ended. */
+typedef void fxs_vulkan_overlay_fn(void *argument, VkCommandBuffer commands, uint32_t width, uint32_t height);
+
+/* Shows a picture, scaled to the window, or with `drawn` 0 a colour, 0xrrggbbaa, and an overlay, which may be null. It
+   waits until the commands of the last call have ended, and until the system has a free image. Another thread may
+   draw meanwhile. A window without pixels shows nothing. A lost surface is renewed. */
+FXS_EXPERIMENTAL int fxs_vulkan_window_show(fxs_vulkan_window *window, int drawn, uint32_t colour,
+                                            fxs_vulkan_overlay_fn *overlay, void *argument, fxs_message *why);
+
+/* Sets the size in pixels of a surface without a size of its own. */
+FXS_EXPERIMENTAL void fxs_vulkan_window_resize(fxs_vulkan_window *window, uint32_t width, uint32_t height);
+
 #ifdef __cplusplus
 }
 #endif
