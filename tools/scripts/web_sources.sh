@@ -1,6 +1,7 @@
 #!/bin/sh
-# web_sources.sh FOLDER: fetches Debian's sources of the libraries for the web port, in the installed versions. apt
-# checks the signatures, and its state is unchanged. Without these libraries, the web port lacks some features.
+# web_sources.sh FOLDER: fetches Debian's sources of the libraries for the web port, in the installed versions if the
+# mirror has them, else the mirror's. apt checks the signatures, and its state is unchanged. Without these libraries, the
+# web port lacks some features.
 folder=${1:?folder}
 names='cjson libwebp libzip libzstd zlib'
 packages='libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev'
@@ -20,7 +21,14 @@ fetch() {
     mkdir -p "$work/lists/partial" "$work/none" &&
         apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
             'Created-By: Packages' | sort -ru >"$work/sources.list" &&
-        apt update && { apt source --only-source $wanted || apt source --only-source $names; }
+        apt update && { apt source --only-source $wanted || without_updates; }
+}
+
+# Fetches the sources of the Debian suite alone: a mirror may lack those of a security update. The next setup tries
+# again to fetch the installed versions.
+without_updates() {
+    sed -i '/-security /d; /-updates /d' "$work/sources.list"
+    apt update && apt source --only-source $names && wanted=$(ls ./*.dsc | sed 's|^\./||; s/_/=/; s/\.dsc$//')
 }
 
 # Generates the error messages of libzip from its header.
@@ -46,5 +54,5 @@ take() {
 echo "setup: fetching sources for the web port"
 mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" || exit
 trap 'rm -rf "$work"' EXIT
-said=$(fetch 2>&1 && take 2>&1) || printf '%s\n' "setup: no sources for the web port: $said" >&2
+said=$( { fetch && take; } 2>&1) || printf '%s\n' "setup: no sources for the web port: $said" >&2
 exit 0
