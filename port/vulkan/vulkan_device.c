@@ -12,6 +12,7 @@ enum { DEVICES = 16, FAMILIES = 16 };
 static int load_library(PFN_vkGetInstanceProcAddr *load, fxs_message *why)
 {
     void *library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+    library = library ? library : dlopen("libvulkan.so", RTLD_NOW | RTLD_LOCAL);       /* its name on Android */
     void *address = library ? dlsym(library, "vkGetInstanceProcAddr") : 0;
     memcpy(load, &address, sizeof *load);
     return address ? 0 : fxs_fail_as(FXS_ERR_DEVICE, why, "no Vulkan: %s", dlerror());
@@ -80,14 +81,14 @@ int fxs_vulkan_find_device(fxs_vulkan_device *d, PFN_vkGetInstanceProcAddr load,
 {
     memset(d, 0, sizeof *d);
     d->options.load = load;
-    const int error = load ? 0 : load_library(&d->options.load, why);
-    return error ? error : fxs_vulkan_choose_device(d, number, why);
+    return fxs_vulkan_choose_device(d, number, why);
 }
 
 int fxs_vulkan_choose_device(fxs_vulkan_device *d, int number, fxs_message *why)
 {
     d->options.size = sizeof d->options;
-    int error = make_instance(d, why);
+    int error = d->options.load ? 0 : load_library(&d->options.load, why);
+    error = error ? error : make_instance(d, why);
     error = error ? error : choose(d, number, why);
     if (error)
         fxs_vulkan_close_device(d);

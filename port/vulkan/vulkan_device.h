@@ -13,10 +13,10 @@ typedef struct fxs_vulkan_device {
 } fxs_vulkan_device;
 
 /* Finds device number `number` with Vulkan 1.1 and a queue with compute, discrete GPUs first, and writes its name.
-   `load` null: Vulkan's loader is loaded at run time. Returns 0 or an FXS_ERR_*. */
+   `load` null: Vulkan's loader is loaded at run time. Returns 0 or an FXS_ERR_*. After an error, nothing is open. */
 int fxs_vulkan_find_device(fxs_vulkan_device *device, PFN_vkGetInstanceProcAddr load, int number, fxs_message *why);
 
-/* Like fxs_vulkan_find_device, with the loader and the extensions of *device. Its other fields must be 0. */
+/* Like fxs_vulkan_find_device, with options.load and the extensions of *device. Its other fields must be 0. */
 int fxs_vulkan_choose_device(fxs_vulkan_device *device, int number, fxs_message *why);
 
 /* Creates the VkDevice. */

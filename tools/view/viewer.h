@@ -4,7 +4,7 @@
 #define VIEWER_H
 
 #include "port/window/recent.h"
-#include "port/window/swapchain.h"
+#include "port/window/vulkan_screen.h"
 #include "port/window/window.h"
 #include "port/window/worker.h"
 #include "tools/command/drawing.h"

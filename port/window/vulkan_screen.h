@@ -1,6 +1,6 @@
 /* Vulkan frames in a window, which stay in device memory. Functions return 0, or an FXS_ERR_* and a message. */
-#ifndef FXS_SWAPCHAIN_H
-#define FXS_SWAPCHAIN_H
+#ifndef FXS_VULKAN_SCREEN_H
+#define FXS_VULKAN_SCREEN_H
 
 #include <fixsplat/backend.h>
 #include "window.h"
