@@ -1,5 +1,6 @@
 /* Frames that a back end on a GPU draws, compared with the CPU renderer byte for byte: random and wild frames, sizes,
-   real scenes, levels of detail, scenes in several buffers. The test program defines render_on_device. */
+   real scenes, levels of detail, scenes in several buffers, frames larger than a buffer. The test program defines
+   render_on_device and device_most. */
 #ifndef DEVICE_FRAMES_H
 #define DEVICE_FRAMES_H
 
@@ -17,8 +18,12 @@ enum { SCENES = 2, OBJECTS = 4 };
 
 static uint64_t part_bytes;   /* largest number of bytes of a scene in an upload to the GPU; 0: no limit */
 static fxs_message why;
+static int divided;           /* number of frames that were drawn in windows */
 
 static int render_on_device(const fxs_request *request, fxs_stats *stats);
+
+/* Returns where the back end has the size of the device's largest storage buffer. */
+static uint64_t *device_most(void);
 
 static int render_there(const fxs_request *request, fxs_stats *stats)
 {
@@ -59,7 +64,9 @@ static int is_same(fxs_request *request, picture *a, picture *b)
         printf("  %d, %d: %s\n", error_a, error_b, error_b ? why.text : "");
         return error_a == error_b;
     }
-    return CHECK(of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
+    const int in_windows = of_b.bands > request->eyes;     /* a Gaussian may be visible in several windows */
+    divided += in_windows;
+    return CHECK(in_windows ? of_a.visible <= of_b.visible : of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
            CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b) && (request->eyes == 1 || is_equal(&a[1], &b[1]));
 }
 
@@ -299,6 +306,58 @@ static void parts_and_levels(void)
     }
 }
 
+static const char too_large[] =
+    "the frame takes more than a storage buffer of this device can hold: set a budget of at most 7424 Gaussians";
+
+/* A scene of which a single macro tile shows more Gaussians than a buffer holds is refused before anything is drawn;
+   the budget that the message names helps. */
+static void refuse_divided(const fxs_scene *scene)
+{
+    const fxs_object object = one_object(scene);
+    fxs_request request;
+    picture a = picture_new(200, 150, FXS_FORMAT_RGBA8), b = picture_new(200, 150, FXS_FORMAT_RGBA8);
+    fxs_request_init(&request, &object, 1);
+    if (!look_at(request.cameras, 200, 150, 100))
+        return;
+    request.targets[0] = b.targets;
+    why.text[0] = 0;
+    CHECK(render_on_device(&request, 0) == FXS_ERR_MEMORY && why.bytes_needed > *device_most());
+    if (!CHECK(!strcmp(why.text, too_large)))
+        printf("  %s\n", why.text);
+    CHECK(is_equal(&a, &b));
+    request.options.budget = 7424;
+    CHECK(is_same(&request, &a, &b));
+    picture_free(&a);
+    picture_free(&b);
+}
+
+/* Frames on a device whose storage buffers are too small for a whole frame. */
+static void divided_frames(void)
+{
+    const uint64_t most = *device_most();
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    state = 20266;
+    CHECK(divided == 0);
+    *device_most() = 250000;       /* below the usual room for lists: random frames are divided into macro tiles */
+    for (int i = 0; i < 60; i++)
+        if (!CHECK(random_frame(i % 3 == 2, i % 3 == 1 ? 2u : 1u))) {
+            printf("  frame %d\n", i);
+            break;
+        }
+    CHECK(divided > 40);
+    if (CHECK(pack_tree("knot", FXS_PROFILE_DEFAULT, &packed, &scene))) {
+        refuse_divided(&scene);
+        *device_most() = (uint64_t)scene.chunk_count * FXS_CHUNK * 22;     /* a splat has 32 bytes */
+        divided = 0;
+        compare_scene(&scene, 333, 450, 4, 0);
+        compare_scene(&scene, 640, 480, 4, scene.count - 2000);
+        CHECK(divided == 4);
+        fxs_packed_scene_free(&packed);
+    }
+    *device_most() = most;
+}
+
 static void device_frames(void)
 {
     RUN(random_frames);
@@ -308,6 +367,7 @@ static void device_frames(void)
     RUN(veils);
     RUN(captured_scenes);
     RUN(parts_and_levels);
+    RUN(divided_frames);
 }
 
 #endif

@@ -137,6 +137,7 @@ static int streamed_draw(streamed *s, stream_device *d, double distance, double 
     streamed_expect(s, distance, angle, &expected);
     CHECK(error || (is_equal(&s->expected[0], &s->drawn[0]) && is_equal(&s->expected[1], &s->drawn[1]) &&
                     stats->missing == expected.missing && stats->drawn == expected.drawn));
+    divided += !error && stats->bands > s->eyes;
     *uploaded = note_device(s);
     streamed_page(s);
     return error;
@@ -170,6 +171,17 @@ static void fly(stream_device *d, enum fxs_profile profile, uint32_t objects, ui
     stream_drop(&s, d);
     streamed_free(&s);
     stream_set(d, 0, 0);
+}
+
+/* Only the first window of a divided frame uploads chunks. */
+static void fly_divided(stream_device *d)
+{
+    const uint64_t most = *device_most();
+    divided = 0;
+    *device_most() = 250000;
+    fly(d, FXS_PROFILE_SMALL, 1, 2, 1);
+    *device_most() = most;
+    CHECK(divided > 80);
 }
 
 /* A pool that is too small, and one of the usual size, for the whole scene. */

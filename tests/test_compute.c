@@ -79,6 +79,11 @@ static int render_on_device(const fxs_request *request, fxs_stats *stats)
     return render_by(device, request, stats);
 }
 
+static uint64_t *device_most(void)
+{
+    return &device->rooms.most;
+}
+
 static void *read_words(int buffer, uint64_t first, uint64_t count)
 {
     uint32_t *words = malloc(4 * count);
@@ -301,6 +306,7 @@ static void streams(void)
     for (int i = 0; i < 3; i++)
         fly(device, (enum fxs_profile)i, 1, 1, i != 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    fly_divided(device);
     two_scenes(device);
     stopped_frames(device);
 }

@@ -50,6 +50,11 @@ static int render_on_device(const fxs_request *request, fxs_stats *stats)
     return render_by(device, request, stats);
 }
 
+static uint64_t *device_most(void)
+{
+    return &device->rooms.most;
+}
+
 /* A request for the procedural scene "knot", and its picture by the processor. */
 typedef struct knot {
     part part;
@@ -607,6 +612,7 @@ static void streams(void)
 {
     fly(device, FXS_PROFILE_DEFAULT, 1, 1, 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    fly_divided(device);
     two_scenes(device);
     stopped_frames(device);
     pools(device, fxs_vulkan_limit);

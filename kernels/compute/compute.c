@@ -488,11 +488,10 @@ static int put_tables(const fxs_compute *c, fxs_message *why)
 
 static int put_plane(const fxs_compute *c, uint32_t eye, const fxs_image *image, uint32_t at, fxs_message *why)
 {
-    const fxs_stage_view *view = &c->plan.views[eye];
-    const uint64_t row = 4 * (uint64_t)view->width;
+    const uint64_t bytes = 4 * (uint64_t)c->plan.size[0] * (uint64_t)c->plan.size[1];
     if (!image->pixels)
         return 0;
-    unsigned char *to = map(c, eye, FXS_COMPUTE_MEMORY, 4 * (uint64_t)at, row * (uint64_t)view->height);
+    unsigned char *to = map(c, eye, FXS_COMPUTE_MEMORY, 4 * (uint64_t)at, bytes);
     if (!to)
         return failure(c, why);
     fxs_plan_put_plane(&c->plan, image, to);
@@ -659,6 +658,7 @@ static int take_off(fxs_compute *c, const fxs_stats *stats, fxs_message *why)
 static void fill_stats(const fxs_compute *c, fxs_stats *stats)
 {
     fxs_plan_stats(&c->plan, stats);
+    memset(&stats->memory, 0, sizeof stats->memory);
     for (uint32_t eye = 0; eye < c->plan.request->eyes; eye++) {
         const uint64_t *bytes = c->bytes[eye];
         stats->memory.splats += (size_t)(bytes[FXS_COMPUTE_MEMORY] + bytes[FXS_COMPUTE_SPLATS]);
@@ -668,28 +668,33 @@ static void fill_stats(const fxs_compute *c, fxs_stats *stats)
     stats->memory.total = (size_t)fxs_compute_taken(c);
 }
 
-static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gl_target *targets,
-                  fxs_stats *stats, fxs_message *why)
+typedef struct rendering {
+    fxs_compute *c;
+    const fxs_compute_scene *const *copies;
+    const fxs_gl_target *targets;  /* null: the request's */
+    fxs_stats *stats;
+} rendering;
+
+/* Renders the frame, or window of one, that the plan has laid out. */
+static int render(void *argument, fxs_message *why)
 {
+    const rendering *r = argument;
+    fxs_compute *c = r->c;
     const uint32_t eyes = c->plan.request->eyes;
-    const int timed = c->timer && !targets;
-    c->nanoseconds = 0;
-    int error = fxs_plan_lay_out(&c->plan, &c->rooms, why);
-    if (targets)
+    const int timed = c->timer && !r->targets;
+    if (r->targets)
         c->plan.bytes[FXS_COMPUTE_DOWNLOAD] = 0;
-    error = error ? error : reserve_frame(c, why);
+    int error = reserve_frame(c, why);
     error = error ? error : put_tables(c, why);
     for (uint32_t eye = 0; eye < eyes && !error; eye++)
-        error = put_planes(c, eye, targets ? &targets[eye] : 0, why);
-    error = error ? error : run_stages(c, copies, timed, why);
-    fill_stats(c, stats);
-    for (uint32_t eye = 0; eye < eyes && !error && targets; eye++)
-        error = fxs_compute_show(c, &targets[eye], eye, why);
-    error = error ? error : targets ? take_off(c, stats, why) : read_back(c, stats, why);
+        error = put_planes(c, eye, r->targets ? &r->targets[eye] : 0, why);
+    error = error ? error : run_stages(c, r->copies, timed, why);
+    fill_stats(c, r->stats);
+    for (uint32_t eye = 0; eye < eyes && !error && r->targets; eye++)
+        error = fxs_compute_show(c, &r->targets[eye], eye, why);
+    error = error ? error : r->targets ? take_off(c, r->stats, why) : read_back(c, r->stats, why);
     if (!error && timed)
         read_time(c);
-    if (error == FXS_ERR_MEMORY || error == FXS_ERR_DEVICE)
-        give_back(c);
     return error;
 }
 
@@ -728,7 +733,14 @@ int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, c
                        fxs_stats *stats, fxs_message *why)
 {
     fxs_stats of_frame;
-    const int error = render(c, copies, targets, &of_frame, why);
+    rendering r = {c, copies, targets, &of_frame};
+    memset(&of_frame, 0, sizeof of_frame);
+    c->nanoseconds = 0;
+    int error = targets ? fxs_plan_lay_out(&c->plan, &c->rooms, why)
+                        : fxs_plan_draw(&c->plan, &c->rooms, render, &r, why);
+    error = error || !targets ? error : render(&r, why);
+    if (error == FXS_ERR_MEMORY || error == FXS_ERR_DEVICE)
+        give_back(c);
     if (!error && stats)
         *stats = targets ? c->stats : of_frame;
     return error;

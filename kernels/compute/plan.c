@@ -2,6 +2,7 @@
 #include "plan.h"
 #include "src/core/sized.h"
 #include "src/core/memory.h"
+#include "src/core/chunk.h"
 #include "src/core/stereo.h"
 #include "src/core/targets.h"
 #include "src/core/tile_rates.h"
@@ -42,9 +43,9 @@ static int said(fxs_message *why, int error)
     return error ? fxs_plan_say(why, error, fxs_strerror(error), "") : 0;
 }
 
-static int too_large(fxs_message *why, uint64_t bytes)
+static int too_large(fxs_message *why, const char *remedy, uint64_t bytes)
 {
-    fxs_plan_say(why, FXS_ERR_MEMORY, "the frame takes more than a storage buffer of this device can hold", "");
+    fxs_plan_say(why, FXS_ERR_MEMORY, "the frame takes more than a storage buffer of this device can hold", remedy);
     why->bytes_needed = bytes;
     return FXS_ERR_MEMORY;
 }
@@ -54,7 +55,7 @@ uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message
     const uint32_t chunks = fxs_scene_chunks(scene), palette = fxs_palette_bytes(scene);
     const uint64_t room = most > palette ? (most - palette) / (scene->chunk_bytes + !scene->chunk_bytes) : 0;
     if (!room || (uint64_t)chunks * HEADER_BYTES > most) {
-        too_large(why, (uint64_t)chunks * (HEADER_BYTES + scene->chunk_bytes));
+        too_large(why, "", (uint64_t)chunks * (HEADER_BYTES + scene->chunk_bytes));
         return 0;
     }
     return room < UINT32_MAX ? (uint32_t)room : UINT32_MAX;
@@ -124,13 +125,19 @@ static uint64_t parts_bytes(uint32_t count)
     return (count * (uint64_t)sizeof(uint32_t) + 63) / 64 * 64;
 }
 
+/* Bytes of the chunks seen in a window. With a cut, they lie in the memory that the cut no longer needs. */
+static uint64_t seen_bytes(uint32_t places)
+{
+    return places * (uint64_t)(sizeof(fxs_drawn) + sizeof(uint32_t));
+}
+
 size_t fxs_plan_memory(const fxs_request *request)
 {
     fxs_plan p = {.request = request};
     if (count_objects(&p))
         return 0;
     const uint64_t bytes = 64 + objects_bytes(request->count * request->eyes) + 2 * parts_bytes(request->count) +
-                           (p.cut_room ? fxs_cut_bytes(p.cut_room, request->count, request->eyes) : 0);
+                           (p.cut_room ? fxs_cut_bytes(p.cut_room, request->count, request->eyes) : seen_bytes(p.places));
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -190,6 +197,12 @@ static int choose_chunks(fxs_plan *p, void *memory)
     return error;
 }
 
+static int is_stopped(const fxs_plan *p)
+{
+    const fxs_stop *stop = &p->request->options.stop;
+    return stop->call && stop->call(stop->argument);
+}
+
 int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_message *why)
 {
     const fxs_options *o = &request->options;
@@ -204,11 +217,16 @@ int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_me
     p->part_counts = (uint32_t *)(void *)(parts + parts_bytes(request->count));
     for (uint32_t eye = 0; eye < request->eyes && !error; eye++)
         error = place_objects(p, eye);
+    parts += 2 * parts_bytes(request->count);
     if (!error && p->cut_room)
-        error = choose_chunks(p, parts + 2 * parts_bytes(request->count));
-    if (!error && o->stop.call && o->stop.call(o->stop.argument))
-        error = FXS_ERR_STOPPED;
-    return said(why, error);
+        error = choose_chunks(p, parts);
+    p->seen = (fxs_drawn *)(void *)(parts + p->cut_room * sizeof *p->indices);
+    p->all = p->drawn;
+    p->all_indices = p->indices;
+    p->all_places = p->places;
+    p->size[0] = p->views->width;
+    p->size[1] = p->views->height;
+    return said(why, !error && is_stopped(p) ? FXS_ERR_STOPPED : error);
 }
 
 static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
@@ -342,7 +360,8 @@ static uint64_t least_entries(uint64_t slots, uint64_t places)
    frame to frame. */
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
-    const uint64_t places = p->missing && p->request->options.budget ? p->cut_room : p->places;
+    const int is_whole = p->drawn == p->all;
+    const uint64_t places = p->missing && p->request->options.budget && is_whole ? p->cut_room : p->places;
     const uint64_t slots = p->drawn ? places * FXS_CHUNK : p->gaussians;
     const uint64_t of_squares = p->views->cutoff == FXS_CUTOFF_SQUARE ? slots : 0;
     r->chunks = larger(r->chunks, places + 1);
@@ -404,7 +423,8 @@ static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye, u
 
 static uint64_t macros_of(const fxs_plan *p)
 {
-    return (uint64_t)fxs_macros(p->views->tiles_x) * fxs_macros(p->views->tiles_y);
+    const int32_t side = FXS_RATE_PIXELS;
+    return (uint64_t)((p->size[0] + side - 1) / side) * (uint64_t)((p->size[1] + side - 1) / side);
 }
 
 static uint32_t at_most(uint32_t room, uint32_t most)
@@ -417,13 +437,15 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     const fxs_targets *t = &p->request->targets[eye];
     const fxs_stage_view *view = &p->views[eye];
     fxs_compute_frame *f = &p->frames[eye];
-    const uint64_t pixels = (uint64_t)view->width * (uint64_t)view->height;
+    const uint64_t pixels = (uint64_t)p->size[0] * (uint64_t)p->size[1];
     uint64_t words = TABLE_WORDS;
     span s = {0, 0, 0, 0};
     for (f->spans = 0; next_span(p, &s); f->spans++)
         ;
-    f->size[0] = view->width;
-    f->size[1] = view->height;
+    memcpy(f->size, p->size, sizeof f->size);
+    memcpy(f->first, p->first, sizeof f->first);
+    f->whole[0] = view->width;
+    f->whole[1] = view->height;
     f->tile_bits = tile_bits(p, r, pixels);
     for (int k = 0; k < 2; k++)
         f->tiles[k] = (f->size[k] + (1 << f->tile_bits) - 1) >> f->tile_bits;
@@ -481,24 +503,132 @@ static uint64_t largest_buffer(const fxs_plan *p)
     return largest;
 }
 
+/* Names the remedy: fewer Gaussians or fewer pixels. */
+static int frame_too_large(const fxs_plan *p, const fxs_plan_rooms *r, fxs_message *why)
+{
+    char text[21], *digit = text + sizeof text - 1;
+    uint64_t most = (r->most / (FXS_CHUNK * SPLAT_BYTES) - 1) * FXS_CHUNK;
+    fxs_message number, budget;
+    *digit = 0;
+    do
+        *--digit = (char)('0' + most % 10);
+    while (most /= 10);
+    fxs_plan_say(&number, 0, ": set a budget of at most ", digit);
+    fxs_plan_say(&budget, 0, number.text, " Gaussians");
+    return too_large(why, p->bytes[FXS_COMPUTE_SPLATS] > r->most ? budget.text : ": draw a smaller picture",
+                     largest_buffer(p));
+}
+
+/* Lays out a frame or window with the capacities of earlier ones. If these are too large, takes those that it needs
+   itself, at last with large tiles. Returns 0 if none fit. */
+static int fits(fxs_plan *p, fxs_plan_rooms *rooms)
+{
+    fxs_plan_rooms tried = *rooms;
+    for (int i = 0; i < 3; i++) {
+        guess_rooms(p, &tried);
+        lay_out(p, &tried);
+        if (largest_buffer(p) <= rooms->most) {
+            *rooms = tried;
+            return 1;
+        }
+        tried.chunks = tried.larges = tried.pages = 0;
+        tried.whole_tiles |= i == 1;
+    }
+    return 0;
+}
+
+/* Lays out a frame or window without room for its lists, if need be: the device then draws without lists. */
+static int fits_somehow(fxs_plan *p, fxs_plan_rooms *rooms)
+{
+    fxs_plan_rooms least = *rooms;
+    if (fits(p, rooms))
+        return 1;
+    least.whole_tiles = 1;
+    least.chunks = p->places + 1;
+    least.larges = 1;
+    least.pages = (uint32_t)(least_entries(slots_of(p), p->places) / FXS_COMPUTE_PAGE);
+    lay_out(p, &least);
+    return largest_buffer(p) <= rooms->most;
+}
+
 int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
 {
-    guess_rooms(p, rooms);
-    lay_out(p, rooms);
-    if (largest_buffer(p) > rooms->most && p->frames->tile_bits == 3) {
-        rooms->whole_tiles = 1;
-        rooms->pages = 0;
-        guess_rooms(p, rooms);
-        lay_out(p, rooms);
+    return fits_somehow(p, rooms) ? 0 : frame_too_large(p, rooms, why);
+}
+
+/* Returns 1 if an eye may see a chunk in the window, 0 if not, or FXS_ERR_SCENE. */
+static int sees(const fxs_plan *p, const fxs_object_view *object, const fxs_drawn *drawn)
+{
+    fxs_stage_view view = object->view;
+    fxs_chunk_view cv;
+    if (!object->visible)
+        return 0;
+    fxs_view_of_window(&view, p->first, p->size);
+    view.grow_q16 = drawn->grow_q8 << 8;
+    return fxs_chunk_view_init(&cv, &view, &object->scene, drawn->chunk - object->first_chunk);
+}
+
+/* Sets the plan's window, and the chunks that an eye may see in it. */
+static int choose_window(fxs_plan *p, const int32_t first[2], const int32_t size[2])
+{
+    uint32_t *indices = (uint32_t *)(void *)(p->seen + p->all_places), object = 0;
+    memcpy(p->first, first, sizeof p->first);
+    memcpy(p->size, size, sizeof p->size);
+    p->drawn = p->seen;
+    p->indices = indices;
+    p->places = 0;
+    for (uint32_t i = 0; i < p->all_places; i++) {
+        const fxs_drawn drawn = p->all ? p->all[i] : (fxs_drawn){i, 256, 0};
+        int seen = 0;
+        while (drawn.chunk >= p->objects[object].end_chunk)
+            object++;
+        for (uint32_t eye = 0; eye < p->request->eyes && !seen; eye++)
+            seen = sees(p, &p->objects[eye * p->request->count + object], &drawn);
+        if (seen < 0)
+            return seen;
+        p->seen[p->places] = drawn;
+        indices[p->places] = p->all ? p->all_indices[i] : drawn.chunk - p->objects[object].first_chunk;
+        p->places += (uint32_t)seen;
     }
-    if (largest_buffer(p) > rooms->most) {
-        fxs_plan_rooms least = *rooms;
-        least.chunks = p->places + 1;
-        least.larges = 1;
-        least.pages = (uint32_t)(least_entries(slots_of(p), p->places) / FXS_COMPUTE_PAGE);
-        lay_out(p, &least);
-    }
-    return largest_buffer(p) > rooms->most ? too_large(why, largest_buffer(p)) : 0;
+    return 0;
+}
+
+typedef struct windows {
+    fxs_plan *plan;
+    fxs_plan_rooms *rooms;
+    fxs_window_fn *draw;           /* null: only looks if all windows fit */
+    void *argument;
+} windows;
+
+static int draw_windows(const windows *w, const int32_t first[2], const int32_t size[2], fxs_message *why)
+{
+    fxs_plan *p = w->plan;
+    const int axis = size[1] > size[0], least = size[axis] <= FXS_RATE_PIXELS;
+    const int32_t half = (size[axis] / 2 + FXS_RATE_PIXELS - 1) / FXS_RATE_PIXELS * FXS_RATE_PIXELS;
+    int32_t from[2] = {first[0], first[1]}, of[2] = {size[0], size[1]};
+    int error = w->draw && (first[0] || first[1]) && is_stopped(p) ? FXS_ERR_STOPPED : choose_window(p, first, size);
+    if (error)
+        return said(why, error);
+    if (least ? fits_somehow(p, w->rooms) : fits(p, w->rooms))
+        return w->draw ? w->draw(w->argument, why) : 0;
+    if (least)
+        return frame_too_large(p, w->rooms, why);
+    of[axis] = half;
+    error = draw_windows(w, from, of, why);
+    from[axis] += half;
+    of[axis] = size[axis] - half;
+    return error ? error : draw_windows(w, from, of, why);
+}
+
+int fxs_plan_draw(fxs_plan *p, fxs_plan_rooms *rooms, fxs_window_fn *draw, void *argument, fxs_message *why)
+{
+    const int32_t first[2] = {0, 0}, size[2] = {p->size[0], p->size[1]};
+    windows w = {p, rooms, 0, argument};
+    if (fits(p, rooms))
+        return draw(argument, why);
+    const int error = draw_windows(&w, first, size, why);
+    w.draw = draw;
+    return error ? error : draw_windows(&w, first, size, why);
 }
 
 void fxs_plan_uniforms(const fxs_plan *p, void *to)
@@ -523,9 +653,10 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
 static void put_rates(const fxs_plan *p, uint32_t eye, uint32_t *shift)
 {
     const int32_t width = p->views[eye].width, height = p->views[eye].height, side = FXS_RATE_PIXELS;
-    for (int32_t y = 0; y < height; y += side)
-        for (int32_t x = 0; x < width; x += side)
-            *shift++ = (uint32_t)fxs_rate_shift(&p->request->targets[eye].rates, width, height, x, y);
+    for (int32_t y = 0; y < p->size[1]; y += side)
+        for (int32_t x = 0; x < p->size[0]; x += side)
+            *shift++ = (uint32_t)fxs_rate_shift(&p->request->targets[eye].rates, width, height, p->first[0] + x,
+                                                p->first[1] + y);
 }
 
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
@@ -718,20 +849,20 @@ int fxs_plan_look(fxs_plan_rooms *r, const uint32_t *status, uint32_t eyes, fxs_
 
 void fxs_plan_put_plane(const fxs_plan *p, const fxs_image *image, void *to)
 {
-    const size_t row = 4 * (size_t)p->views->width;
-    for (int32_t y = 0; y < p->views->height; y++)
-        memcpy((unsigned char *)to + (size_t)y * row, fxs_image_at(image, 0, y, 4), row);
+    const size_t row = 4 * (size_t)p->size[0];
+    for (int32_t y = 0; y < p->size[1]; y++)
+        memcpy((unsigned char *)to + (size_t)y * row, fxs_image_at(image, p->first[0], p->first[1] + y, 4), row);
 }
 
 /* Copies one plane of a finished picture, such as colours or depths, to an image with `bytes` bytes per pixel. The
    plane has one or two 32-bit words per pixel. */
-static void copy_plane(const fxs_stage_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
+static void copy_plane(const fxs_plan *p, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
-    const size_t width = (size_t)view->width;
+    const size_t width = (size_t)p->size[0];
     if (!to->pixels)
         return;
-    for (int32_t y = 0; y < view->height; y++) {
-        unsigned char *row = fxs_image_at(to, 0, y, bytes);
+    for (int32_t y = 0; y < p->size[1]; y++) {
+        unsigned char *row = fxs_image_at(to, p->first[0], p->first[1] + y, bytes);
         const unsigned char *from = (const unsigned char *)(picture + at) + (size_t)y * width * (bytes > 4 ? 8 : 4);
         if (bytes >= 4)
             memcpy(row, from, width * (size_t)bytes);
@@ -747,21 +878,21 @@ void fxs_plan_take_pictures(const fxs_plan *p, const uint32_t *picture)
         const fxs_targets *t = &p->request->targets[eye];
         const fxs_compute_frame *f = &p->frames[eye];
         const uint64_t first = p->read_at[eye];
-        copy_plane(&p->views[eye], &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
-        copy_plane(&p->views[eye], &t->coverage, 1, picture, f->coverage - first);
-        copy_plane(&p->views[eye], &t->mean_depth, 4, picture, f->mean_depth - first);
-        copy_plane(&p->views[eye], &t->median_depth, 4, picture, f->median_depth - first);
-        copy_plane(&p->views[eye], &t->id, 8, picture, f->id - first);
+        copy_plane(p, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
+        copy_plane(p, &t->coverage, 1, picture, f->coverage - first);
+        copy_plane(p, &t->mean_depth, 4, picture, f->mean_depth - first);
+        copy_plane(p, &t->median_depth, 4, picture, f->median_depth - first);
+        copy_plane(p, &t->id, 8, picture, f->id - first);
     }
 }
 
 void fxs_plan_stats(const fxs_plan *p, fxs_stats *stats)
 {
-    memset(stats, 0, sizeof *stats);
     stats->gaussians = (uint32_t)p->gaussians;
-    stats->drawn = p->places * FXS_CHUNK;
+    stats->drawn = p->all_places * FXS_CHUNK;
     stats->missing = p->missing;
-    stats->bands = stats->runs = p->request->eyes;
+    stats->bands += p->request->eyes;
+    stats->runs = stats->bands;
 }
 
 void fxs_plan_count(fxs_stats *stats, const uint32_t *status, uint32_t eyes)

@@ -6,6 +6,8 @@
  *     fxs_plan_steps(&plan, step, argument)               execute each step
  *     fxs_plan_look(&rooms, status, eyes, why)            when the device has finished the frame, even frames later
  *
+ * A frame of images in host memory may be larger than the device's storage buffers: fxs_plan_draw lays it out in windows.
+ *
  * The device completes every frame itself. If the frame's lists exceed their capacities, the last step draws the frame
  * without the lists, which takes longer. fxs_plan_look enlarges the capacities for later frames before they are full.
  *
@@ -35,6 +37,12 @@ typedef struct fxs_plan {
     const uint32_t *indices;       /* index of each chunk of `drawn` in the buffers of its object */
     uint64_t gaussians;
     uint32_t places, cut_room, missing;
+    int32_t first[2], size[2];     /* window of the pictures that is laid out, with the chunks seen in it: the whole
+                                      pictures, except in fxs_plan_draw */
+    const fxs_drawn *all;          /* all, all_indices, all_places: drawn, indices and places of the whole pictures */
+    const uint32_t *all_indices;
+    uint32_t all_places;
+    fxs_drawn *seen;               /* memory for `drawn` and `indices` of a window */
     uint64_t bytes[FXS_COMPUTE_BUFFERS];   /* of the buffers of an eye */
     uint64_t read_at[FXS_COMPUTE_EYES], read_words[FXS_COMPUTE_EYES];      /* range of words to read back: the finished
                                                                               picture */
@@ -72,6 +80,12 @@ int fxs_plan_begin(fxs_plan *plan, const fxs_request *request, void *memory, fxs
 
 int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
+/* Lays out a frame and calls `draw`. If the frame does not fit in the device's storage buffers, does this for windows of
+   the pictures: halves the longer side, at a macro tile's edge, until each window fits. Their pixels are the frame's.
+   Before it draws the first window, it knows that all fit. Returns the first error of `draw`. */
+typedef int fxs_window_fn(void *argument, fxs_message *why);
+int fxs_plan_draw(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_window_fn *draw, void *argument, fxs_message *why);
+
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
 /* fxs_plan_places_bytes returns the size in bytes of the table of drawn chunks, and fxs_plan_places writes the table.
@@ -86,14 +100,14 @@ void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
    Enlarges the capacities for later frames. */
 int fxs_plan_look(fxs_plan_rooms *rooms, const uint32_t *status, uint32_t eyes, fxs_message *why);
 
-/* Copies an image of the host, an occluder or a backdrop, to the words of its plane. */
+/* Copies the window of an image of the host, an occluder or a backdrop, to the words of its plane. */
 void fxs_plan_put_plane(const fxs_plan *plan, const fxs_image *image, void *to);
 
-/* Copies the finished pictures, plan->read_words[eye] words each, to the request's images. */
+/* Copies the finished window, plan->read_words[eye] words for each eye, to the request's images. */
 void fxs_plan_take_pictures(const fxs_plan *plan, const uint32_t *pictures);
 
-/* Fills in the statistics of a frame, except for memory and times. fxs_plan_count adds what the statuses of the eyes
-   tell, when the frame has finished. */
+/* Fills in the statistics of a frame, except for memory and times; *stats is zeros before the frame's first window.
+   fxs_plan_count adds what the statuses of the eyes tell, when the window has finished. */
 void fxs_plan_stats(const fxs_plan *plan, fxs_stats *stats);
 void fxs_plan_count(fxs_stats *stats, const uint32_t *status, uint32_t eyes);
 

@@ -157,7 +157,7 @@ fn project_gaussian(index: u32, slot: u32) -> wide
         return wide(0u, 0u);
     }
     out.splat.offset_q11 = offset_of(opacity, record[47]);
-    if (!project_shape(&out, &centre, codes.scale, codes.rotation)) {
+    if (!project_shape(&out, &centre, codes.scale, codes.rotation) || !enter_window(&out)) {
         return wide(0u, 0u);
     }
     if (object.crop_count != 0u && !is_kept(codes.position)) {

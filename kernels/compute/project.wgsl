@@ -35,7 +35,7 @@ const SIDE_Q23: i32 = 0x20000000;
 
 fn whole_tiles() -> vec2<i32>
 {
-    return (frame.size + 15) >> vec2<u32>(4u);
+    return (frame.whole + 15) >> vec2<u32>(4u);
 }
 
 fn number_at(at: u32) -> i32
@@ -279,7 +279,7 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     let c_q8 = (*out).bounds.c_q14 >> vec2<u32>(6u);
     let first = (c_q8.y - half_height + 255) >> 8u;
     let last = (c_q8.y + half_height) >> 8u;
-    let size = frame.size;
+    let size = frame.whole;
     if (c_q8.x + half_width < 0 || c_q8.x - half_width > (size.x - 1) << 8u || last < 0 || first >= size.y ||
         first > last) {
         return false;
@@ -309,7 +309,7 @@ fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
     let sigma_q8 = sqrt_q8(root_of_q60(shift_left(lambda_q30, 30u)), e);
     let radius = i32((3u * sigma_q8 + 255u) >> 8u);
     (*out).bounds.square_radius = u32(radius);
-    (*out).splat.rows = vec2<i32>(0, frame.size.y - 1);
+    (*out).splat.rows = vec2<i32>(0, frame.whole.y - 1);
     let pixel = (*out).bounds.c_q14 >> vec2<u32>(14u);
     return all(pixel + radius + 15 >= vec2<i32>(16)) && all(pixel < radius + 16 * whole_tiles());
 }
@@ -375,7 +375,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
     (*out).splat.ux_q24 = ux;
     (*out).splat.uy_q24 = uy;
     (*out).splat.vy_q24 = vy;
-    (*out).splat.rows = vec2<i32>(0, frame.size.y - 1);
+    (*out).splat.rows = vec2<i32>(0, frame.whole.y - 1);
     (*out).bounds = Bounds(vec2<i32>(0), 0u, 0, EVERYWHERE_Q8, select(0u, 0x20000u, frame.cutoff == 1));
     let r_q24 = wide((r_q12 + 1u) * 4096u, 0u);
     let across = add_wide(mul_signed(middle.x, ux), mul_signed(middle.y, abs(uy)));
@@ -467,6 +467,20 @@ fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, s
         return square(out, &s);
     }
     return clip(out, sqrt_q8(root_c, exponent), r_q12);
+}
+
+// Moves a splat from the picture to the window that the frame draws. Returns false if it is above or below the window.
+fn enter_window(out: ptr<function, Placed>) -> bool
+{
+    let first = vec2<u32>(frame.first);
+    let rows = (*out).splat.rows - frame.first.y;
+    (*out).splat.u0_q24 += first.x * bitcast<u32>((*out).splat.ux_q24) + first.y * bitcast<u32>((*out).splat.uy_q24);
+    (*out).splat.v0_q24 += first.y * bitcast<u32>((*out).splat.vy_q24);
+    (*out).splat.rows = clamp(rows, vec2<i32>(0), vec2<i32>(frame.size.y - 1));
+    if ((*out).bounds.half_width_q8 != EVERYWHERE_Q8) {
+        (*out).bounds.c_q14 -= frame.first << vec2<u32>(14u);
+    }
+    return rows.y >= 0 && rows.x < frame.size.y;
 }
 
 fn depth_key(z: i32) -> u32

@@ -33,7 +33,7 @@ enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_CO
        FXS_COMPUTE_ENTRY_COUNT, FXS_COMPUTE_LONGEST = 9 };
 
 typedef struct fxs_compute_frame {
-    int32_t size[2], tiles[2];
+    int32_t size[2], tiles[2], first[2], whole[2];
     uint32_t places, spans, merges, large_room, page_room;
     uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, finishes, classes;
     uint32_t blocks, block_room, spare, tile_bits, cleared;

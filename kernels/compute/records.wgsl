@@ -36,8 +36,10 @@ const LIST: u32 = 8u;              // words from one tile's list to the next: at
 
 
 struct Frame {
-    size: vec2<i32>,
+    size: vec2<i32>,               // of the window of the picture that the frame draws
     tiles: vec2<i32>,
+    first: vec2<i32>,              // first pixel of the window in the picture
+    whole: vec2<i32>,              // size of the picture
     places: u32,                   // number of drawn chunks
     spans: u32,
     merges: u32,                   // number of merge passes; a frame fits if no list needs more

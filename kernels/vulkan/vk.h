@@ -145,6 +145,9 @@ typedef struct fxs_vk_walk {
     VkCommandBuffer commands;      /* null: only counts the descriptor sets */
     fxs_vk_scene *const *copies;
     const fxs_vulkan_target *targets;      /* images of the caller, of each eye; null: images of the host */
+    fxs_stats *stats;              /* of fxs_vulkan_render, as are the next two */
+    uint64_t nanoseconds;
+    uint32_t windows;              /* number of windows of the frame that were drawn */
     fxs_step last;
     uint32_t sets;
 } fxs_vk_walk;

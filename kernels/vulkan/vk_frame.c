@@ -125,7 +125,7 @@ static uint64_t start_bytes(const fxs_plan *plan)
 
 static uint64_t plane_bytes(const fxs_plan *plan)
 {
-    return 4 * (uint64_t)plan->views->width * (uint64_t)plan->views->height;
+    return 4 * (uint64_t)plan->size[0] * (uint64_t)plan->size[1];
 }
 
 static void take_steps(fxs_vk_walk *w)
@@ -178,23 +178,22 @@ static uint64_t chunks_at(const fxs_vk_walk *w)
     return planes_at(plan) + (w->targets ? 0 : 2 * w->slot->eyes * plane_bytes(plan));
 }
 
+/* The first window of a frame uploads chunks. */
 static uint64_t chunk_bytes(const fxs_vk_walk *w)
 {
-    return fxs_vk_staged(w->v, w->copies, w->slot->request.count);
+    return w->windows ? 0 : fxs_vk_staged(w->v, w->copies, w->slot->request.count);
 }
 
-static int lay_out(fxs_vk_walk *w, fxs_message *why)
+/* Makes the buffers of the plan, and fills those that the host writes. */
+static int fill_buffers(fxs_vk_walk *w, fxs_message *why)
 {
     fxs_vulkan *v = w->v;
     fxs_vk_slot *slot = w->slot;
     fxs_plan *plan = &slot->plan;
-    int error = fxs_plan_lay_out(plan, &v->rooms, why);
-    if (error)
-        return error;
     const uint64_t start = aligned(plan->bytes[FXS_COMPUTE_UNIFORMS]), planes = planes_at(plan);
     w->commands = VK_NULL_HANDLE;
     take_steps(w);
-    error = reserve_frame(v, slot, why);
+    int error = reserve_frame(v, slot, why);
     error = error ? error : fxs_vk_reserve(v, &slot->up, FXS_VK_UP, chunks_at(w) + chunk_bytes(w), why);
     error = error ? error : fxs_vk_reserve(v, &slot->down, FXS_VK_DOWN, 4 * (FXS_VK_PICTURE + words_down(w)), why);
     error = error ? error : reserve_sets(v, slot, w->sets, why);
@@ -291,7 +290,7 @@ static int take_mirrors(const fxs_vk_walk *w, fxs_message *why)
     return error ? fxs_plan_say(why, error, fxs_strerror(error), "") : 0;
 }
 
-int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why)
+static int begin_plan(fxs_vk_walk *w, fxs_message *why)
 {
     fxs_vulkan *v = w->v;
     fxs_request *request = &w->slot->request;
@@ -307,7 +306,14 @@ int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why)
     }
     for (uint32_t eye = 0; eye < request->eyes && w->targets; eye++)
         fxs_vk_ask_planes(&request->targets[eye], &w->targets[eye]);
-    return error ? error : lay_out(w, why);
+    return error;
+}
+
+int fxs_vk_prepare(fxs_vk_walk *w, fxs_message *why)
+{
+    int error = begin_plan(w, why);
+    error = error ? error : fxs_plan_lay_out(&w->slot->plan, &w->v->rooms, why);
+    return error ? error : fill_buffers(w, why);
 }
 
 static int run_frame(fxs_vk_walk *w, fxs_message *why)
@@ -352,6 +358,7 @@ int fxs_vulkan_stats(fxs_vulkan *v, fxs_stats *stats, fxs_message *why)
         *why = slot->why;
         return slot->result;
     }
+    memset(stats, 0, sizeof *stats);
     fill_stats(slot, v, stats);
     return 0;
 }
@@ -398,26 +405,43 @@ int fxs_vk_begin_request(fxs_vulkan *v, const fxs_request *request, int upload, 
     return error;
 }
 
+/* Renders the frame, or window of one, that the plan has laid out. */
+static int render(void *walk, fxs_message *why)
+{
+    fxs_vk_walk *w = walk;
+    const fxs_vk_slot *slot = w->slot;
+    int error = fill_buffers(w, why);
+    error = error ? error : run_frame(w, why);
+    if (!error && slot->result)
+        *why = slot->why;
+    error = error ? error : slot->result;
+    if (error)
+        return error;
+    fxs_plan_take_pictures(&slot->plan, (const uint32_t *)slot->down->memory.mapped + FXS_VK_PICTURE);
+    fill_stats(slot, w->v, w->stats);
+    w->nanoseconds += w->v->nanoseconds;
+    w->windows++;
+    return 0;
+}
+
 int fxs_vulkan_render(fxs_vulkan *v, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
-    fxs_vk_walk w = {.v = v, .slot = v->slots};
-    fxs_vk_slot *slot = w.slot;
+    fxs_stats of_frame;
+    fxs_vk_walk w = {.v = v, .slot = v->slots, .stats = &of_frame};
     fxs_vk_scene **copies = 0;
+    memset(&of_frame, 0, sizeof of_frame);
     int error = fxs_vk_begin_request(v, request, 1, &copies, why);
     if (error)
         return error;
     w.copies = copies;
-    slot->request = *request;
-    error = fxs_vk_prepare(&w, why);
-    error = !error ? run_frame(&w, why) : error == FXS_ERR_STOPPED ? put_stopped(&w, why) : error;
-    if (!error && slot->result)
-        *why = slot->why;
-    error = error ? error : slot->result;
-    if (!error) {
-        fxs_plan_take_pictures(&slot->plan, (const uint32_t *)slot->down->memory.mapped + FXS_VK_PICTURE);
-        if (stats)
-            fill_stats(slot, v, stats);
-    } else if (error == FXS_ERR_MEMORY || error == FXS_ERR_DEVICE)
+    w.slot->request = *request;
+    error = begin_plan(&w, why);
+    error = !error ? fxs_plan_draw(&w.slot->plan, &v->rooms, render, &w, why)
+            : error == FXS_ERR_STOPPED ? put_stopped(&w, why) : error;
+    v->nanoseconds = w.nanoseconds;
+    if (!error && stats)
+        *stats = of_frame;
+    if (error == FXS_ERR_MEMORY || error == FXS_ERR_DEVICE)
         fxs_vk_give_back(v);
     return error;
 }

@@ -1,23 +1,23 @@
 #version 310 es
 precision highp float;precision highp int;layout(local_size_x=128,local_size_y=1,local_size_z=1)in;struct Frame{ivec2
-size;ivec2 tiles;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;uint seen;uint ranks;uint
-visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint classes;uint blocks;uint
-block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4 background_q13_;int
-depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint backdrop;uint scratch;
-uint squares;uint rates;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4 rotation_q30_[3];ivec4
-row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2 f_q12_;ivec2 c_q12_;ivec2
-slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;int focal_exponent;int
-veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;int plane_exponent;uint
-profile;int scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint scale_mantissa;int
-scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint end_place;uint span;
-uint part_chunk;uint rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int ux_q24_;int
-uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;int
-half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Projected{ivec3 camera;int zeros;uint
-inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint c_q30_;int
-b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;};struct
-Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct Axes{ivec3
-axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;
-uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};const int FXS_CUT_Q11_=18432;const int
+size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint large_room;uint page_room;uint drawn;
+uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
+classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
+background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
+backdrop;uint scratch;uint squares;uint rates;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4
+rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2
+f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;
+int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;
+int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint
+scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint
+end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint
+v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;
+int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Projected{ivec3 camera;
+int zeros;uint inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint
+c_q30_;int b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;
+};struct Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct
+Axes{ivec3 axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint
+rotation;uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};const int FXS_CUT_Q11_=18432;const int
 FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
 FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
 ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
@@ -87,7 +87,7 @@ _e4=_group_0_binding_1_cs.keep_count;kept=(_e4==0u);for(;(crop_2<_group_0_bindin
 uint _e29=crop_2;bool _e31=lies_in(low_1,high_2,_e29,false);local_2=_e31;}else{local_2=false;}bool _e33=local_2;
 if(_e33){return false;}bool _e35=kept;if(!(_e35)){if(!(outside)){uint _e42=crop_2;bool _e44=lies_in(low_1,high_2,_e42,
 true);local_4=_e44;}else{local_4=false;}bool _e46=local_4;local_3=_e46;}else{local_3=true;}bool _e48=local_3;kept=_e48;}
-}bool _e52=kept;return _e52;}ivec2 whole_tiles(){ivec2 _e2=_group_0_binding_0_cs.size;return((_e2 +
+}bool _e52=kept;return _e52;}ivec2 whole_tiles(){ivec2 _e2=_group_0_binding_0_cs.whole;return((_e2 +
 ivec2(15))>>uvec2(4u));}int number_at(uint at){uint _e3=record[at];return int(_e3);}uvec2 wide_at(uint at_1){uint
 _e3=record[at_1];uint _e8=record[(at_1 + 1u)];return uvec2(_e3,_e8);}int camera_of(uint i_3,uvec3 code){uvec2
 _e4=wide_at((2u*i_3));uint _e11=record[(6u +(3u*i_3))];uint _e18=record[(7u +(3u*i_3))];uint _e25=record[(8u
@@ -177,7 +177,7 @@ uint sigma_q8_,uint r_q12_1){int half_height=0;bool local_9=false;bool local_10=
 local_12=false;uint _e4=product_shifted(sigma_q8_,r_q12_1,12u);half_height=int(_e4);int _e7=half_height;int
 _e8=half_height;half_height=(_e7 +((_e8>>8u)+ 32));int half_width=out_2.bounds.half_width_q8_;ivec2
 _e19=out_2.bounds.c_q14_;ivec2 c_q8_=(_e19>>uvec2(6u));int _e24=half_height;int first_1=(((c_q8_.y - _e24)+ 255)>>8u);
-int _e31=half_height;int last_1=((c_q8_.y + _e31)>>8u);ivec2 size_1=_group_0_binding_0_cs.size;if(!(((c_q8_.x +
+int _e31=half_height;int last_1=((c_q8_.y + _e31)>>8u);ivec2 size_1=_group_0_binding_0_cs.whole;if(!(((c_q8_.x +
 half_width)<0))){local_9=((c_q8_.x - half_width)>((size_1.x - 1)<<8u));}else{local_9=true;}bool _e54=local_9;
 if(!(_e54)){local_10=(last_1<0);}else{local_10=true;}bool _e61=local_10;if(!(_e61)){local_11=(first_1>=size_1.y);}else{
 local_11=true;}bool _e68=local_11;if(!(_e68)){local_12=(first_1>last_1);}else{local_12=true;}bool _e74=local_12;
@@ -190,7 +190,7 @@ _e31);more=_e32;uvec2 _e34=least_q60_;bool _e35=less(_e32,_e34);if(_e35){uvec2 _
 _e37=more;Root _e38=root_of_q60_(_e37);uint _e41=mul_high(_e38.m,_e38.inverse_q30_);uvec2 _e45=shift_left(uvec2(_e41,
 0u),1u);uvec2 _e52=shift_right(_e45,uint((1 - _e38.half_)));uvec2 _e53=add_wide(uvec2(mid_q30_,0u),_e52);uvec2
 _e55=shift_left(_e53,30u);Root _e56=root_of_q60_(_e55);uint _e57=sqrt_q8_(_e56,e_2);int radius_1=int((((3u*_e57)+
-255u)>>8u));out_3.bounds.square_radius=uint(radius_1);int _e73=_group_0_binding_0_cs.size.y;out_3.splat.rows=ivec2(0,
+255u)>>8u));out_3.bounds.square_radius=uint(radius_1);int _e73=_group_0_binding_0_cs.whole.y;out_3.splat.rows=ivec2(0,
 (_e73 - 1));ivec2 _e80=out_3.bounds.c_q14_;ivec2 pixel=(_e80>>uvec2(14u));if(all(greaterThanEqual(((pixel +
 ivec2(radius_1))+ ivec2(15)),ivec2(16)))){ivec2 _e95=whole_tiles();local_13=all(lessThan(pixel,
 (ivec2(radius_1)+(16*_e95))));}else{local_13=false;}bool _e103=local_13;return _e103;}uint veil_dilation_q30_(int
@@ -222,7 +222,7 @@ _e71=round_shift(_e70,shift_4);int _e72=low_of(_e71);uvec2 _e73=wide_of(uy_q18_)
 int _e75=low_of(_e74);uvec2 _e76=wide_of(_e57);uvec2 _e77=round_shift(_e76,shift_4);int _e78=low_of(_e77);
 out_4.splat.u0_q24_=(((1024u - _e66.x)- uint((middle_1.x*_e72)))- uint((middle_1.y*_e75)));out_4.splat.v0_q24_=((1024u
 - _e69.x)- uint((middle_1.y*_e78)));out_4.splat.ux_q24_=_e72;out_4.splat.uy_q24_=_e75;out_4.splat.vy_q24_=_e78;int
-_e112=_group_0_binding_0_cs.size.y;out_4.splat.rows=ivec2(0,(_e112 - 1));int _e126=_group_0_binding_0_cs.cutoff;
+_e112=_group_0_binding_0_cs.whole.y;out_4.splat.rows=ivec2(0,(_e112 - 1));int _e126=_group_0_binding_0_cs.cutoff;
 out_4.bounds=Bounds(ivec2(0),0u,0,EVERYWHERE_Q8_,((_e126==1)?131072u:0u));uvec2 r_q24_=uvec2(((r_q12_2 + 1u)*4096u),0u);
 uvec2 _e139=mul_signed(middle_1.x,_e72);uvec2 _e142=mul_signed(middle_1.y,abs(_e75));uvec2 _e143=add_wide(_e139,_e142);
 uvec2 _e144=add_wide(r_q24_,_e143);uvec2 _e145=magnitude(_e66);bool _e146=less(_e144,_e145);if(!(_e146)){uvec2
@@ -263,7 +263,16 @@ _e151=_group_0_binding_0_cs.cutoff;if((_e151==1)){int _e155=offset_q11_2;r2_q11_
 _e158=r2_q11_;uint _e163=sqrt_of(((_e158 + 1u)<<13u));uint r_q12_5=(_e163 + 1u);if(is_veil){bool _e166=veil(out_5,s_3,
 centre_6,r_q12_5);return _e166;}uint _e168=s_3.c_q30_;Root _e169=root_of_q30_(_e168);whiten(out_5,s_3,_e169,centre_6,
 r_q12_5);int _e172=_group_0_binding_0_cs.cutoff;if((_e172==1)){bool _e175=square(out_5,s_3);return _e175;}uint
-_e176=sqrt_q8_(_e169,exponent_6);bool _e177=clip(out_5,_e176,r_q12_5);return _e177;}uint depth_key(int z){int
+_e176=sqrt_q8_(_e169,exponent_6);bool _e177=clip(out_5,_e176,r_q12_5);return _e177;}bool enter_window(inout Placed
+out_6){bool local_16=false;ivec2 _e3=_group_0_binding_0_cs.first;uvec2 first_2=uvec2(_e3);ivec2 _e7=out_6.splat.rows;
+int _e11=_group_0_binding_0_cs.first.y;ivec2 rows_5=(_e7 - ivec2(_e11));uint _e16=out_6.splat.u0_q24_;int
+_e20=out_6.splat.ux_q24_;int _e26=out_6.splat.uy_q24_;out_6.splat.u0_q24_=(_e16
++((first_2.x*uint(_e20))+(first_2.y*uint(_e26))));uint _e33=out_6.splat.v0_q24_;int _e37=out_6.splat.vy_q24_;
+out_6.splat.v0_q24_=(_e33 +(first_2.y*uint(_e37)));int _e48=_group_0_binding_0_cs.size.y;
+out_6.splat.rows=min(max(rows_5,ivec2(0)),ivec2((_e48 - 1)));int _e55=out_6.bounds.half_width_q8_;
+if((_e55!=EVERYWHERE_Q8_)){ivec2 _e60=out_6.bounds.c_q14_;ivec2 _e63=_group_0_binding_0_cs.first;
+out_6.bounds.c_q14_=(_e60 -(_e63<<uvec2(14u)));}if((rows_5.y>=0)){int _e77=_group_0_binding_0_cs.size.y;
+local_16=(rows_5.x<_e77);}else{local_16=false;}bool _e80=local_16;return _e80;}uint depth_key(int z){int
 _e2=zeros_of(uint(z));int _e4=number_at(18u);return((uint((((_e4 - _e2)- 1)+
 32))<<26u)|(((uint(z)<<uint(_e2))>>5u)&67108863u));}uint falling_q30_(uint l_q16_){uint whole_1=(l_q16_>>16u);
 if((whole_1>30u)){return 0u;}int _e11=exp2_q15_((int((l_q16_&65535u))>>1u));return((uint(_e11)<<15u)>>whole_1);}uint
@@ -348,13 +357,13 @@ if((shift_7==0u)){return low_5;}uint _e26=_group_1_binding_0_cs[((at_8/4u)+ 1u)]
 int odd_dot(ivec4 b_21,uint bits_1){ivec4 code_5=ivec4((((uvec4(bits_1)>>uvec4(0u,3u,6u,9u))&uvec4(7u))^uvec4(4u)));
 ivec4 odd=((2*code_5)- ivec4(7));return((((b_21.x*odd.x)+(b_21.y*odd.y))+(b_21.z*odd.z))+(b_21.w*odd.w));}uint
 sh_count(int degree_1){return uint((((degree_1 + 1)*(degree_1 + 1))- 1));}int residual_q16_(Basis b_22,uint record_at,
-uint channel_1,uint gain){int _e9=_group_0_binding_1_cs.scene_degree;uint _e10=sh_count(_e9);uint first_2=(32u
-+((3u*channel_1)*_e10));uint _e13=bits_at(record_at,first_2);uint _e16=bits_at(record_at,(first_2 + 24u));int
+uint channel_1,uint gain){int _e9=_group_0_binding_1_cs.scene_degree;uint _e10=sh_count(_e9);uint first_3=(32u
++((3u*channel_1)*_e10));uint _e13=bits_at(record_at,first_3);uint _e16=bits_at(record_at,(first_3 + 24u));int
 _e18=odd_dot(b_22.a,_e13);int _e22=odd_dot(b_22.b,(_e13>>12u));int _e25=odd_dot(b_22.c,_e16);int _e30=odd_dot(b_22.d,
 (_e16>>12u));int odd_1=(((_e18 + _e22)+ _e25)+ _e30);return((odd_1*int((8u +(gain&7u))))>>(31u -(gain>>3u)));}int
 scaled_q16_(int sum_1){int _e3=_group_0_binding_1_cs.palette_step_q19_;uvec2 _e4=mul_signed(sum_1,_e3);uvec2
 _e6=shift_signed(_e4,18u);int _e7=low_of(_e6);return _e7;}ivec3 palette_q16_(Basis b_23,uint rows_3,uint g_3){uint
-stages=0u;uint bytes=0u;uint at_4=0u;ivec3 sum_2=ivec3(0);uint stage_1=0u;ivec3 out_6=ivec3(0);int
+stages=0u;uint bytes=0u;uint at_4=0u;ivec3 sum_2=ivec3(0);uint stage_1=0u;ivec3 out_7=ivec3(0);int
 degree_2=_group_0_binding_1_cs.scene_degree;uint _e8=_group_0_binding_1_cs.profile;bool compact=(_e8==COMPACT);
 stages=((degree_2==1)?4u:6u);uint _e17=stages;bytes=_e17;at_4=((4u*rows_3)+ 3328u);if(compact){stages=3u;
 bytes=((degree_2==1)?8u:((degree_2==2)?13u:21u));at_4=((4u*rows_3)+ 4608u);}uint _e38=at_4;uint _e39=bytes;at_4=(_e38
@@ -362,9 +371,9 @@ bytes=((degree_2==1)?8u:((degree_2==2)?13u:21u));at_4=((4u*rows_3)+ 4608u);}uint
 _e47);for(;(stage_1<stages);stage_1=(stage_1 + 1u)){{ivec3 _e55=sum_2;uint _e56=stage_1;uint _e57=at_4;uint
 _e58=stage_1;uint _e60=byte_at((_e57 + _e58));ivec3 _e61=entry_sum(b_23,_e56,_e60);sum_2=(_e55 + _e61);}}int
 _e67=sum_2.x;int _e68=scaled_q16_(_e67);int _e70=sum_2.y;int _e71=scaled_q16_(_e70);int _e73=sum_2.z;int
-_e74=scaled_q16_(_e73);out_6=ivec3(_e68,_e71,_e74);if(compact){uint _e77=at_4;uint _e80=byte_at((_e77 + 3u));ivec3
-_e81=out_6;uint _e82=at_4;int _e84=residual_q16_(b_23,_e82,0u,_e80);uint _e85=at_4;int _e87=residual_q16_(b_23,_e85,1u,
-_e80);uint _e88=at_4;int _e90=residual_q16_(b_23,_e88,2u,_e80);out_6=(_e81 + ivec3(_e84,_e87,_e90));}ivec3 _e93=out_6;
+_e74=scaled_q16_(_e73);out_7=ivec3(_e68,_e71,_e74);if(compact){uint _e77=at_4;uint _e80=byte_at((_e77 + 3u));ivec3
+_e81=out_7;uint _e82=at_4;int _e84=residual_q16_(b_23,_e82,0u,_e80);uint _e85=at_4;int _e87=residual_q16_(b_23,_e85,1u,
+_e80);uint _e88=at_4;int _e90=residual_q16_(b_23,_e88,2u,_e80);out_7=(_e81 + ivec3(_e84,_e87,_e90));}ivec3 _e93=out_7;
 return _e93;}ivec3 shade(uint rows_4,uint g_4,Codes codes){ivec3 sum_q16_=ivec3(0);uvec3
 upper=((uvec3(codes.colour)>>uvec3(0u,8u,16u))&uvec3(255u));uvec3
 code_6=((upper<<uvec3(1u))|((uvec3(codes.scale)>>uvec3(29u,30u,31u))&uvec3(1u)));uint _e29=record[41];uint
@@ -374,12 +383,12 @@ int _e56=_group_0_binding_1_cs.degree;if((_e56>0)){ivec3 _e60=direction_q15_(cod
 _e63=_group_0_binding_1_cs.degree;Basis _e64=basis_of(_e60,_e63);uint _e67=_group_0_binding_1_cs.palette_entries;
 if((_e67!=0u)){ivec3 _e70=sum_q16_;ivec3 _e71=palette_q16_(_e64,rows_4,g_4);sum_q16_=(_e70 + _e71);}else{ivec3
 _e73=sum_q16_;ivec3 _e74=bands_q16_(_e64,rows_4,g_4);sum_q16_=(_e73 + _e74);}}ivec3 _e76=sum_q16_;return min(max(((_e76
-+ ivec3(4))>>uvec3(3u)),ivec3(0)),ivec3(32767));}Span columns_between(int left_q8_,int right_q8_){bool local_16=false;
-bool local_17=false;int first_3=((left_q8_ + 255)>>8u);int last_2=(right_q8_>>8u);if(!((last_2<0))){int
-_e16=_group_0_binding_0_cs.size.x;local_16=(first_3>=_e16);}else{local_16=true;}bool _e19=local_16;if(!(_e19)){
-local_17=(first_3>last_2);}else{local_17=true;}bool _e25=local_17;if(_e25){return Span(0,-1);}uint
++ ivec3(4))>>uvec3(3u)),ivec3(0)),ivec3(32767));}Span columns_between(int left_q8_,int right_q8_){bool local_17=false;
+bool local_18=false;int first_4=((left_q8_ + 255)>>8u);int last_2=(right_q8_>>8u);if(!((last_2<0))){int
+_e16=_group_0_binding_0_cs.size.x;local_17=(first_4>=_e16);}else{local_17=true;}bool _e19=local_17;if(!(_e19)){
+local_18=(first_4>last_2);}else{local_18=true;}bool _e25=local_18;if(_e25){return Span(0,-1);}uint
 _e33=_group_0_binding_0_cs.tile_bits;uint _e37=_group_0_binding_0_cs.tile_bits;int _e42=_group_0_binding_0_cs.tiles.x;
-int _e48=_group_0_binding_0_cs.size.x;return Span((max(first_3,0)>>_e33),((last_2>=_e48)?(_e42 - 1):(last_2>>_e37)));}
+int _e48=_group_0_binding_0_cs.size.x;return Span((max(first_4,0)>>_e33),((last_2>=_e48)?(_e42 - 1):(last_2>>_e37)));}
 Span columns_of(inout Bounds b_24){int _e3=b_24.c_q14_.x;int c_q8_1=(_e3>>6u);int _e7=b_24.half_width_q8_;int
 _e10=b_24.half_width_q8_;Span _e12=columns_between((c_q8_1 - _e7),(c_q8_1 + _e10));return _e12;}int radius_q12_(int
 offset_q11_4){int _e3=_group_0_binding_0_cs.cut_q11_;int _e4=fxs_limit_q11_(offset_q11_4,_e3);uint
@@ -388,11 +397,11 @@ b_25,int row_1){int _e7=b_25.c_q14_.y;int _e10=s_4.vy_q24_;uvec2 _e11=mul_signed
 _e13=shift_signed(_e11,26u);int _e14=low_of(_e13);return _e14;}int half_at(inout Bounds b_26,int r_q12_3,int v_q12_){
 uint _e7=sqrt_of(uint(((r_q12_3*r_q12_3)-(v_q12_*v_q12_))));uint root=(_e7 + 1u);uint _e11=b_26.breadth_q8_;uvec2
 _e12=mul_wide(_e11,root);uvec2 _e14=shift_right(_e12,12u);return int(_e14.x);}Span ellipse_span(inout Splat s_5,inout
-Bounds b_27,int r_1,int row_2){bool local_18=false;bool local_19=false;int left=0;int right=0;uvec2 tangent=uvec2(0u);
-bool local_20=false;bool local_21=false;uint _e6=_group_0_binding_0_cs.tile_bits;int _e8=v_at_row(s_5,b_27,
+Bounds b_27,int r_1,int row_2){bool local_19=false;bool local_20=false;int left=0;int right=0;uvec2 tangent=uvec2(0u);
+bool local_21=false;bool local_22=false;uint _e6=_group_0_binding_0_cs.tile_bits;int _e8=v_at_row(s_5,b_27,
 (row_2<<_e6));uint _e13=_group_0_binding_0_cs.tile_bits;int _e17=v_at_row(s_5,b_27,(((row_2 + 1)<<_e13)- 1));int
-reach=b_27.half_width_q8_;if(!((_e8>(r_1 + 2)))){local_18=(_e17<(-(r_1)- 2));}else{local_18=true;}bool _e31=local_18;
-if(_e31){local_19=(reach!=EVERYWHERE_Q8_);}else{local_19=false;}bool _e37=local_19;if(_e37){return Span(0,-1);}int
+reach=b_27.half_width_q8_;if(!((_e8>(r_1 + 2)))){local_19=(_e17<(-(r_1)- 2));}else{local_19=true;}bool _e31=local_19;
+if(_e31){local_20=(reach!=EVERYWHERE_Q8_);}else{local_20=false;}bool _e37=local_20;if(_e37){return Span(0,-1);}int
 top=min(max(_e8,-(r_1)),r_1);int bottom=min(max((_e17 + 1),-(r_1)),r_1);int _e48=b_27.shear_q8_;uvec2
 _e49=mul_signed(_e48,top);uvec2 _e51=shift_signed(_e49,12u);int _e52=low_of(_e51);int _e54=b_27.shear_q8_;uvec2
 _e55=mul_signed(_e54,bottom);uvec2 _e57=shift_signed(_e55,12u);int _e58=low_of(_e57);int _e59=half_at(b_27,r_1,top);int
@@ -401,13 +410,13 @@ _e71=b_27.shear_q8_;uvec2 _e75=mul_wide(uint(abs(_e71)),uint(r_1));uvec2 _e77=sh
 _e80=mul_wide(_e77.x,uint(r_1));tangent=_e80;int _e83=b_27.shear_q8_;if((_e83<0)){uvec2 _e86=tangent;uvec2
 _e87=negate(_e86);tangent=_e87;}uvec2 _e88=tangent;uvec2 _e89=negate(_e88);uvec2 _e90=mul_signed(top,reach);uvec2
 _e91=mul_signed(bottom,reach);uvec2 _e92=tangent;bool _e93=less(_e92,_e90);if(!(_e93)){uvec2 _e97=tangent;bool
-_e98=less(_e91,_e97);local_20=!(_e98);}else{local_20=false;}bool _e101=local_20;if(_e101){right=reach;}bool
-_e102=less(_e89,_e90);if(!(_e102)){bool _e106=less(_e91,_e89);local_21=!(_e106);}else{local_21=false;}bool
-_e109=local_21;if(_e109){left=-(reach);}int _e113=b_27.c_q14_.x;int c_q8_2=(_e113>>6u);int margin=((reach>>8u)+ 32);int
+_e98=less(_e91,_e97);local_21=!(_e98);}else{local_21=false;}bool _e101=local_21;if(_e101){right=reach;}bool
+_e102=less(_e89,_e90);if(!(_e102)){bool _e106=less(_e91,_e89);local_22=!(_e106);}else{local_22=false;}bool
+_e109=local_22;if(_e109){left=-(reach);}int _e113=b_27.c_q14_.x;int c_q8_2=(_e113>>6u);int margin=((reach>>8u)+ 32);int
 _e120=left;int _e125=right;Span _e131=columns_between((c_q8_2 + max((_e120 - margin),-(reach))),(c_q8_2 -
 max((-(_e125)- margin),-(reach))));return _e131;}Span square_span(int centre_q14_,uint radius,int tiles){int
-pixel_1=(centre_q14_>>14u);int first_4=((pixel_1 - int(radius))>>4u);int last_3=((((pixel_1 + int(radius))+ 15)>>4u)-
-1);return Span(min(max(first_4,0),tiles),min(max(last_3,-1),(tiles - 1)));}Span rows_of(inout Splat s_6,inout Bounds
+pixel_1=(centre_q14_>>14u);int first_5=((pixel_1 - int(radius))>>4u);int last_3=((((pixel_1 + int(radius))+ 15)>>4u)-
+1);return Span(min(max(first_5,0),tiles),min(max(last_3,-1),(tiles - 1)));}Span rows_of(inout Splat s_6,inout Bounds
 b_28){int _e4=_group_0_binding_0_cs.cutoff;if((_e4==1)){int _e9=b_28.c_q14_.y;uint _e11=b_28.square_radius;int
 _e15=_group_0_binding_0_cs.tiles.y;Span _e16=square_span(_e9,_e11,_e15);return _e16;}int _e19=s_6.rows.x;uint
 _e22=_group_0_binding_0_cs.tile_bits;int _e26=s_6.rows.y;uint _e29=_group_0_binding_0_cs.tile_bits;return
@@ -440,25 +449,25 @@ _group_1_binding_1_cs[(at_9 + 4u)]=uint(_e46);int _e53=b_30.half_width_q8_;_grou
 _e2=b_31.c_q14_;centre_8=max((_e2>>uvec2(11u)),ivec2(-1048575));int _e11=b_31.half_width_q8_;if((_e11==EVERYWHERE_Q8_)){
 centre_8=ivec2(-1048576);}int _e17=centre_8.x;uint x_18=(uint(_e17)&2097151u);int _e22=centre_8.y;uint
 y_3=(uint(_e22)&2097151u);return uvec2((x_18|(y_3<<21u)),((y_3>>11u)|4294966272u));}uvec2 list_splat(uint slot_1,inout
-Placed out_7){Splat s_9=Splat(0u,0u,0,0,0,0,ivec2(0));Bounds b_32=Bounds(ivec2(0),0u,0,0,0u);bool local_22=false;bool
-local_23=false;bool local_24=false;bool local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;
-uvec2 box=uvec2(0u,0u);int row_5=0;bool local_29=false;int row_6=0;bool local_30=false;Splat _e3=out_7.splat;s_9=_e3;
-Bounds _e6=out_7.bounds;b_32=_e6;Span _e8=rows_of(s_9,b_32);Span _e9=columns_of(b_32);int
-_e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);if(!(is_square)){local_22=(_e9.first>_e9.last);}else{
-local_22=false;}bool _e22=local_22;if(_e22){return uvec2(0u,0u);}int _e30=_group_0_binding_0_cs.tiles.x;uint
-first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){local_23=(_e8.first==_e8.last);}else{local_23=false;}
-bool _e42=local_23;if(_e42){int _e47=s_9.rows.x;local_24=(_e47>0);}else{local_24=false;}bool _e51=local_24;if(_e51){int
-_e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;local_25=(_e56<(_e60 - 1));}else{local_25=false;}bool
-_e65=local_25;if(_e65){local_26=((_e9.last - _e9.first)<4);}else{local_26=false;}bool _e74=local_26;if(_e74){
+Placed out_8){Splat s_9=Splat(0u,0u,0,0,0,0,ivec2(0));Bounds b_32=Bounds(ivec2(0),0u,0,0,0u);bool local_23=false;bool
+local_24=false;bool local_25=false;bool local_26=false;bool local_27=false;bool local_28=false;bool local_29=false;
+uvec2 box=uvec2(0u,0u);int row_5=0;bool local_30=false;int row_6=0;bool local_31=false;Splat _e3=out_8.splat;s_9=_e3;
+Bounds _e6=out_8.bounds;b_32=_e6;Span _e8=rows_of(s_9,b_32);Span _e9=columns_of(b_32);int
+_e12=_group_0_binding_0_cs.cutoff;bool is_square=(_e12==1);if(!(is_square)){local_23=(_e9.first>_e9.last);}else{
+local_23=false;}bool _e22=local_23;if(_e22){return uvec2(0u,0u);}int _e30=_group_0_binding_0_cs.tiles.x;uint
+first_tile=uint(((_e8.first*_e30)+ _e9.first));if(!(is_square)){local_24=(_e8.first==_e8.last);}else{local_24=false;}
+bool _e42=local_24;if(_e42){int _e47=s_9.rows.x;local_25=(_e47>0);}else{local_25=false;}bool _e51=local_25;if(_e51){int
+_e56=s_9.rows.y;int _e60=_group_0_binding_0_cs.size.y;local_26=(_e56<(_e60 - 1));}else{local_26=false;}bool
+_e65=local_26;if(_e65){local_27=((_e9.last - _e9.first)<4);}else{local_27=false;}bool _e74=local_27;if(_e74){
 count_tiles(_e8.first,_e9);return uvec2(((2u<<uint((_e9.last - _e9.first)))- 1u),(first_tile<<10u));}if(!(is_square)){
-local_27=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{local_27=true;}bool _e96=local_27;if(!(_e96)){local_28=((_e8.last
-- _e8.first)>=BOX_ROWS);}else{local_28=true;}bool large=local_28;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);
+local_28=((_e9.last - _e9.first)>=BOX_COLUMNS);}else{local_28=true;}bool _e96=local_28;if(!(_e96)){local_29=((_e8.last
+- _e8.first)>=BOX_ROWS);}else{local_29=true;}bool large=local_29;int _e108=s_9.offset_q11_;int _e109=radius_q12_(_e108);
 row_5=_e8.first;for(;(row_5<=_e8.last);row_5=(row_5 + 1)){{int _e119=row_5;Span _e120=span_of(s_9,b_32,_e109,_e119);int
-_e121=row_5;count_tiles(_e121,_e120);if(!(large)){local_29=(_e120.first<=_e120.last);}else{local_29=false;}bool
-_e129=local_29;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2
+_e121=row_5;count_tiles(_e121,_e120);if(!(large)){local_30=(_e120.first<=_e120.last);}else{local_30=false;}bool
+_e129=local_30;if(_e129){uint bits_2=((2u<<uint((_e120.last - _e9.first)))-(1u<<uint((_e120.first - _e9.first))));uvec2
 _e143=box;int _e147=row_5;uvec2 _e152=shift_left(uvec2(bits_2,0u),uint((BOX_COLUMNS*(_e147 - _e8.first))));
 box=(_e143|_e152);}}}row_6=_e8.first;for(;;row_6=(row_6 + LARGE_ROWS)){int _e159=row_6;if((_e159<=_e8.last)){
-local_30=large;}else{local_30=false;}bool _e165=local_30;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_32,
+local_31=large;}else{local_31=false;}bool _e165=local_31;if(_e165){}else{break;}{int _e166=row_6;put_large(slot_1,b_32,
 _e166);}}if(is_square){int _e172=b_32.c_q14_.x;uint _e174=b_32.square_radius;int _e178=_group_0_binding_0_cs.tiles.x;
 Span _e179=square_span(_e172,_e174,_e178);uint _e183=_group_0_binding_0_cs.squares;_group_1_binding_1_cs[(_e183
 +(2u*slot_1))]=(uint(_e179.first)|(uint((_e179.last + 1))<<16u));uint _e200=_group_0_binding_0_cs.squares;
@@ -470,20 +479,21 @@ _e15=s_10.uy_q24_;_group_1_binding_3_cs[(2u*slot_2)]=uvec4(_e8,_e10,uint(_e12),u
 _e28=s_10.offset_q11_;int _e44=s_10.rows.x;int _e48=s_10.rows.y;_group_1_binding_3_cs[((2u*slot_2)+
 1u)]=uvec4(uint(_e25),(uint(_e28)|(uint(colour_q13_1.x)<<16u)),(uint(colour_q13_1.y)|(uint(colour_q13_1.z)<<16u)),
 (uint(_e44)|(uint(_e48)<<16u)));return;}uvec2 project_gaussian(uint index_1,uint slot_3){Projected
-centre_9=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_8=Placed(Splat(0u,0u,0,0,0,0,ivec2(0)),
-Bounds(ivec2(0),0u,0,0,0u));bool local_31=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,ivec2(0));uint
-g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.part_chunk;uint
-_e13=_group_0_binding_1_cs.chunk_words;uint rows_5=(_e6 +((index_1 - _e9)*_e13));Codes _e16=codes_of(rows_5,g_5);uint
+centre_9=Projected(ivec3(0),0,0u,ivec2(0),ivec2(0),false);Placed out_9=Placed(Splat(0u,0u,0,0,0,0,ivec2(0)),
+Bounds(ivec2(0),0u,0,0,0u));bool local_32=false;bool local_33=false;uint key_1=0u;Splat splat=Splat(0u,0u,0,0,0,0,
+ivec2(0));uint g_5=(slot_3%CHUNK);uint _e6=_group_0_binding_1_cs.rows_at;uint _e9=_group_0_binding_1_cs.part_chunk;uint
+_e13=_group_0_binding_1_cs.chunk_words;uint rows_6=(_e6 +((index_1 - _e9)*_e13));Codes _e16=codes_of(rows_6,g_5);uint
 opacity_1=(_e16.colour>>24u);if((opacity_1==0u)){return uvec2(0u,0u);}bool _e28=project_centre(centre_9,_e16.position);
-if(!(_e28)){return uvec2(0u,0u);}uint _e37=record[47];int _e38=offset_of(opacity_1,_e37);out_8.splat.offset_q11_=_e38;
-bool _e41=project_shape(out_8,centre_9,_e16.scale,_e16.rotation);if(!(_e41)){return uvec2(0u,0u);}uint
-_e48=_group_0_binding_1_cs.crop_count;if((_e48!=0u)){bool _e54=is_kept(_e16.position);local_31=!(_e54);}else{
-local_31=false;}bool _e57=local_31;if(_e57){return uvec2(0u,0u);}int _e63=centre_9.camera.z;uint _e64=depth_key(_e63);
-key_1=_e64;int _e68=_group_0_binding_1_cs.plain;if((_e68==0)){uint _e71=key_1;uint _e72=scale_depth(_e71);key_1=_e72;}
-ivec3 _e73=shade(rows_5,g_5,_e16);ivec4 _e76=_group_0_binding_1_cs.tint_q13_;ivec3 colour=min((((_e73*_e76.xyz)+
-ivec3(4096))>>uvec3(13u)),ivec3(32767));Splat _e89=out_8.splat;splat=_e89;put_splat(slot_3,splat,colour);uint
-_e94=_group_0_binding_0_cs.depths;uint _e97=key_1;_group_1_binding_1_cs[(_e94 + slot_3)]=_e97;uint
-_e100=atomicAdd(visible_here,1u);uvec2 _e101=list_splat(slot_3,out_8);return _e101;}void main(){uvec3
+if(!(_e28)){return uvec2(0u,0u);}uint _e37=record[47];int _e38=offset_of(opacity_1,_e37);out_9.splat.offset_q11_=_e38;
+bool _e41=project_shape(out_9,centre_9,_e16.scale,_e16.rotation);if(!(!(_e41))){bool _e46=enter_window(out_9);
+local_32=!(_e46);}else{local_32=true;}bool _e49=local_32;if(_e49){return uvec2(0u,0u);}uint
+_e55=_group_0_binding_1_cs.crop_count;if((_e55!=0u)){bool _e61=is_kept(_e16.position);local_33=!(_e61);}else{
+local_33=false;}bool _e64=local_33;if(_e64){return uvec2(0u,0u);}int _e70=centre_9.camera.z;uint _e71=depth_key(_e70);
+key_1=_e71;int _e75=_group_0_binding_1_cs.plain;if((_e75==0)){uint _e78=key_1;uint _e79=scale_depth(_e78);key_1=_e79;}
+ivec3 _e80=shade(rows_6,g_5,_e16);ivec4 _e83=_group_0_binding_1_cs.tint_q13_;ivec3 colour=min((((_e80*_e83.xyz)+
+ivec3(4096))>>uvec3(13u)),ivec3(32767));Splat _e96=out_9.splat;splat=_e96;put_splat(slot_3,splat,colour);uint
+_e101=_group_0_binding_0_cs.depths;uint _e104=key_1;_group_1_binding_1_cs[(_e101 + slot_3)]=_e104;uint
+_e107=atomicAdd(visible_here,1u);uvec2 _e108=list_splat(slot_3,out_9);return _e108;}void main(){uvec3
 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;bool inside=false;uint place=0u;uint index=0u;uint
 _e4=_group_0_binding_0_cs.spans_at;uint _e8=_group_0_binding_1_cs.span;uint span=(_e4 +(SPAN*_e8));uint
 half_1=((group.y*ROW_OF_GROUPS)+ group.x);uint _e20=_group_1_binding_1_cs[(span + 2u)];uint ordinal=(_e20 +(half_1/2u));
