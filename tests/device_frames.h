@@ -340,12 +340,12 @@ static void divided_frames(void)
     state = 20266;
     CHECK(divided == 0);
     *device_most() = 250000;       /* below the usual room for lists: random frames are divided into macro tiles */
-    for (int i = 0; i < 60; i++)
+    for (int i = 0; i < 40; i++)
         if (!CHECK(random_frame(i % 3 == 2, i % 3 == 1 ? 2u : 1u))) {
             printf("  frame %d\n", i);
             break;
         }
-    CHECK(divided > 40);
+    CHECK(divided > 25);
     if (CHECK(pack_tree("knot", FXS_PROFILE_DEFAULT, &packed, &scene))) {
         refuse_divided(&scene);
         *device_most() = (uint64_t)scene.chunk_count * FXS_CHUNK * 22;     /* a splat has 32 bytes */

@@ -173,17 +173,6 @@ static void fly(stream_device *d, enum fxs_profile profile, uint32_t objects, ui
     stream_set(d, 0, 0);
 }
 
-/* Only the first window of a divided frame uploads chunks. */
-static void fly_divided(stream_device *d)
-{
-    const uint64_t most = *device_most();
-    divided = 0;
-    *device_most() = 250000;
-    fly(d, FXS_PROFILE_SMALL, 1, 2, 1);
-    *device_most() = most;
-    CHECK(divided > 80);
-}
-
 /* A pool that is too small, and one of the usual size, for the whole scene. */
 static void pools(stream_device *d, void (*limit)(stream_device *d, uint64_t bytes))
 {

@@ -306,7 +306,6 @@ static void streams(void)
     for (int i = 0; i < 3; i++)
         fly(device, (enum fxs_profile)i, 1, 1, i != 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
-    fly_divided(device);
     two_scenes(device);
     stopped_frames(device);
 }

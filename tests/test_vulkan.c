@@ -298,6 +298,11 @@ static void images_refused(void)
             !CHECK(!strcmp(why.text, cases[i].says)))
             printf("  %s\n", why.text);
     }
+    const uint64_t most = *device_most();
+    *device_most() = 30000;                /* a recorded frame is not divided */
+    CHECK(fxs_vulkan_record(device, &k.request, &(fxs_vulkan_target){.colour = good}, none, &why) == FXS_ERR_MEMORY);
+    CHECK(strstr(why.text, "can hold: set a budget of at most 512 Gaussians"));
+    *device_most() = most;
     fxs_vulkan_drop(device, &k.part.scene);
     CHECK(fxs_vulkan_record(device, &k.request, &(fxs_vulkan_target){.colour = good}, none, &why) ==
           FXS_ERR_ARGUMENT);
@@ -608,11 +613,22 @@ static void stream_drop(streamed *s, fxs_vulkan *v)
     s->mirror = 0;
 }
 
+/* Only the first window of a divided frame uploads chunks. */
+static void fly_divided(void)
+{
+    const uint64_t most = *device_most();
+    divided = 0;
+    *device_most() = 250000;
+    fly(device, FXS_PROFILE_SMALL, 1, 2, 1);
+    *device_most() = most;
+    CHECK(divided > 80);
+}
+
 static void streams(void)
 {
     fly(device, FXS_PROFILE_DEFAULT, 1, 1, 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
-    fly_divided(device);
+    fly_divided();
     two_scenes(device);
     stopped_frames(device);
     pools(device, fxs_vulkan_limit);

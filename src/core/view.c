@@ -185,10 +185,11 @@ FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera)
         edge_slopes(whole[i], f_q12[i], whole_c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
 }
 
-/* The margin is 3.4 times a 120th of the diagonal of the picture's tiles, rounded up, so veils reach no further. */
+/* A veil's dilation widens it by less than a 400th of the picture's longer side beyond 3.5 sigma, the reach that culling
+   assumes: its largest sigma is at least a 32nd of this side. The margin is at least a 256th. */
 FXS_STAGE void fxs_view_of_window(fxs_stage_view *view, const int32_t first[2], const int32_t size[2])
 {
-    const int64_t margin = (view->tiles_x + view->tiles_y + 1) / 2;
+    const int64_t margin = (view->tiles_x + view->tiles_y) / 16;
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
     for (int i = 0; i < 2; i++)
         edge_slopes(size[i] + 2 * margin, f_q12[i], c_q12[i] + (margin - first[i]) * 4096, &view->edge_low_q23[i],

@@ -236,7 +236,8 @@ enum fxs_cutoff {
 
 /* A callback that may end a frame early: it returns nonzero, and the frame ends with FXS_ERR_STOPPED. The renderer
    calls it every 4096 Gaussians and every macro tile of 32x32 pixels, from all rendering threads concurrently, so it
-   must be quick and thread-safe. A GPU back end calls it once, before each frame. */
+   must be quick and thread-safe. A GPU back end calls it once before each frame, or before each window of a frame that
+   it divides. */
 typedef int fxs_stop_fn(void *argument);
 
 typedef struct fxs_stop {
@@ -424,10 +425,11 @@ typedef struct fxs_stats {
                                       most the budget, except that a chunk of each tree and all objects without a tree
                                       are always drawn */
     uint32_t missing;              /* number of wanted chunks that were not in memory; 0: the picture is complete */
-    uint32_t visible;              /* number of Gaussians left after culling */
+    uint32_t visible;              /* number of Gaussians left after culling. If a GPU back end divides the frame into
+                                      windows, the sum over all windows; so too `entries` */
     uint64_t entries;              /* number of entries in the tiles' lists of Gaussians */
-    uint32_t bands;                /* number of bands (groups of tile rows drawn one after the other); 1 if all splats
-                                      fitted into the memory */
+    uint32_t bands;                /* number of bands (groups of tile rows drawn one after the other), or of a GPU back
+                                      end's windows; 1 if all splats fitted into the memory */
     uint32_t slices;               /* number of slices (depth ranges of one tile row) that were drawn for rows that did
                                       not fit into the memory; 0 if all did */
     uint32_t runs;                 /* number of runs (groups of tiles drawn together): one per band or slice if all its

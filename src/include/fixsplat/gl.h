@@ -197,8 +197,11 @@ FXS_EXPERIMENTAL void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *
 FXS_EXPERIMENTAL size_t fxs_compute_memory(const fxs_request *request);
 
 /* Renders a request, of one eye or two, into its targets (output pictures), and waits. copies[i] is the device's copy
-   of the scene of object i. Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an
-   error the targets are unchanged, or complete if the device failed at the very end. */
+   of the scene of object i. A frame that exceeds a storage buffer of the device is drawn in windows of the pictures,
+   one after the other. The bytes are the same. Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only
+   formats. After an error the targets are unchanged, or complete if the device failed at the very end, except that
+   FXS_ERR_STOPPED, FXS_ERR_DEVICE, or FXS_ERR_MEMORY because the device ran out of memory, may leave some windows
+   drawn. */
 FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
@@ -209,10 +212,10 @@ FXS_EXPERIMENTAL int fxs_compute_render(fxs_compute *compute, const fxs_request 
    or side by side into one framebuffer, with different `x`. The call does not wait for the device. *stats describes
    the newest frame that the device has finished; all 0 before the first. A frame whose lists exceed the device's
    buffers takes longer; later frames get larger buffers. (fxs_compute_render does not preserve the GL state.)
-   Errors: as fxs_compute_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also
-   for `fetch`. After an error nothing was drawn, unless the device failed while drawing. An error that the device finds
-   in a frame (FXS_ERR_SCENE, a lost context) is returned by a later call. The first call takes longer, as shaders are
-   compiled. */
+   Errors: as fxs_compute_render; FXS_ERR_MEMORY also if the frame exceeds a storage buffer of the device (then a budget
+   helps); FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render; FXS_ERR_UNSUPPORTED also for `fetch`. After an
+   error nothing was drawn, unless the device failed while drawing. An error that the device finds in a frame
+   (FXS_ERR_SCENE, a lost context) is returned by a later call. The first call takes longer, as shaders are compiled. */
 FXS_EXPERIMENTAL int fxs_compute_draw(fxs_compute *compute, const fxs_request *request,
                                       const fxs_compute_scene *const *copies,
                              const fxs_gl_target *targets, void *memory, fxs_stats *stats, fxs_message *why);

@@ -110,8 +110,11 @@ FXS_EXPERIMENTAL void fxs_vulkan_drop(fxs_vulkan *vulkan, const fxs_scene *scene
 /* Renders a request into its targets in host memory, and waits. Missing scenes are uploaded. `stats` may be null. A
    stopped frame (FXS_ERR_STOPPED) uploads chunks too. Frames of scenes in parts that were recorded must have been
    submitted.
+   A frame that exceeds a storage buffer of the device is drawn in windows of the pictures, one after the other. The
+   bytes are the same.
    Errors: as fxs_render, and FXS_ERR_UNSUPPORTED for the processor-only formats. After an error, the targets of an eye
-   are unchanged or complete. */
+   are unchanged or complete, except that FXS_ERR_STOPPED, FXS_ERR_DEVICE, or FXS_ERR_MEMORY because the device ran out
+   of memory, may leave some windows drawn. */
 FXS_EXPERIMENTAL int fxs_vulkan_render(fxs_vulkan *vulkan, const fxs_request *request, fxs_stats *stats,
                                        fxs_message *why);
 
@@ -154,10 +157,10 @@ typedef struct fxs_vulkan_target {
    submitted, do not submit those recorded after it, and call fxs_vulkan_idle, which forgets the chunks on the device.
    The rows of the chunks are read only during the call. A stopped frame uploads nothing.
    Errors: as fxs_render; FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED for an image (format, usage, size, layout) or
-   planes; FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY,
-   FXS_ERR_DEVICE. After an error, nothing was recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is
-   returned by a later call. If a frame's lists exceed the device's buffers, the frame takes longer, and later frames
-   get larger buffers. */
+   planes; FXS_ERR_ARGUMENT for a scene that was not uploaded, or too many frames in flight; FXS_ERR_MEMORY, also if
+   the frame exceeds a storage buffer of the device (then a budget helps); FXS_ERR_DEVICE. After an error, nothing was
+   recorded. An error that the device finds in a frame (FXS_ERR_SCENE) is returned by a later call. If a frame's lists
+   exceed the device's buffers, the frame takes longer, and later frames get larger buffers. */
 FXS_EXPERIMENTAL int fxs_vulkan_record(fxs_vulkan *vulkan, const fxs_request *request,
                                        const fxs_vulkan_target *targets, VkCommandBuffer commands, fxs_message *why);
 
