@@ -66,8 +66,9 @@ static int is_same(fxs_request *request, picture *a, picture *b)
     }
     const int in_windows = of_b.bands > request->eyes;     /* a Gaussian may be visible in several windows */
     divided += in_windows;
-    return CHECK(in_windows ? of_a.visible <= of_b.visible : of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
-           CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b) && (request->eyes == 1 || is_equal(&a[1], &b[1]));
+    return CHECK(in_windows ? of_a.visible <= of_b.visible : of_a.visible == of_b.visible) &&
+           CHECK(of_a.gaussians == of_b.gaussians) && CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b) &&
+           (request->eyes == 1 || is_equal(&a[1], &b[1]));
 }
 
 static void random_crops(fxs_object *object, fxs_crop crops[2])

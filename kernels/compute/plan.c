@@ -125,7 +125,7 @@ static uint64_t parts_bytes(uint32_t count)
     return (count * (uint64_t)sizeof(uint32_t) + 63) / 64 * 64;
 }
 
-/* Bytes of the chunks seen in a window. With a cut, they lie in the memory that the cut no longer needs. */
+/* Returns the bytes of the list of chunks seen in a window. With a cut, the list overwrites what the cut needed. */
 static uint64_t seen_bytes(uint32_t places)
 {
     return places * (uint64_t)(sizeof(fxs_drawn) + sizeof(uint32_t));
@@ -137,7 +137,8 @@ size_t fxs_plan_memory(const fxs_request *request)
     if (count_objects(&p))
         return 0;
     const uint64_t bytes = 64 + objects_bytes(request->count * request->eyes) + 2 * parts_bytes(request->count) +
-                           (p.cut_room ? fxs_cut_bytes(p.cut_room, request->count, request->eyes) : seen_bytes(p.places));
+                           (p.cut_room ? fxs_cut_bytes(p.cut_room, request->count, request->eyes)
+                                       : seen_bytes(p.places));
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -519,8 +520,8 @@ static int frame_too_large(const fxs_plan *p, const fxs_plan_rooms *r, fxs_messa
                      largest_buffer(p));
 }
 
-/* Lays out a frame or window with the capacities of earlier ones. If these are too large, takes those that it needs
-   itself, at last with large tiles. Returns 0 if none fit. */
+/* Lays out a window with the capacities of earlier frames. If these are too large, tries the capacities that the window
+   itself needs, then these with large tiles. Returns 0 if none fit. */
 static int fits(fxs_plan *p, fxs_plan_rooms *rooms)
 {
     fxs_plan_rooms tried = *rooms;
@@ -537,7 +538,7 @@ static int fits(fxs_plan *p, fxs_plan_rooms *rooms)
     return 0;
 }
 
-/* Lays out a frame or window without room for its lists, if need be: the device then draws without lists. */
+/* Lays out a window, if need be without room for its lists: then the device draws it without lists. */
 static int fits_somehow(fxs_plan *p, fxs_plan_rooms *rooms)
 {
     fxs_plan_rooms least = *rooms;

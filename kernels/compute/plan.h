@@ -6,7 +6,8 @@
  *     fxs_plan_steps(&plan, step, argument)               execute each step
  *     fxs_plan_look(&rooms, status, eyes, why)            when the device has finished the frame, even frames later
  *
- * A frame of images in host memory may be larger than the device's storage buffers: fxs_plan_draw lays it out in windows.
+ * fxs_plan_draw replaces fxs_plan_lay_out for images in host memory. If the frame exceeds a storage buffer, it lays out
+ * windows of the pictures, one after the other.
  *
  * The device completes every frame itself. If the frame's lists exceed their capacities, the last step draws the frame
  * without the lists, which takes longer. fxs_plan_look enlarges the capacities for later frames before they are full.
@@ -37,8 +38,7 @@ typedef struct fxs_plan {
     const uint32_t *indices;       /* index of each chunk of `drawn` in the buffers of its object */
     uint64_t gaussians;
     uint32_t places, cut_room, missing;
-    int32_t first[2], size[2];     /* window of the pictures that is laid out, with the chunks seen in it: the whole
-                                      pictures, except in fxs_plan_draw */
+    int32_t first[2], size[2];     /* window of the pictures that is laid out: first pixel and size */
     const fxs_drawn *all;          /* all, all_indices, all_places: drawn, indices and places of the whole pictures */
     const uint32_t *all_indices;
     uint32_t all_places;
@@ -80,9 +80,9 @@ int fxs_plan_begin(fxs_plan *plan, const fxs_request *request, void *memory, fxs
 
 int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
-/* Lays out a frame and calls `draw`. If the frame does not fit in the device's storage buffers, does this for windows of
-   the pictures: halves the longer side, at a macro tile's edge, until each window fits. Their pixels are the frame's.
-   Before it draws the first window, it knows that all fit. Returns the first error of `draw`. */
+/* Lays out a frame and calls `draw`. If the frame exceeds a storage buffer of the device, does this for windows of the
+   pictures: halves the longer side, at the edge of a macro tile, until each window fits. The first call of `draw`
+   follows when all windows are known to fit. Returns the first error of `draw`, or the errors of fxs_plan_lay_out. */
 typedef int fxs_window_fn(void *argument, fxs_message *why);
 int fxs_plan_draw(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_window_fn *draw, void *argument, fxs_message *why);
 

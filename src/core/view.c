@@ -185,8 +185,9 @@ FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera)
         edge_slopes(whole[i], f_q12[i], whole_c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
 }
 
-/* A veil's dilation widens it by less than a 400th of the picture's longer side beyond 3.5 sigma, the reach that culling
-   assumes: its largest sigma is at least a 32nd of this side. The margin is at least a 256th. */
+/* Culling assumes that a Gaussian reaches 3.5 sigma. A veil's dilation exceeds that by less than a 400th of the
+   picture's longer side, because the largest sigma of a veil is at least a 32nd of this side. The margin is at least a
+   256th. */
 FXS_STAGE void fxs_view_of_window(fxs_stage_view *view, const int32_t first[2], const int32_t size[2])
 {
     const int64_t margin = (view->tiles_x + view->tiles_y) / 16;
