@@ -188,7 +188,7 @@ FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera)
 /* Culling assumes that a Gaussian reaches 3.5 sigma. A veil's dilation exceeds that by less than a 400th of the
    picture's longer side, because the largest sigma of a veil is at least a 32nd of this side. The margin is at least a
    256th. */
-FXS_STAGE void fxs_view_of_window(fxs_stage_view *view, const int32_t first[2], const int32_t size[2])
+void fxs_view_of_window(fxs_stage_view *view, const int32_t first[2], const int32_t size[2])
 {
     const int64_t margin = (view->tiles_x + view->tiles_y) / 16;
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};

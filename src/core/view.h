@@ -16,7 +16,7 @@ int fxs_view_of_object(fxs_stage_view *view, const fxs_stage_view *world, const 
 FXS_STAGE void fxs_view_of_whole(fxs_stage_view *view, const fxs_camera *camera);
 
 /* Sets the view's edges to those of a window of its picture, with a margin for the dilation of veils. */
-FXS_STAGE void fxs_view_of_window(fxs_stage_view *view, const int32_t first[2], const int32_t size[2]);
+void fxs_view_of_window(fxs_stage_view *view, const int32_t first[2], const int32_t size[2]);
 
 /* Returns true if the matrix m is a right-handed rotation, within a tolerance of 2^-10. */
 FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9]);
