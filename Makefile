@@ -28,7 +28,7 @@ TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-us
                  vulkan-validationlayers spirv-tools xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl zbar-tools ffmpeg librsvg2-bin \
+                 libc6-dev-i386-cross g++ libglfw3-dev qemu-system-arm chromium curl openssl zbar-tools ffmpeg librsvg2-bin \
                  python3-numpy python3-cffi python3-setuptools python3-pip locales parallel
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64

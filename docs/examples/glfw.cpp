@@ -1,6 +1,7 @@
 /* A small engine with a Gaussian splatting scene, on the engine's own VkDevice and swapchain, two frames in flight. The
  * engine draws a mesh, a ball; fixsplat draws the scene into the same image. The ball hides the Gaussians behind it,
- * and Gaussians in front cover the ball. A click prints what is under the pointer; a drag turns the camera.
+ * and Gaussians in front cover the ball. A click prints what is under the pointer; a drag turns the camera;
+ * Escape closes the window.
  *
  *     for kind in vert frag; do glslangValidator -V --vn glfw_$kind glfw.$kind -o glfw_$kind.h; done
  *     c++ -std=c++17 glfw.cpp -o glfw $(pkg-config --cflags --libs fixsplat glfw3 vulkan)
@@ -82,7 +83,7 @@ static void run(GLFWwindow *window, const fxs_opened *opened)
     const double middle[3] = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2};
     const double away = 1.5 * (high[0] - low[0]), radius = away / 8;    /* distance of the camera; the ball's radius */
     const double up[3] = {0, -1, 0};                        /* y points down */
-    while (!glfwWindowShouldClose(window)) {
+    while (!glfwWindowShouldClose(window) && !glfwGetKey(window, GLFW_KEY_ESCAPE)) {
         int width, height;
         glfwPollEvents();
         glfwGetFramebufferSize(window, &width, &height);

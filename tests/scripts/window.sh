@@ -2,6 +2,7 @@
 # Drives the window of `fixsplat view` on a virtual screen, by keys and the pointer. Its screenshots must equal pictures
 # of `fixsplat render`.
 . tests/scripts/lib/check.sh
+. tests/scripts/lib/screen.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 XDG_STATE_HOME=$work/state
@@ -36,26 +37,11 @@ have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; e
 
 # ---- The virtual screen ----------------------------------------------------------------------------------------------
 
-mkdir "$work/frame"
-Xvfb -displayfd 3 -screen 0 800x600x24 -fbdir "$work/frame" -nolisten tcp -noreset 3>"$work/display" 2>"$work/server" &
-server=$!
-
-until_() {
-    tries=$1
-    shift
-    until "$@" >/dev/null 2>&1; do
-        tries=$((tries - 1))
-        [ $tries -gt 0 ] || return 1
-        sleep 0.1
-    done
-}
+start_screen
+SDL_VIDEODRIVER=x11
+export SDL_VIDEODRIVER
 
 ended() { ! kill -0 $viewer; }
-lines() { [ "$(wc -l <"$1")" -ge "$2" ]; }
-
-until_ 100 lines "$work/display" 1 || { fail "virtual screen" "$(cat "$work/server")"; finish; exit 1; }
-DISPLAY=:$(cat "$work/display") SDL_VIDEODRIVER=x11 DBUS_SESSION_BUS_ADDRESS=disabled:
-export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
 others=
 open() {
