@@ -13,7 +13,7 @@
 #define WEBASSEMBLY(SET, X) SET(SIMD128, simd128, FXS_VECTOR_STAGES(X, simd128) FXS_RESOLVE_STAGE(X, simd128))
 #define OTHER(SET, X)
 
-#if defined(__x86_64__) || defined(__i386__)
+#if defined(FXS_KERNELS_X86)
 #define PROCESSOR X86
 
 unsigned fxs_cpu_detect(void)
@@ -30,7 +30,7 @@ unsigned fxs_cpu_detect(void)
         cpu |= FXS_CPU_AVX512;
     return cpu;
 }
-#elif defined(__aarch64__) && !defined(__AARCH64EB__)
+#elif defined(FXS_KERNELS_AARCH64)
 #define PROCESSOR AARCH64
 
 unsigned fxs_cpu_detect(void)

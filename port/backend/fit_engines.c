@@ -27,9 +27,9 @@ int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
 #endif
 }
 
-#if defined(FXS_WITH_KERNELS) && (defined(__x86_64__) || defined(__i386__))
+#ifdef FXS_KERNELS_X86
 extern const fxs_fit_stages fxs_fit_stages_sse41, fxs_fit_stages_avx2, fxs_fit_stages_avx512;
-#elif defined(FXS_WITH_KERNELS) && defined(__aarch64__) && !defined(__AARCH64EB__)
+#elif defined(FXS_KERNELS_AARCH64)
 extern const fxs_fit_stages fxs_fit_stages_neon;
 #endif
 
@@ -38,14 +38,14 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu)
     const fxs_fit_stages *chosen = &fxs_fit_stages_c;
 #ifdef FXS_WITH_KERNELS
     cpu &= fxs_cpu_detect();
-#if defined(__x86_64__) || defined(__i386__)
+#ifdef FXS_KERNELS_X86
     if (cpu & FXS_CPU_SSE41)
         chosen = &fxs_fit_stages_sse41;
     if (cpu & FXS_CPU_AVX2)
         chosen = &fxs_fit_stages_avx2;
     if (cpu & FXS_CPU_AVX512)
         chosen = &fxs_fit_stages_avx512;
-#elif defined(__aarch64__) && !defined(__AARCH64EB__)
+#elif defined(FXS_KERNELS_AARCH64)
     if (cpu & FXS_CPU_NEON)
         chosen = &fxs_fit_stages_neon;
 #endif

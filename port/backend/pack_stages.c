@@ -4,14 +4,14 @@
 #include <fixsplat/internal/kernels.h>
 #endif
 
-#if defined(FXS_WITH_KERNELS) && (defined(__x86_64__) || defined(__i386__))
+#ifdef FXS_KERNELS_X86
 extern const fxs_pack_stages fxs_pack_stages_avx2;
 #endif
 
 const fxs_pack_stages *fxs_pack_stages_choose(unsigned cpu)
 {
     const fxs_pack_stages *chosen = &fxs_pack_stages_c;
-#if defined(FXS_WITH_KERNELS) && (defined(__x86_64__) || defined(__i386__))
+#ifdef FXS_KERNELS_X86
     if (cpu & fxs_cpu_detect() & FXS_CPU_AVX2)
         chosen = &fxs_pack_stages_avx2;
 #endif

@@ -1,4 +1,5 @@
 #include "number.h"
+#include <fixsplat/fixsplat.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/fixsplat.h>
 #include "src/base/run.h"
 #include "src/fit/stages/relocate_one.h"
 

@@ -1,6 +1,7 @@
 /* Chooses the origin of a scene, which is subtracted from all positions. On each axis the origin is the median of a
  * sample of positions, rounded to a multiple of 10 units. It is 0 where floats are precise enough. */
 #include "origin_internal.h"
+#include <fixsplat/fixsplat.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 /* The stages of a fitting step (fit_stage.h), compiled for the instruction set ISA with LANES floats per vector. */
+#include <fixsplat/fixsplat.h>
 #include "adam.h"
 #include "loss.h"
 #include "noise.h"

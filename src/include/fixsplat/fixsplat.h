@@ -23,6 +23,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Swift packages have no compiler options such as -ffp-contract=off. */
+#ifdef FXS_SAME_FLAGS
+#pragma STDC FP_CONTRACT OFF
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif

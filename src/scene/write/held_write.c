@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/fixsplat.h>
 #include "src/gaussian/attributes.h"
 #include "src/pack/order.h"
 #include "scene_write_internal.h"

@@ -14,6 +14,14 @@
 extern "C" {
 #endif
 
+/* Defined where the kernels of that processor are. Kernels for x86 need compiler flags for each file, which Swift packages
+   do not have (FXS_SAME_FLAGS). */
+#if (defined(__x86_64__) || defined(__i386__)) && !defined(FXS_SAME_FLAGS)
+#define FXS_KERNELS_X86
+#elif defined(__aarch64__) && !defined(__AARCH64EB__)
+#define FXS_KERNELS_AARCH64
+#endif
+
 enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
     FXS_CPU_AVX2 = 2,
