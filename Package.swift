@@ -10,14 +10,11 @@ let package = Package(
         .target(
             name: "fixsplat",
             path: ".",
-            exclude: ["docs", "make", "tests", "tools"],
+            exclude: ["docs", "make", "port/posix/http", "tests", "tools"],
             sources: [
                 "src/core", "src/base", "src/gaussian", "src/scene", "src/open", "src/pack", "src/camera", "src/image",
                 "src/fit", "kernels/kernels.c", "kernels/simd/arm", "kernels/fit/fit_neon.c", "port/backend",
-                "port/board/panel.c", "port/board/strip.c", "port/board/turntable.c", "port/posix/clock.c",
-                "port/posix/files.c", "port/posix/map.c", "port/posix/output.c", "port/posix/pager.c",
-                "port/posix/pager_file.c", "port/posix/pager_url.c", "port/posix/pages.c", "port/posix/places.c",
-                "port/posix/pool.c", "port/posix/processors.c",
+                "port/board/panel.c", "port/board/strip.c", "port/board/turntable.c", "port/posix",
             ],
             publicHeadersPath: "src/include",
             cSettings: [
