@@ -14,8 +14,8 @@
 extern "C" {
 #endif
 
-/* Defined where the kernels of that processor are. Kernels for x86 need compiler flags for each file, which Swift packages
-   do not have (FXS_SAME_FLAGS). */
+/* The processor with kernels that this file is compiled for. Kernels for x86 need compiler flags for each file, which
+   Swift packages do not have (FXS_SAME_FLAGS). */
 #if (defined(__x86_64__) || defined(__i386__)) && !defined(FXS_SAME_FLAGS)
 #define FXS_KERNELS_X86
 #elif defined(__aarch64__) && !defined(__AARCH64EB__)
