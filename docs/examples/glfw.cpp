@@ -1,6 +1,6 @@
 /* A small engine with a Gaussian splatting scene, on the engine's own VkDevice and swapchain, two frames in flight. The
  * engine draws a mesh, a ball; fixsplat draws the scene into the same image. The ball hides the Gaussians behind it,
- * and Gaussians in front cover the ball. A click prints what is under the pointer; a drag turns the camera;
+ * and Gaussians in front cover the ball. A click prints the Gaussian under the pointer; a drag turns the camera;
  * Escape closes the window.
  *
  *     for kind in vert frag; do glslangValidator -V --vn glfw_$kind glfw.$kind -o glfw_$kind.h; done
@@ -34,7 +34,7 @@ static void moved(GLFWwindow *window, double to_x, double to_y)
     y = to_y;
 }
 
-/* Prints what pixel (px, py) shows: the Gaussian that fixsplat finds, or the ball if it is nearer. The ball is met at a
+/* Prints the Gaussian at pixel (px, py), or the ball if the ball is nearer. The ball is met at a
  * depth z with |z (u, v, 1) - (0, 0, away)| = radius. */
 static void pick(fxs_renderer *picker, const fxs_request &request, const fxs_view &view, double away, double radius,
                  int px, int py)

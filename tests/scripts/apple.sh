@@ -1,7 +1,7 @@
 #!/bin/sh
-# Tests Package.swift and the module map with clang, since there is no Swift and no SDK of Apple's here. The package has
-# the library's files. With the package's flags, which are the same for each file, clang must neither fuse a
-# multiplication with an addition, nor assume that vectors of integers do not overflow. FXS_PROCESSORS=all also draws.
+# Tests Package.swift and the module map with clang, because Debian lacks Swift and Apple's SDK. The package must have the
+# library's files. With the package's flags, clang must not fuse multiplications with additions, and must let vectors of
+# integers wrap. FXS_PROCESSORS=all also draws.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -32,7 +32,7 @@ echo '@import fixsplat;
 int main(void) { fxs_message why; fxs_opened *scene; return fxs_open("scene", 0, &scene, &why); }' >"$work/in.m"
 check "the module is imported in Objective-C" clang $modules "$work/in.m"
 
-# Linux has neither Darwin's macros nor, for AArch64, zlib.
+# Linux lacks Darwin's macros and, for AArch64, zlib.
 defines=$(sed -n 's/.*\.define("\([A-Z_]*\)"\(, to: "\([0-9L]*\)"\)*).*/-D\1=\3/p' Package.swift | grep -v 'DARWIN\|ZLIB')
 flags="-std=c99 $(echo $defines) -Isrc/include -I."
 if ! echo '#include <string.h>' | clang --target=aarch64-linux-gnu -fsyntax-only -x c - 2>"$work/log"; then

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Builds docs/examples/glfw.cpp against the installed library, and drives it on a virtual screen by the pointer. Around
-# the mesh, its pixels must equal those of `fixsplat render`; on the mesh, the processor's depths tell which pixels show
-# the mesh. It must pick the processor's Gaussians.
+# Builds docs/examples/glfw.cpp against the installed library, and drives the window on a virtual screen by the pointer.
+# Around the mesh, the screen must equal a picture of `fixsplat render`. On the mesh, the processor's depths decide
+# between mesh and Gaussians. A click must pick the processor's Gaussian.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/screen.sh
 B=${B:-build}
@@ -27,7 +27,7 @@ check "a scene that is not there" equal "$("$work/glfw" "$work/none.ply" 2>&1)" 
     "glfw: $work/none.ply: No such file or directory"
 check "no display: one line" equal "$(env -u DISPLAY -u WAYLAND_DISPLAY "$work/glfw" "$work/knot.fxs" 2>&1 | wc -l)" 1
 
-# ---- What the processor draws ----------------------------------------------------------------------------------------
+# ---- The processor's pictures ----------------------------------------------------------------------------------------
 
 cat >"$work/mesh.py" <<'END'
 # mesh.py SCENE.fxs YAW: prints the camera of the engine, for the command.
