@@ -472,6 +472,9 @@ fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, s
 // Moves a splat from the picture to the window that the frame draws. Returns false if it is above or below the window.
 fn enter_window(out: ptr<function, Placed>) -> bool
 {
+    if (all(frame.size == frame.whole)) {
+        return true;
+    }
     let first = vec2<u32>(frame.first);
     let rows = (*out).splat.rows - frame.first.y;
     (*out).splat.u0_q24 += first.x * bitcast<u32>((*out).splat.ux_q24) + first.y * bitcast<u32>((*out).splat.uy_q24);

@@ -264,15 +264,16 @@ _e158=r2_q11_;uint _e163=sqrt_of(((_e158 + 1u)<<13u));uint r_q12_5=(_e163 + 1u);
 centre_6,r_q12_5);return _e166;}uint _e168=s_3.c_q30_;Root _e169=root_of_q30_(_e168);whiten(out_5,s_3,_e169,centre_6,
 r_q12_5);int _e172=_group_0_binding_0_cs.cutoff;if((_e172==1)){bool _e175=square(out_5,s_3);return _e175;}uint
 _e176=sqrt_q8_(_e169,exponent_6);bool _e177=clip(out_5,_e176,r_q12_5);return _e177;}bool enter_window(inout Placed
-out_6){bool local_16=false;ivec2 _e3=_group_0_binding_0_cs.first;uvec2 first_2=uvec2(_e3);ivec2 _e7=out_6.splat.rows;
-int _e11=_group_0_binding_0_cs.first.y;ivec2 rows_5=(_e7 - ivec2(_e11));uint _e16=out_6.splat.u0_q24_;int
-_e20=out_6.splat.ux_q24_;int _e26=out_6.splat.uy_q24_;out_6.splat.u0_q24_=(_e16
-+((first_2.x*uint(_e20))+(first_2.y*uint(_e26))));uint _e33=out_6.splat.v0_q24_;int _e37=out_6.splat.vy_q24_;
-out_6.splat.v0_q24_=(_e33 +(first_2.y*uint(_e37)));int _e48=_group_0_binding_0_cs.size.y;
-out_6.splat.rows=min(max(rows_5,ivec2(0)),ivec2((_e48 - 1)));int _e55=out_6.bounds.half_width_q8_;
-if((_e55!=EVERYWHERE_Q8_)){ivec2 _e60=out_6.bounds.c_q14_;ivec2 _e63=_group_0_binding_0_cs.first;
-out_6.bounds.c_q14_=(_e60 -(_e63<<uvec2(14u)));}if((rows_5.y>=0)){int _e77=_group_0_binding_0_cs.size.y;
-local_16=(rows_5.x<_e77);}else{local_16=false;}bool _e80=local_16;return _e80;}uint depth_key(int z){int
+out_6){bool local_16=false;ivec2 _e3=_group_0_binding_0_cs.size;ivec2 _e6=_group_0_binding_0_cs.whole;if(all(equal(_e3,
+_e6))){return true;}ivec2 _e12=_group_0_binding_0_cs.first;uvec2 first_2=uvec2(_e12);ivec2 _e16=out_6.splat.rows;int
+_e20=_group_0_binding_0_cs.first.y;ivec2 rows_5=(_e16 - ivec2(_e20));uint _e25=out_6.splat.u0_q24_;int
+_e29=out_6.splat.ux_q24_;int _e35=out_6.splat.uy_q24_;out_6.splat.u0_q24_=(_e25
++((first_2.x*uint(_e29))+(first_2.y*uint(_e35))));uint _e42=out_6.splat.v0_q24_;int _e46=out_6.splat.vy_q24_;
+out_6.splat.v0_q24_=(_e42 +(first_2.y*uint(_e46)));int _e57=_group_0_binding_0_cs.size.y;
+out_6.splat.rows=min(max(rows_5,ivec2(0)),ivec2((_e57 - 1)));int _e64=out_6.bounds.half_width_q8_;
+if((_e64!=EVERYWHERE_Q8_)){ivec2 _e69=out_6.bounds.c_q14_;ivec2 _e72=_group_0_binding_0_cs.first;
+out_6.bounds.c_q14_=(_e69 -(_e72<<uvec2(14u)));}if((rows_5.y>=0)){int _e86=_group_0_binding_0_cs.size.y;
+local_16=(rows_5.x<_e86);}else{local_16=false;}bool _e89=local_16;return _e89;}uint depth_key(int z){int
 _e2=zeros_of(uint(z));int _e4=number_at(18u);return((uint((((_e4 - _e2)- 1)+
 32))<<26u)|(((uint(z)<<uint(_e2))>>5u)&67108863u));}uint falling_q30_(uint l_q16_){uint whole_1=(l_q16_>>16u);
 if((whole_1>30u)){return 0u;}int _e11=exp2_q15_((int((l_q16_&65535u))>>1u));return((uint(_e11)<<15u)>>whole_1);}uint
