@@ -19,8 +19,8 @@ INTERNAL_HEADERS := $(wildcard src/include/fixsplat/internal/*.h)
 HEADERS := $(PUBLIC_HEADERS) $(INTERNAL_HEADERS)
 
 PACKAGES := libcjson-dev libexpat1-dev libstb-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libheif-dev \
-            libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libvulkan-dev libsdl2-dev \
-            libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev libqrencode-dev libcurl4-openssl-dev \
+            libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libvulkan-dev libopenxr-dev \
+            libsdl2-dev libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev libqrencode-dev libcurl4-openssl-dev \
             help2man
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \

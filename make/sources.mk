@@ -13,7 +13,7 @@ SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.
                    src/fit/stages/*.c src/fit/refine/*.c
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
-SOURCES_PORT := port/backend/*.c port/board/*.c
+SOURCES_PORT := port/backend/*.c port/board/*.c port/xr/*.c
 # Source files that need POSIX threads but no other POSIX functions. mingw-w64 provides these threads on Windows.
 THREADED_win32 := port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
 STAGES_x86 := kernels/fit/fit_sse41.c kernels/fit/fit_avx2.c kernels/fit/fit_avx512.c kernels/pack/*_avx2.c
@@ -103,8 +103,9 @@ LIBRARY_GLES := GLES3/gl3.h -ldl
 LIBRARY_EGL := EGL/egl.h
 LIBRARY_OSMESA := GL/osmesa.h
 LIBRARY_VULKAN := vulkan/vulkan_core.h -ldl
+LIBRARY_OPENXR := openxr/openxr.h -ldl
 
-LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES VULKAN CURL
+LINKED := CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES VULKAN OPENXR CURL
 LINKED_VIEW := TTF SDL
 LINKED_WEB := MICROHTTPD QRENCODE
 SOCKETS_win32 := -lws2_32 -liphlpapi

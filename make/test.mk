@@ -24,7 +24,7 @@ RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_panel) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input) $(if $(and $(filter cuda_emulated.sh,$(RUN)),$(shell command -v $(CXX))),gpu/emulated_cuda)
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_panel) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input) $(if $(filter openxr.sh,$(RUN)),test_openxr) $(if $(and $(filter cuda_emulated.sh,$(RUN)),$(shell command -v $(CXX))),gpu/emulated_cuda)
 
 $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link
@@ -39,6 +39,14 @@ $(LAYER): tests/failing_layer.c tests/failing_layer.h kernels/vulkan/vk.h $(B)/c
 	@printf '{"file_format_version": "1.1.2", "layer": {"name": "VK_LAYER_FIXSPLAT_failing", "type": "GLOBAL",\n%s}}\n' \
 	    '"library_path": "./$(@F)", "api_version": "1.1.0", "implementation_version": "1", "description": "for tests"' \
 	    >$(@D)/failing_layer.json
+
+# A runtime of OpenXR with its manifest, for test_openxr and openxr.sh. The headers of all three libraries make it.
+RUNTIME := $(B)/tests/xr/libxr_runtime.so
+$(B)/tests/test_openxr: $(if $(filter 4,$(words $(filter OPENXR VULKAN GLES EGL,$(FOUND)))),$(RUNTIME))
+$(RUNTIME): tests/xr_runtime.c tests/xr_runtime.h $(B)/commands/compile
+	@mkdir -p $(@D)
+	$(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -shared -fPIC -fvisibility=hidden -o $@ $< -lm
+	@printf '{"file_format_version": "1.0.0", "runtime": {"library_path": "./%s"}}\n' $(@F) >$(@D)/runtime.json
 
 # The window's test defines an SDL function itself. On Windows, SDL is linked statically, so the linker must allow a
 # second definition.

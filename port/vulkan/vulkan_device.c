@@ -9,7 +9,7 @@
 enum { DEVICES = 16, FAMILIES = 16 };
 
 /* dlsym returns a data pointer; POSIX allows its use as a function pointer. */
-static int load_library(PFN_vkGetInstanceProcAddr *load, fxs_message *why)
+int fxs_vulkan_load(PFN_vkGetInstanceProcAddr *load, fxs_message *why)
 {
     void *library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
     library = library ? library : dlopen("libvulkan.so", RTLD_NOW | RTLD_LOCAL);       /* its name on Android */
@@ -87,7 +87,7 @@ int fxs_vulkan_find_device(fxs_vulkan_device *d, PFN_vkGetInstanceProcAddr load,
 int fxs_vulkan_choose_device(fxs_vulkan_device *d, int number, fxs_message *why)
 {
     d->options.size = sizeof d->options;
-    int error = d->options.load ? 0 : load_library(&d->options.load, why);
+    int error = d->options.load ? 0 : fxs_vulkan_load(&d->options.load, why);
     error = error ? error : make_instance(d, why);
     error = error ? error : choose(d, number, why);
     if (error)

@@ -12,6 +12,9 @@ typedef struct fxs_vulkan_device {
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
 } fxs_vulkan_device;
 
+/* Loads Vulkan's loader at run time. Returns 0 or FXS_ERR_DEVICE. */
+int fxs_vulkan_load(PFN_vkGetInstanceProcAddr *load, fxs_message *why);
+
 /* Finds device number `number` with Vulkan 1.1 and a queue with compute, discrete GPUs first, and writes its name.
    `load` null: Vulkan's loader is loaded at run time. Returns 0 or an FXS_ERR_*. After an error, nothing is open. */
 int fxs_vulkan_find_device(fxs_vulkan_device *device, PFN_vkGetInstanceProcAddr load, int number, fxs_message *why);
