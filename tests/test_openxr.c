@@ -117,7 +117,8 @@ static const uint32_t *row_of(int which, int eye, int y)
     return (const uint32_t *)s->pixels[which][eye] + (size_t)row * (size_t)s->full_width;
 }
 
-static int draw_there(const fxs_xr *xr, const fxs_image rates[2], enum fxs_format format)
+/* Draws the eyes of the last frame on the processor. */
+static int draw_there(const fxs_xr *xr, const fxs_image rates[2], enum fxs_format format, int deep)
 {
     const fxs_xr_info info = fxs_xr_get_info(xr);
     fxs_request wanted = request;
@@ -126,7 +127,8 @@ static int draw_there(const fxs_xr *xr, const fxs_image rates[2], enum fxs_forma
         wanted.cameras[eye] = info.cameras[eye];
         wanted.targets[eye].format = format;
         wanted.targets[eye].colour = (fxs_image){colours[eye], 4 * info.cameras[0].width};
-        wanted.targets[eye].median_depth = (fxs_image){depths[eye], 4 * info.cameras[0].width};
+        if (deep)
+            wanted.targets[eye].median_depth = (fxs_image){depths[eye], 4 * info.cameras[0].width};
         wanted.targets[eye].rates = rates ? rates[eye] : (fxs_image){0};
     }
     return CHECK(!fxs_renderer_render(processor, &wanted, 0, &why));
@@ -180,7 +182,7 @@ static void thousand_frames(void)
         const double start = processor_seconds();
         same = CHECK(next_frame(xr) == FXS_XR_DRAWN);
         seconds += processor_seconds() - start;
-        same = same && draw_there(xr, 0, FXS_FORMAT_RGBA8) && CHECK(are_same());
+        same = same && draw_there(xr, 0, FXS_FORMAT_RGBA8, i % 100 == 0) && CHECK(are_same());
         same = same && (i % 100 || CHECK(are_deep(1)));
     }
     const fxs_xr_info info = fxs_xr_get_info(xr);
@@ -218,8 +220,8 @@ static void scale_and_rates(void)
         for (int eye = 0; eye < 2; eye++)
             rates[eye] = rates_of(&info.cameras[eye], maps[eye], level == 2 ? 30 : 45, level == 2 ? 60 : 100000);
         CHECK(seen()->width == 150 && seen()->height == 120 && info.follows_gaze);
-        CHECK(draw_there(xr, rates, FXS_FORMAT_RGBA8) && are_same() && are_deep(1));
-        CHECK(draw_there(xr, 0, FXS_FORMAT_RGBA8));
+        CHECK(draw_there(xr, rates, FXS_FORMAT_RGBA8, 1) && are_same() && are_deep(1));
+        CHECK(draw_there(xr, 0, FXS_FORMAT_RGBA8, 0));
         CHECK(memcmp(maps[0], "\1\1\1\1\1", 5));           /* some rates are not 1 */
     }
     end_session(xr);
@@ -236,7 +238,7 @@ static void pass_through(void)
         keep_full(xr);
         CHECK(next_frame(xr) == FXS_XR_DRAWN);
         CHECK(fxs_xr_get_info(xr).passes_through == offered && seen()->blends == offered);
-        CHECK(draw_there(xr, 0, offered ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8) && are_same());
+        CHECK(draw_there(xr, 0, offered ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8, 0) && are_same());
         end_session(xr);
     }
 }
@@ -252,7 +254,7 @@ static void without_depth(void)
             return;
         keep_full(xr);
         CHECK(next_frame(xr) == FXS_XR_DRAWN && !fxs_xr_get_info(xr).has_depth);
-        CHECK(!seen()->pixels[XR_RUNTIME_DEPTH][0] && draw_there(xr, 0, FXS_FORMAT_RGBA8) && are_same());
+        CHECK(!seen()->pixels[XR_RUNTIME_DEPTH][0] && draw_there(xr, 0, FXS_FORMAT_RGBA8, 0) && are_same());
         end_session(xr);
     }
 }
@@ -412,9 +414,9 @@ static void lost_session(void)
                                         "xrAcquireSwapchainImage:5", "xrWaitSwapchainImage:6", "xrReleaseSwapchainImage:5",
                                         "xrEndFrame:7"};
     static const char *const results[] = {"-17", "-13"};   /* XR_ERROR_SESSION_LOST, XR_ERROR_INSTANCE_LOST */
-    for (size_t i = 0; i < 2 * sizeof calls / sizeof *calls; i++) {
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) {
         set_nothing();
-        set("FAIL", calls[i / 2]);
+        set("FAIL", calls[i]);
         set("RESULT", results[i % 2]);
         set("EVER", "1");
         fxs_xr *xr = open_session();
@@ -510,10 +512,10 @@ static void bad_requests(void)
     if (!CHECK(fxs_xr_frame(xr, &none, &why) == FXS_XR_DRAWN))           /* an empty room */
         puts(why.text);
     keep_full(xr);
-    CHECK(next_frame(xr) == FXS_XR_DRAWN && draw_there(xr, 0, FXS_FORMAT_RGBA8) && are_same());
+    CHECK(next_frame(xr) == FXS_XR_DRAWN && draw_there(xr, 0, FXS_FORMAT_RGBA8, 0) && are_same());
     fxs_xr_forget(xr, &damaged);
     fxs_xr_forget(xr, &scene);
-    CHECK(next_frame(xr) == FXS_XR_DRAWN && draw_there(xr, 0, FXS_FORMAT_RGBA8) && are_same());
+    CHECK(next_frame(xr) == FXS_XR_DRAWN && draw_there(xr, 0, FXS_FORMAT_RGBA8, 0) && are_same());
     end_session(xr);
 }
 

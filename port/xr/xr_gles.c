@@ -337,6 +337,7 @@ static void fill_depths(const fxs_xr *xr, const gles_graphics *g, const fxs_requ
         g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
     }
     g->gl.Disable(GL_DEPTH_TEST);
+    g->gl.UseProgram(0);
 }
 
 static void begin_time(fxs_xr *xr, const gles_graphics *g)

@@ -307,7 +307,7 @@ packed --web ../plain.fxs
 cameras --web ../knot.ply --cameras ../cameras.json
 several --web ../scenes'
 options="bg 303030; levels; qr; bind 0.0.0.0; cert a.pem; key a.pem; screenshot a.png; fps 30; max-memory 3M; cpu c;
-    backend cpu; pool 1M; $shared"
+    backend cpu; pool 1M; xr; metres-per-unit 2; pass-through; $shared"
 # A list packs a scene when a page asks for it.
 by_design='web threads max-gaussians import-memory no-open port host' more='--port 0 --no-open' mask='s/:[0-9]+//'
 elsewhere='profile:several levels:several lod:several axes:several'

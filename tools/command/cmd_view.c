@@ -1,5 +1,5 @@
 /* Command-line options of `fixsplat view`. Separate programs, fixsplat-view and fixsplat-web, open the window and serve
-   the web page. */
+   the web page; headset.c shows the scenes in a headset. */
 #include <string.h>
 
 #include <fixsplat/image.h>
@@ -70,6 +70,26 @@ static const option_row page_rows[] = {
     {0}
 };
 
+static const option_row headset_rows[] = {
+    {.help = "In a headset:"},
+    {"xr", 0, FLAG(xr), .basic = 1, .help =
+     "show the scenes in a headset through OpenXR, until Ctrl-C, by --backend vulkan (default) or gles-compute. The head "
+     "starts at the view. The clock chooses the resolution and, with levels of detail, the budget"},
+    {"metres-per-unit", "X", REAL(metres_per_unit, 1e-6, 1e6, "metres, 1e-6 to 1e6"), .help =
+     "size of a scene unit with --xr, metres (default 1)"},
+    {"pass-through", 0, FLAG(pass_through), .help = "show the room behind the scene with --xr, if the headset can"},
+    {0}
+};
+
+/* Options of the window and the page that do nothing in a headset. */
+static const option_rule headset_rules[] = {
+    {"metres-per-unit pass-through", 0, "xr", 0},
+    {"web screenshot fps", "xr", 0, 0},
+    {"fov tangents ortho near size stereo", "xr", 0, "the headset has its own"},
+    {"device cpu", "xr", 0, "the runtime chooses the device"},
+    {0}
+};
+
 static int is_for_page(const char *name)
 {
     static const char *const taken[] = {"cameras", "view", "bg", "threads", "profile"};
@@ -98,13 +118,20 @@ static int check_web(const view_options *o)
             return fail(EXIT_USAGE, "view: --%s is for the window, not for --web", name);
     if (!o->certificate != !o->key)
         return fail(EXIT_USAGE, "view: --cert and --key: give both");
-    return 0;
+    return check_rules(headset_rules);
+}
+
+static int check_headset(const view_options *o)
+{
+    const char *by = o->frame.backend;
+    return !o->xr || !strcmp(by, "auto") || !strcmp(by, "vulkan") || !strcmp(by, "gles-compute")
+               ? 0 : fail(EXIT_USAGE, "--xr draws by --backend vulkan or gles-compute, not by %s", by);
 }
 
 static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
 {
     world_options *w = &o->frame.world;
-    if (o->web || count || w->file)
+    if (o->web || o->xr || count || w->file)
         return take_scenes(w, "view", count, scenes);
     if (o->frame.cameras || w->place_count)
         return fail(EXIT_USAGE, "view: --%s needs a scene", o->frame.cameras ? "cameras" : "place");
@@ -127,7 +154,7 @@ int view_options_take(view_options *o, int argc, char **argv)
     o->frame.load.pages = 1;
     if (take_options(&command_view, o, argc, argv))
         return EXIT_USAGE;
-    if (check_web(o) || take_scenes_or_none(o, argc - optind, argv + optind))
+    if (check_web(o) || check_headset(o) || take_scenes_or_none(o, argc - optind, argv + optind))
         return EXIT_USAGE;
     if (names_several(o->frame.view))
         return fail(EXIT_USAGE, "view: --view takes one view to start from; n shows the others");
@@ -146,13 +173,15 @@ static int run(int argc, char **argv)
 {
     view_options o;
     int status = view_options_take(&o, argc, argv);
+    if (!status && o.xr)
+        return view_in_headset(&o);
     return status ? status : run_separate(o.web ? &server_program : &window_program, scene_name(&o), argv);
 }
 
 const command command_view = {
-    "view", "scene file -> window, or --web: page", run,
+    "view", "scene file -> window, --web: page, --xr: headset", run,
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
-    "Shows scenes in a window, or in a browser with --web. fixsplat help formats lists the scene formats.\n\n"
+    "Shows scenes in a window, in a browser with --web, or in a headset with --xr. fixsplat help formats lists the scene formats.\n\n"
     "The window opens files that are dropped on it. Without a scene, it lists the last ten scenes, from the file\n"
     "$XDG_STATE_HOME/fixsplat/recent (default ~/.local/state/fixsplat/recent; Windows: %APPDATA%\\fixsplat\\recent).\n"
     "Key c shows a crop box; key enter writes its contents beside the scene, in the same format or else as .ply, and\n"
@@ -165,6 +194,7 @@ const command command_view = {
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
     "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
     "  $ fixsplat view https://example.org/city.fxs --fps 60\n"
-    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n",
-    {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
+    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n"
+    "  $ fixsplat view --xr room.fxs --metres-per-unit 1\n",
+    {{window_rows, 0}, {page_rows, 0}, {headset_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
 };
