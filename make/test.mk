@@ -24,7 +24,7 @@ RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_panel) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input) $(if $(filter openxr.sh,$(RUN)),test_openxr) $(if $(and $(filter cuda_emulated.sh,$(RUN)),$(shell command -v $(CXX))),gpu/emulated_cuda)
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_panel) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input) $(if $(filter openxr.sh,$(RUN)),test_openxr xr/example) $(if $(and $(filter cuda_emulated.sh,$(RUN)),$(shell command -v $(CXX))),gpu/emulated_cuda)
 
 $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link
@@ -47,6 +47,12 @@ $(RUNTIME): tests/xr_runtime.c tests/xr_runtime.h $(B)/commands/compile
 	@mkdir -p $(@D)
 	$(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -shared -fPIC -fvisibility=hidden -o $@ $< -lm
 	@printf '{"file_format_version": "1.0.0", "runtime": {"library_path": "./%s"}}\n' $(@F) >$(@D)/runtime.json
+
+# The program of docs/openxr.md.
+$(B)/tests/xr/example: docs/openxr.md port/xr/xr.h $(B)/libfixsplat.a
+	@mkdir -p $(@D)
+	@sed -n '/^```c/,/^```$$/{/^```/!p}' $< >$@.c
+	$(call say,LD,$@)$(CC) $(FLAGS) -Werror $(LDFLAGS) -o $@ $@.c $(filter %.a,$^) $(LIBS)
 
 # The window's test defines an SDL function itself. On Windows, SDL is linked statically, so the linker must allow a
 # second definition.

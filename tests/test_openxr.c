@@ -317,7 +317,7 @@ static void start_view(void)
     end_session(xr);
 }
 
-/* What the cameras do after the hands have moved in frames 10 to 19. */
+/* Motion of the cameras after gestures in frames 10 to 19. */
 static void hands(void)
 {
     static const char *const names[] = {"pull", "stretch", "turn", "walk", "step"};
@@ -448,7 +448,7 @@ static void events(void)
         CHECK(draw_frames(xr, 20) == FXS_ERR_DEVICE && is_one_line());
         fxs_xr_close(xr);
     }
-    set("EVENT", "recentre:25");           /* undoes what the hand has moved */
+    set("EVENT", "recentre:25");           /* undoes the pull of the hand */
     set("HANDS", "pull");
     set("STILL", "1");
     if (!(xr = open_session()))
@@ -521,44 +521,83 @@ static void bad_requests(void)
 
 /* ---- Clock ------------------------------------------------------------------------------------------------------- */
 
-/* A display of 72 frames a second, and a device that is too slow for the whole picture. */
+/* Returns the device's milliseconds for a frame of a part of the size, the median of some. */
+static double milliseconds(fxs_xr *xr, uint32_t scale_q16)
+{
+    enum { SKIPPED = 4, TIMED = 9 };
+    double times[TIMED];
+    keep_full(xr);
+    fxs_xr_pace(xr)->scale_q16 = fxs_xr_pace(xr)->scale_least_q16 = scale_q16;
+    for (int i = -SKIPPED; i < TIMED && CHECK(next_frame(xr) == FXS_XR_DRAWN); i++) {
+        const double time = (double)fxs_xr_get_info(xr).nanoseconds / 1e6;
+        int k = i < 0 ? 0 : i;
+        for (; k > 0 && times[k - 1] > time; k--)
+            times[k] = times[k - 1];
+        times[k] = time;
+    }
+    return times[TIMED / 2];
+}
+
+/* The course of the clock: in the last frames, its changes, and its changes of direction. */
+typedef struct course {
+    uint32_t number, scale_q16, rates;
+    int changes, turns, direction, late;
+} course;
+
+static void follow(course *c, const fxs_pace *pace, int counts)
+{
+    const int up = pace->scale_q16 > c->scale_q16 || (pace->scale_q16 == c->scale_q16 && pace->rates < c->rates);
+    const int direction = up ? 1 : -1;
+    c->changes += counts;
+    c->turns += counts && c->direction && direction != c->direction;
+    c->direction = direction;
+    c->number = pace->number;
+    c->scale_q16 = pace->scale_q16;
+    c->rates = pace->rates;
+}
+
+/* A device too slow for the whole picture at the display's rate: 72 frames a second, or less on a busy machine that
+   takes more than 3 times that long. The clock settles on a choice and keeps it. */
 static void clock_settles(void)
 {
-    enum { STEPS = 400, LAST = 150 };
-    uint32_t last = 0, least = UINT32_MAX, most = 0;
-    int changes = 0, turns = 0, direction = 0;
+    enum { STEPS = 300, LAST = 100 };
+    course c = {.scale_q16 = 65536};
+    char rate[16];
     set_nothing();
-    set("SIZE", "448x448");
-    set("HERTZ", "72");
+    set("SIZE", "256x256");
     fxs_xr *xr = open_session();
     if (!xr)
         return;
-    printf("  frame: share of the size, level of rates, ms of the device\n");
-    for (int i = 0; i < STEPS; i++) {
+    const double whole = milliseconds(xr, 65536);
+    end_session(xr);
+    snprintf(rate, sizeof rate, "%d", whole * 72 < 3000 ? 72 : (int)(3000 / whole));
+    set("HERTZ", rate);
+    set("SIZE", whole * 72 < 1500 ? "512x512" : "256x256");
+    if (!(xr = open_session()))
+        return;
+    fxs_xr_pace(xr)->scale_least_q16 = 8192;
+    printf("  a whole frame of 256x256 takes %.1f ms; the display shows %s a second\n", whole, rate);
+    for (int i = 0; i < STEPS && CHECK(next_frame(xr) == FXS_XR_DRAWN); i++) {
         const fxs_pace *pace = fxs_xr_pace(xr);
-        if (!CHECK(next_frame(xr) == FXS_XR_DRAWN))
-            break;
-        if (pace->number != last || i == STEPS - 1)
-            printf("  %4d: %.3f %u %5.1f %s\n", i, pace->scale_q16 / 65536.0, pace->rates,
-                   (double)fxs_xr_get_info(xr).nanoseconds / 1e6, fxs_pace_why(pace->reason));
-        if (i >= STEPS - LAST) {
-            const int up = pace->scale_q16 > most ? 1 : -1;
-            changes += pace->number != last;
-            turns += pace->number != last && direction && up != direction;
-            direction = pace->number != last ? up : direction;
-            least = pace->scale_q16 < least ? pace->scale_q16 : least;
-            most = pace->scale_q16 > most ? pace->scale_q16 : most;
-        }
-        last = pace->number;
+        const double milliseconds_taken = (double)fxs_xr_get_info(xr).nanoseconds / 1e6;
+        c.late += i >= STEPS - LAST && milliseconds_taken > pace->frame_nanoseconds / 1e6;
+        if (pace->number == c.number && i < STEPS - 1)
+            continue;
+        printf("  frame %3d: %.3f of the size, rates %u, %.1f ms: %s\n", i, pace->scale_q16 / 65536.0, pace->rates,
+               milliseconds_taken, fxs_pace_why(pace->reason));
+        if (pace->number != c.number)
+            follow(&c, pace, i >= STEPS - LAST);
     }
-    printf("  last %d frames: %d changes, %d turns, share %.3f to %.3f\n", LAST, changes, turns, least / 65536.0,
-           most / 65536.0);
+    printf("  last %d frames: %d changes, %d turns, %d late\n", LAST, c.changes, c.turns, c.late);
+    CHECK(c.number > 0 && c.scale_q16 < 65536);
+    CHECK(c.turns <= 1 && c.changes <= 4);
+    CHECK(c.late <= LAST / 4 || fxs_xr_pace(xr)->reason == FXS_PACE_LEAST);
     end_session(xr);
 }
 
 /* ---- Main -------------------------------------------------------------------------------------------------------- */
 
-/* The runtime lies beside the test program. */
+/* Loads the runtime from the folder of the test program. */
 static int find_runtime(const char *program)
 {
     char path[4096], json[sizeof path];
@@ -621,7 +660,7 @@ int main(int argc, char **argv)
     if (!argc || !find_runtime(argv[0]) || !make_scene())
         return check_failed = 1, check_report();
     run_all("Vulkan");
-    if (!getenv("ONLY"))
+    if (!getenv("ONLY") || strstr(getenv("ONLY"), "clock"))
     RUN(clock_settles);
     if (!fxs_egl_open(&egl, &why)) {
         run_all("OpenGL ES");

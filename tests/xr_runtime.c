@@ -10,9 +10,9 @@
  *     FXS_XR_SIZE=WxH          pixels of an eye (default 48x56)
  *     FXS_XR_HERTZ=N           xrWaitFrame waits for a display of N frames a second (default: it does not wait)
  *     FXS_XR_STILL=1           the head rests; the eyes have the same field of view
- *     FXS_XR_HANDS=NAME        what the hands do in frames 10 to 19: pull, stretch, turn, walk or step
+ *     FXS_XR_HANDS=NAME        gesture in frames 10 to 19: pull, stretch, turn, walk or step
  *     FXS_XR_LACKS=NAME        an extension, format or blend mode that the runtime lacks: depth, d32, egl, alpha
- *     FXS_XR_LOG=FILE          gets a line for each frame with the hashes of both eyes */
+ *     FXS_XR_LOG=FILE          gets a line for each shown frame: the size of an eye, the hash of both */
 #include <dlfcn.h>
 #include <math.h>
 #include <stdarg.h>
@@ -921,32 +921,32 @@ static void need_image(const XrSwapchainSubImage *image, int depth, uint32_t eye
     now.seen.pixels[depth][eye] = c->pixels + eye * layer_bytes() / 4;
 }
 
-static uint64_t hash_rows(const uint32_t *pixels)
+/* The hash of both eyes side by side, as fixsplat render --stereo --hash prints it. */
+static uint64_t hash_eyes(void)
 {
     uint64_t hash = 0xcbf29ce484222325u;
-    for (int i = 0; i < now.seen.height; i++) {
-        const int y = now.by_vulkan ? i : now.seen.height - 1 - i;
-        const unsigned char *row = (const unsigned char *)(pixels + (size_t)y * (size_t)now.seen.full_width);
+    for (int i = 0; i < 2 * now.seen.height; i++) {
+        const int y = now.by_vulkan ? i / 2 : now.seen.height - 1 - i / 2;
+        const uint32_t *eye = now.seen.pixels[XR_RUNTIME_COLOUR][i % 2];
+        const unsigned char *row = (const unsigned char *)(eye + (size_t)y * (size_t)now.seen.full_width);
         for (int x = 0; x < 4 * now.seen.width; x++)
             hash = (hash ^ row[x]) * 0x100000001b3u;
     }
     return hash;
 }
 
-static void write_log(const uint64_t hashes[2])
+static void write_log(uint64_t hash)
 {
     const char *name = getenv("FXS_XR_LOG");
     FILE *file = name ? fopen(name, "a") : 0;
     if (!file)
         return;
-    fprintf(file, "%llu %dx%d %016llx %016llx\n", (unsigned long long)now.seen.frames, now.seen.width, now.seen.height,
-            (unsigned long long)hashes[0], (unsigned long long)hashes[1]);
+    fprintf(file, "%dx%d %016llx\n", now.seen.width, now.seen.height, (unsigned long long)hash);
     fclose(file);
 }
 
 static void take_layer(const XrCompositionLayerProjection *layer)
 {
-    uint64_t hashes[2];
     NEED(layer->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION && layer->viewCount == 2);
     IS(layer->space, SPACE);
     NEED(now.located && !now.blind && now.synced);
@@ -963,12 +963,12 @@ static void take_layer(const XrCompositionLayerProjection *layer)
             NEED(depth->minDepth == 0 && depth->maxDepth == 1);
             need_image(&depth->subImage, 1, eye);
         }
-        hashes[eye] = hash_rows(now.seen.pixels[XR_RUNTIME_COLOUR][eye]);
-        now.seen.hash = (now.seen.hash ^ hashes[eye]) * 0x100000001b3u;
     }
+    const uint64_t hash = hash_eyes();
+    now.seen.hash = (now.seen.hash ^ hash) * 0x100000001b3u;
     now.seen.blends = layer->layerFlags == XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
     now.seen.shown++;
-    write_log(hashes);
+    write_log(hash);
 }
 
 static XrResult rt_EndFrame(XrSession session, const XrFrameEndInfo *info)

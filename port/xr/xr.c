@@ -24,7 +24,7 @@ enum { EXTENSIONS = 6, LISTED = 512, FORMATS = 256, MODES = 8, SPACES = 16 };
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
-/* Results whose names do not tell a user what to do. */
+/* Returns a text for results with names that do not help a user, else null. */
 static const char *hint_of(XrResult result)
 {
     switch (result) {
@@ -90,7 +90,7 @@ static int list_extensions(fxs_xr *xr, XrExtensionProperties *listed, uint32_t *
                                         "xrEnumerateInstanceExtensionProperties", why);
 }
 
-/* Chooses the extensions to enable. Those of the graphics must be there. */
+/* Chooses the extensions to enable. The graphics' own extensions are required. */
 static int choose_extensions(fxs_xr *xr, const char **chosen, uint32_t *count, fxs_message *why)
 {
     const struct {

@@ -1,5 +1,5 @@
 /* Shows a scene in a headset through OpenXR 1.0, by Vulkan or by OpenGL ES. OpenXR's loader is loaded at run time. This
-   header needs neither OpenXR's headers nor those of Vulkan. docs/openxr.md has an example.
+   header includes no header of OpenXR or Vulkan. docs/openxr.md has an example.
 
    Functions return 0 or more, or an FXS_ERR_* and a message in `why`, which must not be null. FXS_ERR_UNSUPPORTED: the
    build or the runtime lacks something. FXS_ERR_DEVICE: a call of OpenXR failed, or the session was lost. The program
@@ -45,8 +45,8 @@ enum fxs_xr_step {
 
 /* Handles the runtime's events, waits for the display's next frame and draws it. The request has objects and options;
    its eyes, cameras and targets are ignored. A scene that is not on the device is uploaded first. If the clock chooses
-   a budget, it replaces options.budget. Returns an enum fxs_xr_step, or an error, such as those of fxs_vulkan_submit
-   and fxs_compute_draw. */
+   a budget, it replaces options.budget. Returns an enum fxs_xr_step or an error, also of fxs_vulkan_submit or
+   fxs_compute_draw. */
 int fxs_xr_frame(fxs_xr *xr, const fxs_request *request, fxs_message *why);
 
 /* Drops the device's copy of a scene. Call it before the scene is closed or its bytes change. */

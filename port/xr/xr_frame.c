@@ -61,8 +61,8 @@ static int take_events(fxs_xr *xr, fxs_message *why)
 
 /* ---- Both eyes --------------------------------------------------------------------------------------------------- */
 
-/* Draws the middle of what the user sees in full, and the periphery with the levels of rates that the clock chooses.
-   The middle is where the eyes look, else straight ahead. */
+/* Makes the map of rates for the level that the clock has chosen: full rate around the gaze, or straight ahead if the
+   gaze is unknown. */
 static void set_rates(fxs_xr *xr, const XrView *view, const double look[3], fxs_camera *camera, int eye,
                       fxs_image *rates)
 {

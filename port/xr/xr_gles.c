@@ -1,6 +1,6 @@
 /* A session of OpenXR by OpenGL ES 3.1 in the program's context (XR_KHR_opengl_es_enable; on a desktop with
  * XR_MNDX_egl_enable). The back end for compute shaders draws colours and median depths of both eyes; a fragment shader
- * converts the depths to those of the swapchain. */
+ * converts the depths for the swapchain. */
 #include "xr_internal.h"
 
 #ifdef FXS_XR_BY_GLES

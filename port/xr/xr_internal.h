@@ -1,4 +1,4 @@
-/* What the files of port/xr share. */
+/* Shared by the files of port/xr. */
 #ifndef FXS_XR_INTERNAL_H
 #define FXS_XR_INTERNAL_H
 
@@ -45,7 +45,7 @@ enum { FXS_XR_IMAGES = 16 };           /* most images of a swapchain */
 #define FXS_XR_NEAR 0.1
 #define FXS_XR_FAR 1000.0
 
-/* A swapchain, whose images have a layer for each eye. */
+/* A swapchain. Its images have a layer for each eye. */
 typedef struct fxs_xr_chain {
     XrSwapchain handle;
     int64_t format;

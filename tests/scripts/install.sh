@@ -204,18 +204,6 @@ if have pkg-config; then
         program "$language, core" core $language "-I$work/core $(flags --libs fixsplat-core)" &&
             draws "$language, core: draws" "$work/program" "$work/cubes.packed"
     done
-    if ! echo '#include <GLES3/gl3.h>' | $CC -fsyntax-only -x c - 2>/dev/null; then
-        skip "a headset's frame loop" "no headers of OpenGL ES 3.0 here"
-    elif program "a headset's frame loop" headset c99 "$(flags --cflags --libs --static fixsplat) -lm"; then
-        "$prefix/bin/fixsplat" make-scene knot --count 20000 -o "$work/knot.ply"
-        for way in gles compute; do
-            said=$(LD_LIBRARY_PATH=$library "$work/program" "$work/knot.ply" $way)
-            case $said in
-            skip:*) skip "a headset's frame loop by $way" "${said#skip: }" ;;
-            *) check "a headset's frame loop by $way: two eyes, depths" equal "$said" ok ;;
-            esac
-        done
-    fi
     check "pkg-config: the version" equal "$(flags --modversion fixsplat)" "$version"
     check "pkg-config: the core's headers" equal "$(flags --cflags fixsplat-core | tr -d ' ')" "-I$prefix/include"
 else

@@ -55,7 +55,7 @@ static int open_headset(headset *h, const view_options *o, const fxs_view *start
     return 0;
 }
 
-/* Lets the clock choose a budget if there are levels of detail. */
+/* Lets the clock choose the budget of scenes with levels of detail. */
 static void set_limits(const headset *h, const frame_options *o)
 {
     fxs_pace *pace = fxs_xr_pace(h->xr);
