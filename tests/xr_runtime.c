@@ -2,8 +2,8 @@
  * the layouts of the images (by the validation layer), and the layers. At a fault it prints a line and ends the process
  * with status 99. It simulates a display, a moving head and two controllers. Variables of the environment:
  *
- *     FXS_XR_FAIL=CALL[:N]     call N (default 1) of a function fails with FXS_XR_RESULT (default -2); with FXS_XR_EVER=1
- *                              all later calls that take a session fail too
+ *     FXS_XR_FAIL=CALL[:N]     call N (default 1) of a function fails with FXS_XR_RESULT (default -2); with
+ *                              FXS_XR_EVER=1 all later calls that take a session fail too
  *     FXS_XR_FRAMES=N          the user takes the headset off after N frames
  *     FXS_XR_BLIND=N           in frames N to N + 4 the head has no orientation
  *     FXS_XR_EVENT=NAME:N      frame N has an event: loss, instance or recentre
@@ -122,7 +122,8 @@ static XrResult enter(const char *name, int of_session)
 }
 
 /* Begins each function of the runtime. */
-#define ENTER(of_session) do { const XrResult failed = enter(__func__ + 3, of_session); if (failed) return failed; } while (0)
+#define ENTER(of_session) \
+    do { const XrResult failed = enter(__func__ + 3, of_session); if (failed) return failed; } while (0)
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
@@ -537,37 +538,40 @@ static void begin_gles(const XrGraphicsBindingEGLMNDX *binding)
     GL(void, LinkProgram, (GLuint))(to_words);
 }
 
+/* Depths are converted to words, because OpenGL ES does not read depths back. */
+static void attach_layer(const chain *c, int layer)
+{
+    if (!c->depth) {
+        GL(void, FramebufferTextureLayer, (GLenum, GLenum, GLuint, GLint, GLint))(GL_FRAMEBUFFER,
+            GL_COLOR_ATTACHMENT0, c->textures[c->last], 0, layer);
+        return;
+    }
+    GL(void, FramebufferTexture2D, (GLenum, GLenum, GLenum, GLuint, GLint))(GL_FRAMEBUFFER,
+        GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, words, 0);
+    GL(void, UseProgram, (GLuint))(to_words);
+    GL(void, Uniform1i, (GLint, GLint))(0, layer);
+    GL(void, ActiveTexture, (GLenum))(GL_TEXTURE0);
+    GL(void, BindTexture, (GLenum, GLuint))(GL_TEXTURE_2D_ARRAY, c->textures[c->last]);
+    GL(void, Viewport, (GLint, GLint, GLsizei, GLsizei))(0, 0, now.seen.full_width, now.seen.full_height);
+    GL(void, DrawArrays, (GLenum, GLint, GLsizei))(GL_TRIANGLES, 0, 3);
+}
+
 static void read_gles(const chain *c)
 {
+    const size_t pixels = layer_bytes() / 4;
+    uint32_t *four = malloc(pixels * 4 * sizeof *four);
+    NEED(four);
     GL(void, BindFramebuffer, (GLenum, GLuint))(GL_FRAMEBUFFER, framebuffer);
     for (int layer = 0; layer < 2; layer++) {
-        uint32_t *to = c->pixels + (size_t)layer * layer_bytes() / 4;
-        if (c->depth) {
-            GL(void, FramebufferTexture2D, (GLenum, GLenum, GLenum, GLuint, GLint))(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0,
-                GL_TEXTURE_2D, words, 0);
-            GL(void, UseProgram, (GLuint))(to_words);
-            GL(void, Uniform1i, (GLint, GLint))(0, layer);
-            GL(void, ActiveTexture, (GLenum))(GL_TEXTURE0);
-            GL(void, BindTexture, (GLenum, GLuint))(GL_TEXTURE_2D_ARRAY, c->textures[c->last]);
-            GL(void, Viewport, (GLint, GLint, GLsizei, GLsizei))(0, 0, now.seen.full_width, now.seen.full_height);
-            GL(void, DrawArrays, (GLenum, GLint, GLsizei))(GL_TRIANGLES, 0, 3);
-        } else {
-            GL(void, FramebufferTextureLayer, (GLenum, GLenum, GLuint, GLint, GLint))(GL_FRAMEBUFFER,
-                GL_COLOR_ATTACHMENT0, c->textures[c->last], 0, layer);
-        }
-        if (c->depth) {
-            static GLuint four[4];
-            GLuint *all = malloc(layer_bytes() * 4);
-            GL(void, ReadPixels, (GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *))(0, 0, now.seen.full_width,
-                now.seen.full_height, GL_RGBA_INTEGER, GL_UNSIGNED_INT, all ? all : four);
-            for (size_t i = 0; i < layer_bytes() / 4; i++)
-                to[i] = all[4 * i];
-            free(all);
-        } else {
-            GL(void, ReadPixels, (GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *))(0, 0, now.seen.full_width,
-                now.seen.full_height, GL_RGBA, GL_UNSIGNED_BYTE, to);
-        }
+        uint32_t *to = c->pixels + (size_t)layer * pixels;
+        attach_layer(c, layer);
+        GL(void, ReadPixels, (GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *))(0, 0, now.seen.full_width,
+            now.seen.full_height, c->depth ? GL_RGBA_INTEGER : GL_RGBA, c->depth ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE,
+            c->depth ? four : to);
+        for (size_t i = 0; i < pixels && c->depth; i++)
+            to[i] = four[4 * i];
     }
+    free(four);
     const GLenum error = GL(GLenum, GetError, (void))();
     if (error)
         fault("OpenGL ES: error 0x%x", error);
@@ -639,7 +643,8 @@ static XrResult rt_RequestExitSession(XrSession session)
     return XR_SUCCESS;
 }
 
-static XrResult rt_EnumerateReferenceSpaces(XrSession session, uint32_t room, uint32_t *count, XrReferenceSpaceType *out)
+static XrResult rt_EnumerateReferenceSpaces(XrSession session, uint32_t room, uint32_t *count,
+                                            XrReferenceSpaceType *out)
 {
     ENTER(1);
     IS(session, SESSION);
@@ -804,7 +809,8 @@ static void locate_eye(int eye, XrView *view)
     const float apart = eye ? 0.0315f : -0.0315f;
     const XrFovf wide[2] = {{-0.94f, 0.70f, 0.77f, -0.87f}, {-0.70f, 0.94f, 0.77f, -0.87f}};
     view->fov = still ? (XrFovf){-0.7f, 0.7f, 0.7f, -0.7f} : wide[eye];
-    view->pose.orientation = (XrQuaternionf){(float)(cos(turn / 2) * sin(nod / 2)), (float)(sin(turn / 2) * cos(nod / 2)),
+    view->pose.orientation = (XrQuaternionf){(float)(cos(turn / 2) * sin(nod / 2)),
+                                             (float)(sin(turn / 2) * cos(nod / 2)),
                                              (float)(-sin(turn / 2) * sin(nod / 2)),
                                              (float)(cos(turn / 2) * cos(nod / 2))};
     view->pose.position = (XrVector3f){apart * (float)cos(turn) + 0.1f * (float)sin(2 * t), still ? 1.6f : 0.4f,
@@ -959,7 +965,8 @@ static void take_layer(const XrCompositionLayerProjection *layer)
         NEED(!memcmp(&view->fov, &now.seen.views[eye].fov, sizeof view->fov));
         need_image(&view->subImage, 0, eye);
         if (depth) {
-            NEED(depth->type == XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR && depth->nearZ > 0 && depth->farZ > depth->nearZ);
+            NEED(depth->type == XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR);
+            NEED(depth->nearZ > 0 && depth->farZ > depth->nearZ);
             NEED(depth->minDepth == 0 && depth->maxDepth == 1);
             need_image(&depth->subImage, 1, eye);
         }
@@ -1061,7 +1068,8 @@ static XrResult rt_SuggestInteractionProfileBindings(XrInstance instance,
         const XrAction action = info->suggestedBindings[i].action;
         size_t k = 0;
         IS(action, ACTION);
-        while (k < sizeof inputs / sizeof *inputs && (!strstr(profile, inputs[k].profile) || !strstr(path, inputs[k].path)))
+        while (k < sizeof inputs / sizeof *inputs &&
+               (!strstr(profile, inputs[k].profile) || !strstr(path, inputs[k].path)))
             k++;
         if (k == sizeof inputs / sizeof *inputs || inputs[k].type != now.action_types[(uintptr_t)action])
             fault("%s has no such input %s", profile, path);
@@ -1108,7 +1116,8 @@ static XrResult rt_LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpace
     IS(base, SPACE);
     NEED(out->type == XR_TYPE_SPACE_LOCATION && time == now.time);
     out->locationFlags = XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
-    out->pose = space_paths[(uintptr_t)space] ? hand_pose(hand_of(space_paths[(uintptr_t)space])) : now.seen.views[0].pose;
+    const XrPath of_hand = space_paths[(uintptr_t)space];      /* else it is the eyes' space */
+    out->pose = of_hand ? hand_pose(hand_of(of_hand)) : now.seen.views[0].pose;
     return XR_SUCCESS;
 }
 

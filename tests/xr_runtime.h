@@ -12,7 +12,7 @@ typedef struct xr_runtime_seen {
     int full_width, full_height;
     XrView views[2];                   /* eyes of the last frame */
     XrPosef hands[2];
-    const void *pixels[2][2];          /* [colour or depth][eye]: rows of full_width words, from the top (Vulkan) or from
+    const void *pixels[2][2];          /* [colour or depth][eye]: rows of full_width words, from the top (Vulkan) or
                                           the bottom (OpenGL ES); null: none */
     int blends;                        /* 1: the last layer was blended by alpha over the room */
     uint64_t hash;                     /* FNV-1a of all colours that were shown */

@@ -86,8 +86,9 @@ static int list_extensions(fxs_xr *xr, XrExtensionProperties *listed, uint32_t *
     const int error = fxs_xr_find(xr, "xrEnumerateInstanceExtensionProperties", &list, why);
     for (uint32_t i = 0; i < LISTED; i++)
         listed[i] = (XrExtensionProperties){.type = XR_TYPE_EXTENSION_PROPERTIES};
-    return error ? error : fxs_xr_check(xr, ((PFN_xrEnumerateInstanceExtensionProperties)list)(0, LISTED, count, listed),
-                                        "xrEnumerateInstanceExtensionProperties", why);
+    const PFN_xrEnumerateInstanceExtensionProperties call = (PFN_xrEnumerateInstanceExtensionProperties)list;
+    return error ? error : fxs_xr_check(xr, call(0, LISTED, count, listed), "xrEnumerateInstanceExtensionProperties",
+                                        why);
 }
 
 /* Chooses the extensions to enable. The graphics' own extensions are required. */

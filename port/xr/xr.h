@@ -64,8 +64,9 @@ typedef struct fxs_xr_info {
     const char *runtime, *system, *device;     /* names of the runtime, the headset and the GPU; valid as long as the
                                                   session */
     int32_t full_width, full_height;   /* size of an eye's picture at full scale, pixels */
-    int passes_through, has_depth, follows_gaze;       /* 1: shows the room; hands depths to the runtime; the rates follow
-                                                          the eyes */
+    int passes_through;                /* 1: the room shows behind the scene */
+    int has_depth;                     /* 1: the runtime gets depths */
+    int follows_gaze;                  /* 1: the full rate follows the eyes */
     double metres_per_unit;            /* changes if the user scales the scene */
     uint64_t frames;                   /* number of drawn frames */
     uint64_t nanoseconds;              /* device time of a recent frame; 0: unknown */

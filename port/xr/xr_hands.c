@@ -170,8 +170,8 @@ int fxs_xr_camera(const fxs_xr *xr, const XrView *view, int32_t width, int32_t h
 
 /* ---- Actions ----------------------------------------------------------------------------------------------------- */
 
-static int make_action(fxs_xr *xr, XrActionType type, const char *name, const char *shown, int of_hands, XrAction *action,
-                       fxs_message *why)
+static int make_action(fxs_xr *xr, XrActionType type, const char *name, const char *shown, int of_hands,
+                       XrAction *action, fxs_message *why)
 {
     XrActionCreateInfo info = {.type = XR_TYPE_ACTION_CREATE_INFO, .actionType = type,
                                .countSubactionPaths = of_hands ? FXS_XR_HANDS : 0, .subactionPaths = xr->hands};
@@ -205,7 +205,8 @@ static int suggest_all(fxs_xr *xr, fxs_message *why)
     const XrAction actions[] = {xr->grab, xr->grab, xr->grip, xr->grip, xr->walk, xr->walk};
     int error = suggest(xr, "/interaction_profiles/khr/simple_controller", actions, simple, 4, why);
     error = error ? error : suggest(xr, "/interaction_profiles/oculus/touch_controller", actions, touch, 6, why);
-    return error || !xr->gaze ? error : suggest(xr, "/interaction_profiles/ext/eye_gaze_interaction", &xr->look, eyes, 1, why);
+    return error || !xr->gaze
+               ? error : suggest(xr, "/interaction_profiles/ext/eye_gaze_interaction", &xr->look, eyes, 1, why);
 }
 
 static int make_space(fxs_xr *xr, XrAction action, XrPath of, XrSpace *space, fxs_message *why)

@@ -37,15 +37,16 @@ static int ask_requirements(fxs_xr *xr, fxs_message *why)
     XrGraphicsRequirementsVulkan2KHR needs = {.type = XR_TYPE_GRAPHICS_REQUIREMENTS_VULKAN2_KHR};
     PFN_xrVoidFunction ask;
     const int error = fxs_xr_find(xr, "xrGetVulkanGraphicsRequirements2KHR", &ask, why);
-    return error ? error : fxs_xr_check(xr, ((PFN_xrGetVulkanGraphicsRequirements2KHR)ask)(xr->instance, xr->system, &needs),
-                                        "xrGetVulkanGraphicsRequirements2KHR", why);
+    return error ? error : fxs_xr_check(xr, ((PFN_xrGetVulkanGraphicsRequirements2KHR)ask)(xr->instance, xr->system,
+                                        &needs), "xrGetVulkanGraphicsRequirements2KHR", why);
 }
 
 static int make_instance(fxs_xr *xr, vulkan_graphics *g, fxs_message *why)
 {
     const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pEngineName = "fixsplat",
                                            .engineVersion = FXS_VERSION_NUMBER, .apiVersion = VK_API_VERSION_1_1};
-    const VkInstanceCreateInfo own = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
+    const VkInstanceCreateInfo own = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                      .pApplicationInfo = &application};
     const XrVulkanInstanceCreateInfoKHR info = {
         .type = XR_TYPE_VULKAN_INSTANCE_CREATE_INFO_KHR, .systemId = xr->system,
         .pfnGetInstanceProcAddr = g->device.options.load, .vulkanCreateInfo = &own};
@@ -60,7 +61,8 @@ static int make_instance(fxs_xr *xr, vulkan_graphics *g, fxs_message *why)
 static int find_device(fxs_xr *xr, vulkan_graphics *g, fxs_message *why)
 {
     const XrVulkanGraphicsDeviceGetInfoKHR info = {.type = XR_TYPE_VULKAN_GRAPHICS_DEVICE_GET_INFO_KHR,
-                                                   .systemId = xr->system, .vulkanInstance = g->device.options.instance};
+                                                   .systemId = xr->system,
+                                                   .vulkanInstance = g->device.options.instance};
     const VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;      /* graphics, to write depths */
     VkQueueFamilyProperties families[FAMILIES];
     uint32_t count = FAMILIES;

@@ -59,7 +59,7 @@ static const option_row page_rows[] = {
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack scenes with levels of detail: the page then fetches only the visible part of a large scene"},
     {"port", "N", UINT64(port, 0, 65535), .help = "port, 1 to 65535, or 0 for any free port (default 8080)"},
-    {"bind", "ADDRESS", TEXT(bind), .basic = 1, .help =
+    {"bind", "ADDRESS", TEXT(bind), .help =
      "address to listen on: 0.0.0.0 for every machine of the network, or one address of this machine (default "
      "127.0.0.1)"},
     {"host", "NAME", TEXT(host), .help =
@@ -73,8 +73,8 @@ static const option_row page_rows[] = {
 static const option_row headset_rows[] = {
     {.help = "In a headset:"},
     {"xr", 0, FLAG(xr), .basic = 1, .help =
-     "show the scenes in a headset through OpenXR, until Ctrl-C, by --backend vulkan (default) or gles-compute. The head "
-     "starts at the view. The clock chooses the resolution and, with levels of detail, the budget"},
+     "show the scenes in a headset through OpenXR, until Ctrl-C, by --backend vulkan (default) or gles-compute. The "
+     "head starts at the view. The clock chooses the resolution and, with levels of detail, the budget"},
     {"metres-per-unit", "X", REAL(metres_per_unit, 1e-6, 1e6, "metres, 1e-6 to 1e6"), .help =
      "size of a scene unit with --xr, metres (default 1)"},
     {"pass-through", 0, FLAG(pass_through), .help = "show the room behind the scene with --xr, if the headset can"},
@@ -181,7 +181,8 @@ static int run(int argc, char **argv)
 const command command_view = {
     "view", "scene file -> window, --web: page, --xr: headset", run,
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
-    "Shows scenes in a window, in a browser with --web, or in a headset with --xr. fixsplat help formats lists the scene formats.\n\n"
+    "Shows scenes in a window, in a browser with --web, or in a headset with --xr. fixsplat help formats lists\n"
+    "the scene formats.\n\n"
     "The window opens files that are dropped on it. Without a scene, it lists the last ten scenes, from the file\n"
     "$XDG_STATE_HOME/fixsplat/recent (default ~/.local/state/fixsplat/recent; Windows: %APPDATA%\\fixsplat\\recent).\n"
     "Key c shows a crop box; key enter writes its contents beside the scene, in the same format or else as .ply, and\n"
@@ -196,5 +197,6 @@ const command command_view = {
     "  $ fixsplat view https://example.org/city.fxs --fps 60\n"
     "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n"
     "  $ fixsplat view --xr room.fxs --metres-per-unit 1\n",
-    {{window_rows, 0}, {page_rows, 0}, {headset_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
+    {{window_rows, 0}, {page_rows, 0}, {headset_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options),
+     COMMON_TABLE}
 };
