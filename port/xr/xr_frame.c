@@ -19,7 +19,6 @@ static int take_state(fxs_xr *xr, XrSessionState state, fxs_message *why)
     const XrSessionBeginInfo begin = {.type = XR_TYPE_SESSION_BEGIN_INFO,
                                       .primaryViewConfigurationType = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO};
     int error = 0;
-    xr->state = state;
     if (state == XR_SESSION_STATE_READY) {
         error = FXS_XR_TRY(BeginSession, (xr->session, &begin));
         xr->running = !error;

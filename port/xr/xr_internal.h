@@ -95,7 +95,6 @@ struct fxs_xr {
     XrSystemId system;
     XrSession session;
     XrSpace space;
-    XrSessionState state;
     XrEnvironmentBlendMode blend;
     fxs_xr_options options;
     fxs_xr_info info;

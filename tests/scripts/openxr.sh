@@ -72,6 +72,10 @@ else
     skip "valgrind" "it is not here"
 fi
 
+FXS_XR_LACKS=egl run view --xr knot.ply --backend gles-compute
+check "a runtime without OpenGL ES" equal "$status $(cat logs/err)" \
+    "1 fixsplat: --xr: the OpenXR runtime has no XR_MNDX_egl_enable"
+check "the program of docs/openxr.md" "${fixsplat%/*}/tests/xr/example" knot.ply
 run view --xr
 check "no scene" equal "$status" 2
 XR_RUNTIME_JSON=/nowhere.json run view --xr knot.ply
