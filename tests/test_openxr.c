@@ -450,8 +450,8 @@ static void events(void)
         CHECK(draw_frames(xr, 20) == FXS_ERR_DEVICE && is_one_line());
         fxs_xr_close(xr);
     }
-    set("EVENT", "recentre:25");           /* undoes the pull of the hand */
-    set("HANDS", "pull");
+    set("EVENT", "recentre:25");           /* undoes the change of the hands */
+    set("HANDS", "stretch");
     set("STILL", "1");
     if (!(xr = open_session()))
         return;
@@ -462,7 +462,7 @@ static void events(void)
     CHECK(between(before, after) > 0.1);
     CHECK(draw_frames(xr, 10) == FXS_XR_DRAWN);
     position_of(fxs_xr_get_info(xr).cameras, after);
-    CHECK(between(before, after) < 1e-9);
+    CHECK(between(before, after) < 1e-9 && fxs_xr_get_info(xr).metres_per_unit == 1);
     end_session(xr);
     set_nothing();
     set("FRAMES", "12");                   /* the user takes the headset off */

@@ -300,7 +300,9 @@ static int set_up(fxs_xr *xr, const fxs_xr_options *options, fxs_message *why)
         xr->start = *options->start;
     if (!(xr->options.metres_per_unit >= 0) || xr->options.metres_per_unit > 1e6)
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%g metres per unit", xr->options.metres_per_unit);
-    xr->place.units = xr->options.metres_per_unit > 0 ? 1 / xr->options.metres_per_unit : 1;
+    if (!(xr->options.metres_per_unit > 0))
+        xr->options.metres_per_unit = 1;
+    xr->place.units = 1 / xr->options.metres_per_unit;
     fxs_pace_init(&xr->pace);
     xr->pace.scale_least_q16 = 65536 * 35 / 100;
     xr->pace.rates_most = 2;

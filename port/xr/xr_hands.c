@@ -140,12 +140,11 @@ static void place_at_start(fxs_xr *xr, const XrView views[2])
 static void place_room(fxs_xr *xr, const XrView views[2])
 {
     static const fxs_xr_place flipped = {.axes = {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
-    const double units = xr->place.units;
     if (xr->placed)
         return;
     xr->placed = 1;
     xr->place = flipped;
-    xr->place.units = units;
+    xr->place.units = 1 / xr->options.metres_per_unit;
     if (xr->has_start)
         place_at_start(xr, views);
 }
