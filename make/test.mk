@@ -109,3 +109,17 @@ fuzz: all ## fuzz readers and renderer, SECONDS=60 each, JOBS at once
 
 mutants: ## change the code in COUNT small ways, drawn by SEED, and see that a test notices each (long)
 	sh tests/mutants.sh $(or $(SEED),1) $(or $(COUNT),30) $(FILES)
+
+# The library of port/android for Java on this machine, and stand-ins for the libraries of Android (tests/android).
+JDK := $(patsubst %/bin/javac,%,$(realpath $(shell command -v javac)))
+ON_DESKTOP := $(B)/tests/android
+COUNTED := malloc calloc realloc strdup posix_memalign free
+$(B)/port/android/%.o $(ON_DESKTOP)/%.o: INCLUDES += -fPIC -I$(JDK)/include -I$(JDK)/include/linux
+$(ON_DESKTOP)/libfixsplat.so: $(call objects,$(wildcard port/android/*.c) tests/android/counted.c) $(B)/libfixsplat.a \
+                              $(B)/commands/link
+	$(call link,-shared $(COUNTED:%=-Wl$(comma)--wrap=%))
+$(ON_DESKTOP)/stand_in/libEGL.so: $(call objects,$(wildcard tests/android/stand_in*.c)) $(B)/commands/link
+	@mkdir -p $(@D)
+	$(call link,-shared)
+	@for name in android vulkan; do ln -sf $(@F) $(@D)/lib$$name.so; done
+comma := ,

@@ -120,7 +120,8 @@ static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opene
 static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **opened, fxs_message *message)
 {
     fxs_pager *pager;
-    int error = fxs_pager_open_file(s->name, o->pager, &pager, message);
+    int error = o->source ? fxs_pager_open(s->name, o->source, o->pager, &pager, message)
+                          : fxs_pager_open_file(s->name, o->pager, &pager, message);
     if (!error) {
         describe(s, fxs_pager_head(pager));
         error = check_count(s, o, message);
@@ -198,9 +199,11 @@ int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **ope
     open_scene *s;
     int error = read_options(&all, options, opened, message);
     error = error ? error : create(path, &s, opened, message);
+    if (error && o->source && o->source->close)
+        o->source->close(o->source->argument);
     if (error)
         return error;
-    if (o->pager)
+    if (o->pager || o->source)
         return page_file(s, o, opened, message);
     if (fxs_pager_is_url(path))
         return finish(s, fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: what a server has is read in part, by render "

@@ -53,6 +53,8 @@ typedef struct fxs_open_options {
     const fxs_pager_options *pager;    /* not null: streams an .fxs with levels of detail through a pager (pager.h).
                                           Then set options.want to fxs_pager_want and call fxs_pager_turn between
                                           frames */
+    const fxs_pager_source *source;    /* not null: fxs_open streams the scene from this source, and the path is only a
+                                          name for messages. The source is closed by fxs_close, or after an error */
 } fxs_open_options;
 FXS_INIT(fxs_open_options)
 
