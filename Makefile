@@ -81,7 +81,7 @@ missing = $(strip $(foreach program,$(1),$(if $(shell command -v $(program)),,$(
 needs = $(foreach goal,$(firstword $(filter $(1),$(GOALS))),$(if $(call missing,$(2)),$(error \
     $(goal): not here: $(call missing,$(2)); they come by: make setup $(goal))))
 
-include $(addprefix make/,build.mk firmware.mk web.mk windows.mk install.mk dist.mk test.mk measure.mk)
+include $(addprefix make/,build.mk firmware.mk web.mk windows.mk android.mk install.mk dist.mk test.mk measure.mk)
 
 clean: ## remove what was built
 	rm -rf $(B) dist demo.ply demo.png

@@ -64,9 +64,10 @@ static int read_source(void *source, uint64_t offset, void *out, size_t size, fx
     if (!bytes)
         return fxs_fail_memory(why, NULL, size);
     const jstring fault = (*env)->CallObjectMethod(env, source, java.read, (jlong)offset, bytes);
-    const char *text = fault ? (*env)->GetStringUTFChars(env, fault, NULL) : NULL;
-    const int error = fault || (*env)->ExceptionCheck(env) ? fxs_fail(why, "%s", text ? text : "out of memory") : 0;
+    const int threw = (*env)->ExceptionCheck(env);
     (*env)->ExceptionClear(env);
+    const char *const text = fault && !threw ? (*env)->GetStringUTFChars(env, fault, NULL) : NULL;
+    const int error = fault || threw ? fxs_fail(why, "%s", text ? text : "out of memory") : 0;
     if (text)
         (*env)->ReleaseStringUTFChars(env, fault, text);
     (*env)->DeleteLocalRef(env, fault);
@@ -103,7 +104,10 @@ static void close_source(void *source)
 static int tell_progress(void *source, double done)
 {
     JNIEnv *const env = environment();
-    return env && (*env)->CallBooleanMethod(env, source, java.progress, done);
+    const int stops = env && (*env)->CallBooleanMethod(env, source, java.progress, done);
+    if (env)
+        (*env)->ExceptionClear(env);
+    return stops;
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */

@@ -13,6 +13,7 @@
 #define LEAST_BUDGET 65536u
 #define LEAST_SCALE_Q16 32768u
 #define LEAST_POOL (16u << 20)
+#define TRIES 3    /* to draw a frame, if the device is lost */
 
 int fxs_system_function(const char *library, const char *name, void *function)
 {
@@ -195,7 +196,7 @@ int fxs_window_draw(fxs_window_view *view, const double numbers[FXS_NUMBERS], fx
         request.options.want = (fxs_want){fxs_pager_want, pager};
     }
     error = draw_once(view, &request, why);
-    if (error == FXS_ERR_DEVICE) {
+    for (int i = 1; i < TRIES && error == FXS_ERR_DEVICE; i++) {
         close_way(view);
         error = draw_once(view, &request, why);
     }

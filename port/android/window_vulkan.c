@@ -66,11 +66,8 @@ static int open_way(void **self, void *window, uint64_t pool_bytes, fxs_message 
 static int take_window(void *self, void *window, fxs_message *why)
 {
     vulkan_way *const way = self;
-    int error = fxs_vulkan_window_renew(way->shown, 0, why);
     way->window = window;
-    if (!error && window)
-        error = fxs_vulkan_window_renew(way->shown, 1, why);
-    return error;
+    return fxs_vulkan_window_renew(way->shown, window != NULL, why);
 }
 
 static int draw(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)

@@ -71,7 +71,7 @@ void fxs_window_scene(fxs_window_view *view, fxs_opened *opened);
 /* Sets the limits: nanoseconds of a frame (0: no clock), and the largest budget (0: none). */
 void fxs_window_pace(fxs_window_view *view, uint32_t frame_nanoseconds, uint32_t budget);
 
-/* Draws the scene and shows it. A lost device is opened again, once. Writes view->state. */
+/* Draws the scene and shows it. A lost device is opened again, twice at most. Writes view->state. */
 int fxs_window_draw(fxs_window_view *view, const double numbers[FXS_NUMBERS], fxs_message *why);
 
 /* Finds the Gaussian at a pixel of the window; like fxs_renderer_pick. */

@@ -1,5 +1,6 @@
 /* Windows, EGL and the natives of StandIn.java. EGL is Mesa's without a window system; the surface of a window is a
  * pbuffer, whose pixels are copied to the window when they are swapped. */
+#define _GNU_SOURCE    /* dladdr */
 #include "stand_in.h"
 
 #include <dlfcn.h>
@@ -220,15 +221,24 @@ static jobject(JNICALL *real_new)(JNIEnv *, jobject);
 static void(JNICALL *real_delete)(JNIEnv *, jobject);
 static int global_references;
 
+/* Returns whether a caller is in the library, not in one of Java's. */
+static int is_ours(void *caller)
+{
+    Dl_info info;
+    return dladdr(caller, &info) && strstr(info.dli_fname, "libfixsplat");
+}
+
 static jobject JNICALL counting_new(JNIEnv *env, jobject object)
 {
-    __atomic_add_fetch(&global_references, object != NULL, __ATOMIC_SEQ_CST);
+    const int change = object && is_ours(__builtin_return_address(0));
+    __atomic_add_fetch(&global_references, change, __ATOMIC_SEQ_CST);
     return real_new(env, object);
 }
 
 static void JNICALL counting_delete(JNIEnv *env, jobject object)
 {
-    __atomic_sub_fetch(&global_references, object != NULL, __ATOMIC_SEQ_CST);
+    const int change = object && is_ours(__builtin_return_address(0));
+    __atomic_sub_fetch(&global_references, change, __ATOMIC_SEQ_CST);
     real_delete(env, object);
 }
 

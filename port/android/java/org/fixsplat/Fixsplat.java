@@ -242,6 +242,7 @@ public final class Fixsplat implements AutoCloseable {
     public void setSurface(Surface surface) {
         final FutureTask<Void> task = new FutureTask<>(() -> {
             hasSurface = surface != null;
+            awake();
             take(view, surface);
             return null;
         });

@@ -10,7 +10,7 @@ public class View {
     }
 
     public final Context getContext() {
-        return context;
+        return context == null ? new Context() : context;
     }
 
     public boolean onTouchEvent(MotionEvent event) {
