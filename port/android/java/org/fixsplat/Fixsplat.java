@@ -80,6 +80,8 @@ public final class Fixsplat implements AutoCloseable {
         }
     }
 
+    /** Frames without as many parts as the frame before, after which a resting view waits for parts to arrive. */
+    private static final int SETTLED = 4;
     private final Listener listener;
     private final Handler main = new Handler(Looper.getMainLooper());
     private final Thread thread = new Thread(this::run, "fixsplat");
@@ -91,7 +93,7 @@ public final class Fixsplat implements AutoCloseable {
     private Camera camera;
     private State state = new State(null, new int[6], 0);
     private Source opening;
-    private int openings;
+    private int openings, same;
 
     /* Of the drawing thread. */
     private final long view;
@@ -171,7 +173,7 @@ public final class Fixsplat implements AutoCloseable {
         Source source = null;
         long made = 0;
         try {
-            source = maker.make(done -> tell(() -> listener.onProgress(done)), this::awake);
+            source = maker.make(done -> tell(() -> listener.onProgress(done)), this::arrived);
             begin(source, number);
             made = openBest(source);
             final double[] first = new double[10];
@@ -449,12 +451,21 @@ public final class Fixsplat implements AutoCloseable {
             fault(fault);
             return;
         }
-        final boolean goesOn = now[5] != 0 || now[0] != missing && now[0] > 0;
-        if (goesOn)
-            awake();
+        synchronized (lock) {
+            same = now[0] == missing ? same + 1 : 0;
+            isDirty |= now[5] != 0 || now[0] > 0 && same < SETTLED;
+        }
         if (now[0] != missing)
             tell(() -> listener.onProgress(now[0] == 0 ? 1 : 1.0 / (1 + now[0])));
         missing = now[0];
+    }
+
+    /** Parts of the scene have arrived. Frames put them on the device, and later frames draw them. */
+    private void arrived() {
+        synchronized (lock) {
+            same = 0;
+        }
+        awake();
     }
 
     /* ---- C: port/android/jni.c ----------------------------------------------------------------------------------- */
