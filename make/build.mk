@@ -4,7 +4,7 @@ include make/sources.mk
 
 # The script probe.sh finds the compiler's target and the optional libraries. It runs again when they change.
 quoted = '$(subst ','\'',$(1))'
-ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
+ifneq ($(filter-out $(DIST_GOALS) aar clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
     LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/scripts/probe.sh $(B) >&2)
 include $(B)/probe.mk

@@ -24,7 +24,14 @@ RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_panel) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input) $(if $(filter openxr.sh,$(RUN)),test_openxr xr/example) $(if $(and $(filter cuda_emulated.sh,$(RUN)),$(shell command -v $(CXX))),gpu/emulated_cuda)
+JDK := $(patsubst %/bin/javac,%,$(realpath $(shell command -v javac)))
+# $(call needed,SCRIPTS,FILES): files that the tests of these scripts run.
+needed = $(if $(filter $(1),$(RUN)),$(2))
+NEEDED := $(filter $(TESTS),$(RUN)) $(call needed,bombs.sh web.sh,test_bombs) \
+          $(call needed,boards.sh,test_strip test_panel) $(call needed,convert.sh,test_lcc) \
+          $(call needed,web.sh,test_scene_input) $(call needed,openxr.sh,test_openxr xr/example) \
+          $(if $(and $(JDK),$(filter EGL,$(FOUND)),$(filter VULKAN,$(FOUND))),$(call needed,android.sh,android/libfixsplat.so android/stand_in/libEGL.so)) \
+          $(if $(shell command -v $(CXX)),$(call needed,cuda_emulated.sh,gpu/emulated_cuda))
 
 $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link
@@ -111,7 +118,6 @@ mutants: ## change the code in COUNT small ways, drawn by SEED, and see that a t
 	sh tests/mutants.sh $(or $(SEED),1) $(or $(COUNT),30) $(FILES)
 
 # The library of port/android for Java on this machine, and stand-ins for the libraries of Android (tests/android).
-JDK := $(patsubst %/bin/javac,%,$(realpath $(shell command -v javac)))
 ON_DESKTOP := $(B)/tests/android
 COUNTED := malloc calloc realloc strdup posix_memalign free
 $(B)/port/android/%.o $(ON_DESKTOP)/%.o: INCLUDES += -fPIC -I$(JDK)/include -I$(JDK)/include/linux

@@ -26,7 +26,7 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.Executors;
 
 /**
- * Tests the classes of Android on a desktop. Check COMMAND FOLDER BACKEND: draws scenes of FOLDER, and compares the
+ * Tests the classes of Android on a desktop. Check COMMAND FOLDER BACKEND EVENTS: draws scenes of FOLDER, and compares the
  * pictures with those of COMMAND, which draws on the processor. Prints lines with ok or FAIL.
  */
 final class Check {
@@ -347,7 +347,8 @@ final class Check {
         final Path cut = Paths.get(folder, "cut.fxs");
         final byte[] whole = Files.readAllBytes(Paths.get(folder, TREE));
         Files.write(cut, Arrays.copyOf(whole, whole.length / 2));
-        Files.createDirectories(Paths.get(folder, "assets"));
+        final Path notes = Paths.get(folder, "notes.txt");
+        Files.write(notes, "no scene".getBytes());
         Files.write(Paths.get(folder, "assets", "cut.fxs"), Arrays.copyOf(whole, whole.length / 3));
         try (App app = new App(96, 64); Server server = new Server(); ServerSocket silent = silent()) {
             final AssetManager assets = new AssetManager(folder + "/assets");
@@ -358,7 +359,7 @@ final class Check {
             app.faults("a cut file", "cut.fxs", () -> app.f.openFile(cut.toString()));
             app.faults("a cut asset", "cut.fxs", () -> app.f.openAsset(assets, "cut.fxs"));
             app.faults("an asset that is not there", "nowhere", () -> app.f.openAsset(assets, "nowhere"));
-            app.faults("a file without a scene", "Check", () -> app.f.openFile(System.getProperty("class")));
+            app.faults("a file without a scene", "notes", () -> app.f.openFile(notes.toString()));
             app.faults("no address", "unknown", () -> app.f.openAddress("unknown:", 500));
             app.faults("an address that is not there", "404", () -> app.f.openAddress(server.address("no"), 5000));
             app.faults("a server without parts", "parts", () -> app.f.openAddress(server.address("all"), 5000));
@@ -593,16 +594,12 @@ final class Check {
         StandIn.fail(StandIn.NO_COMPUTE, backEnd.equals("gles") ? 1 << 30 : 0);
         new Fixsplat(null).close();
         referencesBefore = StandIn.globalReferences();
-        if (arguments.length < 5) {
-            opening(backEnd);
-            using();
-            touching();
-            leaves("use");
-        }
+        opening(backEnd);
+        using();
+        touching();
+        leaves("use");
         live(Integer.parseInt(arguments[3]), 1);
         leaves("a life");
-        if (arguments.length > 4)
-            System.exit(0);
         refusing();
         refusesAfterClose();
         leaves("faults");

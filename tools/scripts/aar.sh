@@ -15,7 +15,8 @@ for program in javac jar zip; do
 done
 classes=$(ls "$ANDROID_HOME"/platforms/android-*/android.jar 2>/dev/null | sort -V | tail -n 1)
 
-make -s ${MAKEFLAGS:+-j$(nproc)} B="$build" CC="$clang" AR="$tools/llvm-ar" NVCC=none CFLAGS="${CFLAGS:--O2}" \
+unset MAKEFLAGS MAKELEVEL
+make -s B="$build" CC="$clang" AR="$tools/llvm-ar" NVCC=none CFLAGS="${CFLAGS:--O2}" \
     "$build/jni/libfixsplat.so" || exit 1
 for name in GLES VULKAN; do
     grep -q "^FOUND += $name$" "$build/probe.mk" || fail "$ANDROID_NDK_HOME: there are no headers of $name"
@@ -26,9 +27,9 @@ rm -rf "$stage" "$build/classes"
 mkdir -p "$stage/jni/$abi" "$stage/prefab/modules/fixsplat/libs/android.$abi" "$build/classes/android" \
     "$build/classes/fixsplat" "$(dirname "$aar")" || exit 1
 if [ "$classes" ]; then
-    echo "aar: compiled against $classes"
+    echo "aar: Java is compiled against $classes"
 else
-    echo "aar: compiled against stand-ins of Android's classes (tests/android/stubs): ANDROID_HOME has no android.jar"
+    echo "aar: Java is compiled against stand-ins (tests/android/stubs), as ANDROID_HOME has no android.jar"
     javac --release 8 -Xlint:-options -d "$build/classes/android" $(find tests/android/stubs -name '*.java') || exit 1
     classes=$build/classes/android
 fi
@@ -47,6 +48,7 @@ cp "$library" "$module/libs/android.$abi/"
 mkdir -p "$module/include/fixsplat/internal"
 cp src/include/fixsplat/*.h "$module/include/fixsplat/"
 cp src/include/fixsplat/internal/*.h "$module/include/fixsplat/internal/"
+(cd "$module/include/fixsplat" && rm fit.h cuda.h internal/fit_more.h internal/declarations.h)
 revision=$(sed -n 's/^Pkg.Revision *= *\([0-9]*\).*/\1/p' "$ANDROID_NDK_HOME/source.properties" 2>/dev/null)
 cat >"$stage/prefab/prefab.json" <<END
 {"schema_version": 2, "name": "fixsplat", "version": "$version", "dependencies": []}

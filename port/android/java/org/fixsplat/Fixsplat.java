@@ -385,17 +385,17 @@ public final class Fixsplat implements AutoCloseable {
 
     /** Waits for a task, also if this thread is interrupted meanwhile. */
     private void finish(FutureTask<Void> task) {
-        boolean wasInterrupted = false;
-        while (!task.isDone())
+        boolean wasInterrupted = false, isDone = false;
+        while (!isDone)
             try {
                 task.get();
+                isDone = true;
             } catch (InterruptedException interrupted) {
                 wasInterrupted = true;
             } catch (ExecutionException fault) {
-                if (fault.getCause() instanceof FixsplatException)
-                    fault((FixsplatException) fault.getCause());
-                else
-                    throw new IllegalStateException(fault.getCause());
+                isDone = true;
+                fault(fault.getCause() instanceof FixsplatException ? (FixsplatException) fault.getCause()
+                      : new FixsplatException(fault.getCause().toString()));
             }
         if (wasInterrupted)
             Thread.currentThread().interrupt();
