@@ -38,6 +38,7 @@ TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-
 DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross python3-numpy python3-cffi python3-pip python3-setuptools python3-wheel python3-venv \
                  zip
+AAR_PACKAGES := openjdk-17-jdk-headless zip unzip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
 # Cache folder for library sources of the web port, filled by `make setup web`.
@@ -62,6 +63,7 @@ setup: ## install the Debian packages that are missing (and what goals behind it
 	    $(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all $(DIST_GOALS),$(GOALS)),$(DIST_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES) wine64) \
+	    $(if $(filter test test-all aar,$(GOALS)),$(AAR_PACKAGES)) \
 	    $(if $(filter test-all windows $(DIST_GOALS),$(GOALS)),$(WINDOWS_PACKAGES))
 	@$(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(if $(WEB_SOURCES),sh tools/scripts/web_sources.sh $(WEB_SOURCES)))
 	@$(if $(filter test-all windows,$(GOALS)),sh tools/scripts/libraries.sh $(WINDOWS_LIBRARIES) x86_64-w64-mingw32 || :)

@@ -192,6 +192,12 @@ static void test_file(void)
     CHECK(opened->info->count == TREE_COUNT && settle(opened->pager, camera_on_way(7), BUDGET, &state) > 0 &&
           is_as_whole(camera_on_way(7), BUDGET));
     fxs_close(opened);
+    bytes_source s = {0};
+    const fxs_pager_source source = source_of(&s);
+    const fxs_open_options by_source = {.size = sizeof(fxs_open_options), .source = &source};
+    CHECK(!fxs_open("a name", &by_source, &opened, &why) && opened->pager && opened->info->count == TREE_COUNT);
+    CHECK(settle(opened->pager, camera_on_way(7), BUDGET, &state) > 0 && is_as_whole(camera_on_way(7), BUDGET));
+    fxs_close(opened);
     for (int cut = 0; cut < 2; cut++) {
         CHECK(!fxs_file_write(path, packed.data, packed.bytes, &why));
         if (!CHECK(!fxs_pager_open_file(path, &options, &pager, &why)))

@@ -503,19 +503,21 @@ final class Check {
     private static void live(int events, long seed) throws Exception {
         final Random random = new Random(seed);
         App app = null;
+        Camera first = null;
         int[] size = SIZES[0];
         boolean has = false, isPaused = false;
         int checked = 0, reopened = 0;
         String fault = null;
         for (int i = 0; i < events && fault == null; i++) {
             final boolean sleeps = app != null && (!has || isPaused) && random.nextInt(3) > 0;
-            final int event = app == null ? 0 : sleeps ? has ? 18 : 12 : random.nextInt(40);
+            final int event = app == null ? 0 : sleeps ? has ? 18 : 12 : random.nextInt(60);
             final long shown = app == null ? 0 : app.window.look()[2];
             if (event == 0) {
                 if (app != null)
                     app.close();
                 app = new App(size[0], size[1]);
                 app.opensFile(TREE);
+                first = app.f.getCamera();
                 has = true;
                 isPaused = false;
                 reopened++;
@@ -539,8 +541,8 @@ final class Check {
                     app.f.pause();
                 else
                     app.f.resume();
-            } else if (event < 28) {
-                app.f.setCamera(app.f.getCamera().orbit(random.nextInt(4) * Math.PI / 2, 0));
+            } else if (event < 28 || event >= 40) {
+                app.f.setCamera(first.orbit(random.nextInt(4) * Math.PI / 2, 0));
             } else if (event < 30) {
                 app.opensFile(random.nextBoolean() ? TREE : FLAT);
             } else if (event < 32) {

@@ -5,59 +5,17 @@
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-here=$PWD
-parts=$here/$B/tests/android
-case $B in /*) parts=$B/tests/android ;; esac
-command=${parts%/tests/android}/fixsplat
+case $B in /*) ;; *) B=$PWD/$B ;; esac
+parts=$B/tests/android command=$B/fixsplat
 
-# ---- Java on this machine: Check.java draws by each way, and compares with the command's pictures
-
-scenes() {
-    mkdir -p "$work/scenes/assets" && cd "$work/scenes" || return
-    "$command" make-scene knot --count 6000 -o knot.ply && "$command" convert knot.ply tree.fxs --levels &&
-        "$command" convert knot.ply flat.fxs &&
-        { printf 'pad!'; cat tree.fxs; } >assets/tree.fxs && cp assets/tree.fxs assets/tree.fxs.z
-}
-
-compile() {
-    javac -Xlint:all -Werror -d "$work/classes" port/android/java/org/fixsplat/*.java tests/android/*.java \
-        docs/examples/android/MainActivity.java $(find tests/android/stubs -name '*.java')
-}
-
-# use WAY EVENTS: runs Check by a way to draw, through a life of so many random events.
-use() {
-    EGL_PLATFORM=surfaceless LIBGL_ALWAYS_SOFTWARE=1 LD_LIBRARY_PATH=$parts/stand_in timeout 300 java -Xcheck:jni \
-        -Dstand_in="$parts/stand_in/libEGL.so" -Djava.library.path="$parts" -cp "$work/classes" org.fixsplat.Check \
-        "$command" "$work/scenes" "$1" "$2" >"$work/$1" 2>&1 || echo "FAIL status $?" >>"$work/$1"
-}
-
-# tell WAY: prints the lines of a run. Whatever else it printed is a fault: of JNI, or of the validation layer.
-tell() {
-    while read -r result text; do
-        case $result in
-        ok) ok "$1: $text" ;;
-        FAIL) fail "$1: ${text%%: *}" "${text#*: }" ;;
-        esac
-    done <"$work/$1"
-    check "$1: no complaint of Java's or Vulkan's" equal "$(grep -Ev '^(ok|FAIL) ' "$work/$1" | head -n 12)" ""
-}
-
-if ! have javac || [ ! -e "$parts/libfixsplat.so" ]; then
-    skip "Java" "no JDK, or no headers of EGL and Vulkan here"
-else
-    check "scenes" scenes
-    check "the classes compile" compile
-    use gles-compute 60 &
-    use gles 60
-    wait
-    VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation use vulkan 500
-    for way in gles-compute gles vulkan; do tell $way; done
-fi
-
-# ---- The package
+# ---- The package, which is built while Java draws
 
 ndk=$parts/ndk
-by_make() { NVCC=none ANDROID_NDK_HOME=$1 ANDROID_HOME=/none make -s B="$parts/by_ndk" AAR="$work/fixsplat.aar" aar; }
+by_make() {
+    sh tests/android/ndk.sh "$ndk" && NVCC=none ANDROID_NDK_HOME=$ndk ANDROID_HOME=/none \
+        make -s B="$parts/by_ndk" AAR="$work/fixsplat.aar" aar
+}
+made() { cat "$work/made" && [ -e "$work/fixsplat.aar" ]; }
 library=$work/aar/jni/arm64-v8a/libfixsplat.so
 module=$work/aar/prefab/modules/fixsplat
 
@@ -78,18 +36,71 @@ by_cmake() {
         -DMODULE="$module" && cmake --build "$work/outside"
 }
 drawn() {
-    (cd "$work" && qemu-aarch64 -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH="${library%/*}" outside/with-module \
-        scenes/knot.ply by_qemu.fxs && "$command" convert scenes/knot.ply here.fxs && cmp by_qemu.fxs here.fxs)
+    "${CC:-cc}" -Isrc/include tests/outside/all.c -o "$work/all" "$B"/libfixsplat.so.*.*.* || return
+    ln -s "$B"/libfixsplat.so.*.*.* "$work/libfixsplat.so.1"
+    LD_LIBRARY_PATH=$work "$work/all" "$work/scenes/knot.ply" "$work/here.fxs" >"$work/here" &&
+        qemu-aarch64 -L /usr/aarch64-linux-gnu -E LD_LIBRARY_PATH="${library%/*}" "$work/outside/with-module" \
+            "$work/scenes/knot.ply" "$work/by_qemu.fxs" >"$work/by_qemu" &&
+        cmp "$work/here" "$work/by_qemu" && cmp "$work/here.fxs" "$work/by_qemu.fxs"
 }
+
+# ---- Java on this machine: Check.java draws by each way, and compares with the command's pictures
+
+scenes() {
+    mkdir -p "$work/scenes/assets" && cd "$work/scenes" || return
+    "$command" make-scene knot --count 6000 -o knot.ply && "$command" convert knot.ply tree.fxs --levels &&
+        "$command" convert knot.ply flat.fxs &&
+        { printf 'pad!'; cat tree.fxs; } >assets/tree.fxs && cp assets/tree.fxs assets/tree.fxs.z
+}
+
+compile() {
+    javac -Xlint:all -Werror -d "$work/classes" port/android/java/org/fixsplat/*.java tests/android/*.java \
+        docs/examples/android/MainActivity.java $(find tests/android/stubs -name '*.java')
+}
+
+# use WAY EVENTS: runs Check by a way to draw, through a life of so many random events.
+use() {
+    EGL_PLATFORM=surfaceless LIBGL_ALWAYS_SOFTWARE=1 LD_LIBRARY_PATH=$parts/stand_in timeout 300 \
+        java -XX:TieredStopAtLevel=1 -Xcheck:jni -Dstand_in="$parts/stand_in/libEGL.so" -Djava.library.path="$parts" \
+        -cp "$work/classes" org.fixsplat.Check "$command" "$work/scenes" "$1" "$2" >"$work/$1" 2>&1 || echo "FAIL status $?" >>"$work/$1"
+}
+
+# tell WAY: prints the lines of a run. Whatever else it printed is a fault: of JNI, or of the validation layer.
+tell() {
+    while read -r result text; do
+        case $result in
+        ok) ok "$1: $text" ;;
+        FAIL) fail "$1: ${text%%: *}" "${text#*: }" ;;
+        esac
+    done <"$work/$1"
+    check "$1: no complaint of Java's or Vulkan's" equal "$(grep -Ev '^(ok|FAIL) ' "$work/$1" | head -n 12)" ""
+}
+
+has_ndk=yes
+for program in javac clang ld.lld aarch64-linux-gnu-gcc qemu-aarch64 zip unzip; do have $program || has_ndk=; done
+[ -d /usr/include/vulkan ] || has_ndk=
+[ -z "$has_ndk" ] || by_make >"$work/made" 2>&1 &
+check "scenes" scenes
+if ! have javac || [ ! -e "$parts/libfixsplat.so" ]; then
+    skip "Java" "no JDK, or no headers of EGL and Vulkan here"
+else
+    check "the classes compile" compile
+    use gles-compute 60
+    use gles 60
+    VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation use vulkan 500
+    for way in gles-compute gles vulkan; do tell $way; done
+fi
+
+# ---- The package
 
 check "without an NDK, one line" equal "$(env -u ANDROID_NDK_HOME make -s aar 2>&1 | grep -v '^make')" \
     "aar: ANDROID_NDK_HOME is not set: it names the folder of Android's NDK"
 check "an NDK that is not there, one line" equal "$(ANDROID_NDK_HOME=/none make -s aar 2>&1 | grep -vc '^make')" 1
-if ! have javac || ! have clang || ! have ld.lld || ! have aarch64-linux-gnu-gcc || ! have qemu-aarch64; then
-    skip "the package" "no javac, clang, lld, AArch64 compiler or qemu here"
+wait
+if [ -z "$has_ndk" ]; then
+    skip "the package" "no JDK, clang, lld, compiler and qemu for AArch64, zip or headers of Vulkan here"
 else
-    check "a stand-in for the NDK" sh tests/android/ndk.sh "$ndk"
-    check "make aar" by_make "$ndk"
+    check "make aar" made
     check "unpacks" unzip -q "$work/fixsplat.aar" -d "$work/aar"
     bytes=$(stat -c %s "$library")
     check "the library has less than 1.5 MB ($bytes bytes)" test "$bytes" -lt 1500000
@@ -104,6 +115,6 @@ else
     check "its JSON" sh -c "for f in $module/module.json $work/aar/prefab/prefab.json $module/libs/*/abi.json; do
         python3 -m json.tool \$f || exit 1; done"
     check "CMake takes the module" by_cmake
-    check "the library runs as AArch64, and packs the same bytes" drawn
+    check "as AArch64, it packs and draws the same bytes" drawn
 fi
 finish

@@ -5,6 +5,7 @@ import android.content.Context;
 import android.content.res.Configuration;
 import android.util.AttributeSet;
 import android.view.MotionEvent;
+import android.view.Surface;
 import android.view.SurfaceHolder;
 import android.view.SurfaceView;
 
@@ -14,6 +15,7 @@ import android.view.SurfaceView;
  */
 public class FixsplatView extends SurfaceView implements SurfaceHolder.Callback, ComponentCallbacks2, AutoCloseable {
     private Fixsplat scene;
+    private Surface surface;
     private double lastX, lastY, lastSpread;
     private int lastFingers;
 
@@ -31,6 +33,7 @@ public class FixsplatView extends SurfaceView implements SurfaceHolder.Callback,
         if (scene != null)
             throw new IllegalStateException("this view was started before");
         scene = new Fixsplat(listener);
+        scene.setSurface(surface);
         getContext().getApplicationContext().registerComponentCallbacks(this);
         return scene;
     }
@@ -49,13 +52,17 @@ public class FixsplatView extends SurfaceView implements SurfaceHolder.Callback,
     }
 
     @Override public void surfaceChanged(SurfaceHolder holder, int format, int width, int height) {
-        if (scene != null)
-            scene.setSurface(holder.getSurface());
+        setSurface(holder.getSurface());
     }
 
     @Override public void surfaceDestroyed(SurfaceHolder holder) {
+        setSurface(null);
+    }
+
+    private void setSurface(Surface now) {
+        surface = now;
         if (scene != null)
-            scene.setSurface(null);
+            scene.setSurface(now);
     }
 
     /* ---- Memory -------------------------------------------------------------------------------------------------- */
