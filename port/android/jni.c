@@ -266,7 +266,7 @@ static jstring JNICALL draw(JNIEnv *env, jclass class, jlong handle, jdoubleArra
     return error || !view->way ? NULL : (*env)->NewStringUTF(env, view->way->name(view->self));
 }
 
-/* Writes the Gaussian, its depth and its position. Returns whether there is one. */
+/* Writes the number, depth and position of the Gaussian at a pixel. Returns false if the pixel shows none. */
 static jboolean JNICALL pick(JNIEnv *env, jclass class, jlong view, jdoubleArray camera, jint x, jint y,
                              jdoubleArray to)
 {
@@ -295,7 +295,8 @@ static void JNICALL trim(JNIEnv *env, jclass class, jlong view)
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
 
-#define NATIVE(name, signature, function) {(char *)(intptr_t)name, (char *)(intptr_t)signature, (void *)(intptr_t)function}
+#define NATIVE(name, signature, function) \
+    {(char *)(intptr_t)name, (char *)(intptr_t)signature, (void *)(intptr_t)function}
 
 static int find_classes(JNIEnv *env)
 {

@@ -39,7 +39,7 @@ typedef struct egl_way {
     EGLDisplay display;
     EGLConfig config;
     EGLContext context;
-    EGLSurface hidden, shown;          /* shown: of the window, or EGL_NO_SURFACE */
+    EGLSurface hidden, shown;          /* shown: the window's surface, or EGL_NO_SURFACE */
     GLuint texture, framebuffer;
     int32_t width, height;             /* of the texture */
     uint64_t pool_bytes;

@@ -1,5 +1,5 @@
-/* Ways to draw frames into a window of Android, and a view: a scene, a camera and a window that are drawn by one of the
- * ways. One thread uses a view. Functions return 0, or an FXS_ERR_* and a message. */
+/* Ways to draw frames into a window of Android, and a view, which draws a scene into a window by one of the ways. One
+ * thread uses a view. Functions return 0, or an FXS_ERR_* and a message. */
 #ifndef FXS_WINDOW_WAY_H
 #define FXS_WINDOW_WAY_H
 
@@ -52,7 +52,8 @@ typedef struct fxs_window_view {
     int32_t width, height;
     fxs_opened *opened;                /* null: no scene */
     fxs_pace pace;
-    int paced;                         /* 1: by the clock; 0: the budget is pace.budget_most, the size is the window's */
+    int paced;                         /* 0: the budget is pace.budget_most, and the picture has the window's
+                                          size; 1: the clock chooses */
     uint64_t pool_bytes;
     fxs_renderer *processor;           /* for picks; made by the first */
     fxs_window_state state;
@@ -81,7 +82,7 @@ int fxs_window_pick(fxs_window_view *view, const double numbers[FXS_NUMBERS], in
 /* Halves the budget and the pools on the device. Without a window, closes the device. */
 void fxs_window_trim(fxs_window_view *view);
 
-/* Frees what the view holds. */
+/* Frees the content of the view. */
 void fxs_window_end(fxs_window_view *view, const fxs_window_library *library);
 
 #endif

@@ -26,8 +26,9 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.Executors;
 
 /**
- * Tests the classes of Android on a desktop. Check COMMAND FOLDER BACKEND EVENTS: draws scenes of FOLDER, and compares the
- * pictures with those of COMMAND, which draws on the processor. Prints lines with ok or FAIL.
+ * Tests the classes for Android on a desktop. Check COMMAND FOLDER BACKEND EVENTS: draws scenes of FOLDER by BACKEND,
+ * also during EVENTS random events. Compares the pictures with the processor's, by COMMAND. Prints lines with ok or
+ * FAIL.
  */
 final class Check {
     private static final long PATIENCE = 20000000000L;
@@ -239,7 +240,8 @@ final class Check {
             final AssetManager assets = new AssetManager(folder + "/assets");
             ok("opens an asset", app.opens(TREE, () -> app.f.openAsset(assets, TREE)), app.ear.fault());
             app.check("shows it", 64, 96);
-            ok("opens a compressed asset", app.opens(TREE, () -> app.f.openAsset(assets, TREE + ".z")), app.ear.fault());
+            ok("opens a compressed asset", app.opens(TREE, () -> app.f.openAsset(assets, TREE + ".z")),
+               app.ear.fault());
             app.check("shows it", 64, 96);
             ok("opens an address", app.opens(TREE, () -> app.f.openAddress(server.address(TREE), 5000)),
                app.ear.fault());
@@ -449,7 +451,8 @@ final class Check {
 
     /** Sends parts of the files of the folder; "all" as a whole, "drops" a byte at a time, others not. */
     private static final class Server implements AutoCloseable {
-        private final HttpServer http = HttpServer.create(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 0);
+        private final HttpServer http =
+            HttpServer.create(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 0);
 
         Server() throws IOException {
             http.setExecutor(Executors.newCachedThreadPool(code -> {
@@ -552,7 +555,8 @@ final class Check {
             } else if (event < 35) {
                 app.f.setPace(0, random.nextBoolean() ? 2000 : 0);
             } else {
-                StandIn.fail(event < 37 ? StandIn.OUT_OF_DATE : event < 38 ? StandIn.SURFACE_LOST : StandIn.DEVICE_LOST, 1);
+                StandIn.fail(event < 37 ? StandIn.OUT_OF_DATE
+                             : event < 38 ? StandIn.SURFACE_LOST : StandIn.DEVICE_LOST, 1);
                 app.f.redraw();
                 if (has && !isPaused)
                     app.draws(shown);

@@ -2,7 +2,7 @@
 # ndk.sh FOLDER [BIONIC]: makes a stand-in for Android's NDK, which is not in Debian: its clang is Debian's, for
 # AArch64. With BIONIC, the folder of a copy of Android's C library, its public headers are used, and libraries without
 # code that have its names for API 29. Else the C library is Debian's for AArch64, which has other names for some
-# functions. The headers of EGL, OpenGL ES and Vulkan are Debian's; jni.h is that of the JDK.
+# functions. The headers of EGL, OpenGL ES and Vulkan are Debian's; jni.h is from the JDK.
 folder=${1:?folder} bionic=$2 with=
 bin=$folder/toolchains/llvm/prebuilt/linux-x86_64/bin
 mkdir -p "$bin" "$folder/headers"

@@ -1,5 +1,5 @@
 /* Windows, EGL and the natives of StandIn.java. EGL is Mesa's without a window system; the surface of a window is a
- * pbuffer, whose pixels are copied to the window when they are swapped. */
+ * pbuffer, and eglSwapBuffers copies its pixels to the window. */
 #define _GNU_SOURCE    /* dladdr */
 #include "stand_in.h"
 
@@ -221,7 +221,7 @@ static jobject(JNICALL *real_new)(JNIEnv *, jobject);
 static void(JNICALL *real_delete)(JNIEnv *, jobject);
 static int global_references;
 
-/* Returns whether a caller is in the library, not in one of Java's. */
+/* Returns true if a caller is in the library, and false if it is in a library of Java. */
 static int is_ours(void *caller)
 {
     Dl_info info;

@@ -16,10 +16,10 @@ typedef struct stand_in_window {
 /* Faults, by number as in StandIn.java. */
 enum { NO_VULKAN, NO_COMPUTE, NO_EGL, OUT_OF_DATE, SURFACE_LOST, DEVICE_LOST, FAULTS };
 
-/* How many calls will fail: those that make a device for the first three, else those that show a picture. */
+/* Number of calls that will fail, for each fault. A call makes a device (the first three faults) or shows a picture. */
 extern volatile int stand_in_faults[FAULTS];
 
-/* Takes one of the faults that are left. Returns whether there was one. */
+/* Counts down a fault. Returns true if the call must fail. */
 int stand_in_fails(int fault);
 
 /* Takes a picture; bottom_up: its first row is the lowest. */

@@ -136,7 +136,8 @@ static VkResult VKAPI_CALL formats(VkPhysicalDevice physical, VkSurfaceKHR handl
     return VK_SUCCESS;
 }
 
-static VkResult VKAPI_CALL modes(VkPhysicalDevice physical, VkSurfaceKHR handle, uint32_t *count, VkPresentModeKHR *list)
+static VkResult VKAPI_CALL modes(VkPhysicalDevice physical, VkSurfaceKHR handle, uint32_t *count,
+                                 VkPresentModeKHR *list)
 {
     (void)physical, (void)handle;
     if (list)
@@ -304,7 +305,8 @@ static PFN_vkVoidFunction VKAPI_CALL find_of_device(VkDevice device, const char 
 static VkResult VKAPI_CALL make_device(VkPhysicalDevice physical, const VkDeviceCreateInfo *info,
                                        const VkAllocationCallbacks *allocator, VkDevice *device)
 {
-    const VkResult result = ((PFN_vkCreateDevice)load(instance_now, "vkCreateDevice"))(physical, info, allocator, device);
+    const PFN_vkCreateDevice real = (PFN_vkCreateDevice)load(instance_now, "vkCreateDevice");
+    const VkResult result = real(physical, info, allocator, device);
     load_of_device = (PFN_vkGetDeviceProcAddr)load(instance_now, "vkGetDeviceProcAddr");
 #define LOAD(name) vk.name = (PFN_vk##name)load_of_device(*device, "vk" #name);
     if (!result) {

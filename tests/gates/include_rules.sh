@@ -115,7 +115,7 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
                 folder ~ /^kernels\/simd\/lanes/ && !plain ||
                 folder ~ /^kernels(\/simd|$)/ && !plain && !isa ||
                 folder ~ /^src/ && $3 ~ /^(unistd|fcntl|pthread|signal|sched|dirent|sys\/.*|cuda.*|GL.*|EGL.*|vulkan.*)(\.h)?$/ ||
-                folder ~ /^(kernels|port)/ && folder !~ /^(kernels|port)\/vulkan/ && $3 ~ /^vulkan\// ||
+                folder ~ /^(kernels|port)/ && folder !~ /^((kernels|port)\/vulkan|port\/android)/ && $3 ~ /^vulkan\// ||
                 folder ~ /^tools/ && $3 ~ /^(cuda|GL|EGL|vulkan)/)
                 says("includes <" $3 ">")
         } else if ($3 ~ /\//) {

@@ -58,11 +58,12 @@ compile() {
         docs/examples/android/MainActivity.java $(find tests/android/stubs -name '*.java')
 }
 
-# use WAY EVENTS: runs Check by a way to draw, through a life of so many random events.
+# use WAY EVENTS: runs Check by a way to draw, with a life of EVENTS random events.
 use() {
     EGL_PLATFORM=surfaceless LIBGL_ALWAYS_SOFTWARE=1 LD_LIBRARY_PATH=$parts/stand_in timeout 300 \
         java -XX:TieredStopAtLevel=1 -Xcheck:jni -Dstand_in="$parts/stand_in/libEGL.so" -Djava.library.path="$parts" \
-        -cp "$work/classes" org.fixsplat.Check "$command" "$work/scenes" "$1" "$2" >"$work/$1" 2>&1 || echo "FAIL status $?" >>"$work/$1"
+        -cp "$work/classes" org.fixsplat.Check "$command" "$work/scenes" "$1" "$2" >"$work/$1" 2>&1 ||
+        echo "FAIL status $?" >>"$work/$1"
 }
 
 # tell WAY: prints the lines of a run. Whatever else it printed is a fault: of JNI, or of the validation layer.
@@ -110,8 +111,9 @@ else
     check "it exports fxs_ and JNI_OnLoad" equal \
         "$(nm -D --defined-only "$library" | awk '$2 != "A" && $3 !~ /^fxs_/ { sub(/@.*/, "", $3); print $3 }')" JNI_OnLoad
     check "the module has the same library" cmp "$library" "$module/libs/android.arm64-v8a/libfixsplat.so"
-    check "its files" equal "$(cd "$work/aar" && find . -type f ! -path '*/include/*' | LC_ALL=C sort | tr '\n' ' ')" \
-        "./AndroidManifest.xml ./R.txt ./classes.jar ./jni/arm64-v8a/libfixsplat.so ./prefab/modules/fixsplat/libs/android.arm64-v8a/abi.json ./prefab/modules/fixsplat/libs/android.arm64-v8a/libfixsplat.so ./prefab/modules/fixsplat/module.json ./prefab/prefab.json ./proguard.txt "
+    check "its files" equal "$(cd "$work/aar" && find * -type f ! -path '*/include/*' ! -path '*/libs/*' |
+        LC_ALL=C sort | tr '\n' ' ')" "AndroidManifest.xml R.txt classes.jar jni/arm64-v8a/libfixsplat.so $(
+        )prefab/modules/fixsplat/module.json prefab/prefab.json proguard.txt "
     check "its JSON" sh -c "for f in $module/module.json $work/aar/prefab/prefab.json $module/libs/*/abi.json; do
         python3 -m json.tool \$f || exit 1; done"
     check "CMake takes the module" by_cmake

@@ -1,6 +1,6 @@
 #!/bin/sh
 # aar.sh BUILD AAR: builds the package for Android, for arm64-v8a and Android 10 (API 29) or later. Environment
-# variables: ANDROID_NDK_HOME; ANDROID_HOME, of which the newest android.jar is taken; ZIP_TIME, seconds since 1970, the
+# variables: ANDROID_NDK_HOME; ANDROID_HOME, the folder of the SDK with android.jar; ZIP_TIME, seconds since 1970, the
 # time of the files in the package.
 build=${1:?build folder} aar=${2:?package}
 api=29 abi=arm64-v8a
@@ -33,8 +33,8 @@ else
     javac --release 8 -Xlint:-options -d "$build/classes/android" $(find tests/android/stubs -name '*.java') || exit 1
     classes=$build/classes/android
 fi
-javac --release 8 -Xlint:all,-options -cp "$classes" -d "$build/classes/fixsplat" port/android/java/org/fixsplat/*.java ||
-    exit 1
+javac --release 8 -Xlint:all,-options -cp "$classes" -d "$build/classes/fixsplat" \
+    port/android/java/org/fixsplat/*.java || exit 1
 in_time() { find "$1" -exec touch -d "@${ZIP_TIME:-315532800}" {} +; }
 pack() { (cd "$1" && TZ=UTC && export TZ && in_time . && find . -type f | LC_ALL=C sort | zip -X -q -9 "$2" -@); }
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fixsplat.h)

@@ -83,7 +83,8 @@ public class FixsplatView extends SurfaceView implements SurfaceHolder.Callback,
 
     @Override public boolean onTouchEvent(MotionEvent event) {
         final int fingers = Math.min(event.getPointerCount(), 2);
-        final double x = (event.getX(0) + event.getX(fingers - 1)) / 2, y = (event.getY(0) + event.getY(fingers - 1)) / 2;
+        final double x = (event.getX(0) + event.getX(fingers - 1)) / 2;
+        final double y = (event.getY(0) + event.getY(fingers - 1)) / 2;
         final double spread = Math.hypot(event.getX(0) - event.getX(fingers - 1),
                                          event.getY(0) - event.getY(fingers - 1));
         final Camera camera = scene == null ? null : scene.getCamera();

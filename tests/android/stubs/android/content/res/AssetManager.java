@@ -16,7 +16,7 @@ public class AssetManager {
 
     public AssetFileDescriptor openFd(String name) throws IOException {
         if (name.endsWith(".z"))
-            throw new FileNotFoundException("This file can not be opened as a file descriptor; it is probably compressed");
+            throw new FileNotFoundException("it is probably compressed");
         final FileInputStream file = new FileInputStream(folder + "/" + name);
         return new AssetFileDescriptor(file, BEFORE, file.getChannel().size() - BEFORE);
     }
