@@ -204,7 +204,7 @@ int fxs_window_draw(fxs_window_view *view, const double numbers[FXS_NUMBERS], fx
         close_way(view);
     else if (pager)
         late = fxs_pager_turn(pager, &state, why);
-    view->state.coming = state.coming;
+    view->state.coming = state.coming + state.lost;
     return error ? error : late;
 }
 

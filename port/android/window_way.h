@@ -39,7 +39,7 @@ enum { FXS_EYE, FXS_LOOKED_AT = 3, FXS_UP = 6, FXS_FOV = 9, FXS_NUMBERS };    /*
 
 typedef struct fxs_window_state {
     uint32_t missing;                  /* chunks that the last frame drew coarser */
-    uint32_t coming;                   /* chunks that are still to be read */
+    uint32_t coming;                   /* chunks that are still to be read, also those that could not be read */
     uint32_t budget;
     int32_t width, height;             /* size of the drawn picture */
     int changed;                       /* the clock chose anew: the next frame differs */

@@ -334,6 +334,13 @@ final class Check {
         ok("the window is free", window.look()[3] == 0 && window.look()[4] == 0, Arrays.toString(window.look()));
         view.close();
         view.close();
+        view.callback.surfaceChanged(holder, 1, 96, 64);
+        final Ear other = new Ear();
+        final Fixsplat late = view.start(other);
+        late.setPace(0, 0);
+        late.openFile(folder + "/" + FLAT);
+        ok("a view that starts late", other.hears(0) && shows(late, window, FLAT, 96, 64), other.fault());
+        view.close();
         view.callback.surfaceDestroyed(holder);
         view.onTouchEvent(new MotionEvent(MotionEvent.ACTION_DOWN, 20, 20));
     }
@@ -368,6 +375,16 @@ final class Check {
             app.faults("an address that hangs", "no answer in 300 ms", () -> app.f.openAddress(hangs, 300));
             app.faults("an address that sends a byte now and then", "no answer in 300 ms",
                        () -> app.f.openAddress(server.address("drops"), 300));
+            app.f.pause();
+            ok("opens an address", app.opens(TREE, () -> app.f.openAddress(server.address(TREE), 5000)));
+            server.isBroken = true;
+            app.f.resume();
+            app.ear.hears(app.ear.opened);
+            ok("a server that breaks", app.ear.fault().contains("answered with 500"), app.ear.fault());
+            ok("is told once", app.ear.faults.size() == 1, app.ear.faults.size());
+            app.ear.faults.clear();
+            server.isBroken = false;
+            app.check("and works again", 96, 64);
             final long begin = System.nanoTime();
             app.f.openAddress(hangs, 100000);
             Thread.sleep(100);
@@ -454,6 +471,8 @@ final class Check {
         private final HttpServer http =
             HttpServer.create(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 0);
 
+        volatile boolean isBroken;
+
         Server() throws IOException {
             http.setExecutor(Executors.newCachedThreadPool(code -> {
                 final Thread thread = new Thread(code);
@@ -473,8 +492,8 @@ final class Check {
             final boolean isSpecial = name.equals("all") || name.equals("drops");
             final Path path = Paths.get(folder, isSpecial ? TREE : name);
             final String[] ends = call.getRequestHeaders().getFirst("Range").substring(6).split("-");
-            if (!Files.exists(path)) {
-                call.sendResponseHeaders(404, -1);
+            if (isBroken || !Files.exists(path)) {
+                call.sendResponseHeaders(isBroken ? 500 : 404, -1);
                 return;
             }
             final byte[] all = Files.readAllBytes(path);

@@ -82,6 +82,8 @@ public final class Fixsplat implements AutoCloseable {
 
     /** Frames without as many parts as the frame before, after which a resting view waits for parts to arrive. */
     private static final int SETTLED = 4;
+    /** Milliseconds until a resting view asks again for parts that could not be read. */
+    private static final int RETRY = 500;
     private final Listener listener;
     private final Handler main = new Handler(Looper.getMainLooper());
     private final Thread thread = new Thread(this::run, "fixsplat");
@@ -99,7 +101,8 @@ public final class Fixsplat implements AutoCloseable {
     private final long view;
     private long scene;
     private boolean hasSurface, hasEnded;
-    private int missing;
+    private int missing, coming;
+    private String told;
 
     /** `listener` may be null. */
     public Fixsplat(Listener listener) throws FixsplatException {
@@ -421,9 +424,11 @@ public final class Fixsplat implements AutoCloseable {
             final Runnable job;
             final Camera from;
             synchronized (lock) {
-                while (jobs.isEmpty() && !(isDirty && !isPaused && hasSurface && scene != 0 && camera != null))
+                while (jobs.isEmpty() && !(isDirty && canDraw()))
                     try {
-                        lock.wait();
+                        final boolean waits = coming > 0 && canDraw();
+                        lock.wait(waits ? RETRY : 0);
+                        isDirty |= waits;
                     } catch (InterruptedException nobody) {
                         continue;
                     }
@@ -438,20 +443,27 @@ public final class Fixsplat implements AutoCloseable {
         }
     }
 
+    private boolean canDraw() {
+        return !isPaused && hasSurface && scene != 0 && camera != null;
+    }
+
+    /** Draws a frame. Tells a fault once, until a frame is without. */
     private void draw(Camera from) {
         final int[] now = new int[6];
+        String backEnd = null, fault = null;
         try {
-            final String backEnd = draw(view, from.numbers(), now);
-            if (backEnd == null)
-                return;
-            synchronized (lock) {
-                state = new State(backEnd, now, state.frames + 1);
-            }
-        } catch (FixsplatException fault) {
-            fault(fault);
-            return;
+            backEnd = draw(view, from.numbers(), now);
+        } catch (FixsplatException thrown) {
+            fault = thrown.getMessage();
+            if (!fault.equals(told))
+                fault(thrown);
         }
+        told = fault;
+        coming = now[1];
+        if (backEnd == null)
+            return;
         synchronized (lock) {
+            state = new State(backEnd, now, state.frames + 1);
             same = now[0] == missing ? same + 1 : 0;
             isDirty |= now[5] != 0 || now[0] > 0 && same < SETTLED;
         }
