@@ -32,7 +32,7 @@ static int free_place(fxs_pager_pool *p)
     return 1;
 }
 
-/* After FXS_PAGER_TRIES failures in a row, chunks that counted as lost may be read again. */
+/* After FXS_PAGER_TRIES failures in a row, which are the source's, chunks that counted as lost may be read again. */
 static void note_success(fxs_pager_pool *p)
 {
     if (p->failures >= FXS_PAGER_TRIES) {
@@ -56,7 +56,8 @@ void fxs_pager_pool_note(fxs_pager_pool *p, const fxs_arrival *list, uint32_t co
         }
         p->taken[list[i].chunk] = 0;
         p->spare[p->spare_count++] = list[i].place;
-        p->lost += ++p->tries[list[i].chunk] == FXS_PAGER_TRIES;
+        if (p->tries[list[i].chunk] < FXS_PAGER_TRIES)
+            p->lost += ++p->tries[list[i].chunk] == FXS_PAGER_TRIES;
     }
 }
 
@@ -160,7 +161,8 @@ void fxs_pager_pool_want(fxs_pager_pool *p, uint32_t chunk, int there)
 
 static void enqueue(fxs_pager_pool *p, uint32_t chunk)
 {
-    if (!p->taken[chunk] && p->places[chunk] == FXS_NOTHING && p->tries[chunk] < FXS_PAGER_TRIES)
+    const int readable = p->tries[chunk] < FXS_PAGER_TRIES || p->failures >= FXS_PAGER_TRIES;
+    if (!p->taken[chunk] && p->places[chunk] == FXS_NOTHING && readable)
         p->queue[p->queue_count++] = chunk;
 }
 
