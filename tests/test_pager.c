@@ -265,6 +265,33 @@ static void test_large_claim(void)
     free(bytes);
 }
 
+/* All chunks that a camera at rest wants are lost. When the source works again, they are read. */
+static void test_all_lost(void)
+{
+    bytes_source s = {.reads = 0};
+    fxs_message why;
+    fxs_pager_state state = {0};
+    fxs_pager *pager = open_with(&s, fxs_scene_chunks(&whole), &why);
+    if (!CHECK(pager))
+        return;
+    s.fail_count = 1L << 30;
+    s.failure = FXS_ERR_FILE;
+    const uint64_t late = fxs_clock(0) + 60 * SECOND;
+    uint32_t missing = 1;
+    for (; state.lost < missing && fxs_clock(0) < late; nanosleep(&(struct timespec){0, 10000000}, 0)) {
+        missing = frame_of(fxs_pager_scene(pager), pager, camera_on_way(3), BUDGET, pictures[1]).missing;
+        fxs_pager_turn(pager, &state, 0);
+    }
+    CHECK(missing && state.lost >= missing);
+    __atomic_store_n(&s.is_back, 1, __ATOMIC_RELEASE);
+    while (missing && fxs_clock(0) < late) {
+        missing = frame_of(fxs_pager_scene(pager), pager, camera_on_way(3), BUDGET, pictures[1]).missing;
+        fxs_pager_turn(pager, &state, 0);
+    }
+    CHECK(!missing && is_as_whole(camera_on_way(3), BUDGET));
+    fxs_pager_close(pager);
+}
+
 /* The source corrupts chunks (256 Gaussians each), so that their checksums are wrong. The pager must give up
    after three attempts. Coarser chunks replace them. */
 static void test_lies(void)
@@ -443,6 +470,7 @@ static void run_all(void)
     RUN(test_file);
     RUN(test_damaged_heads);
     RUN(test_large_claim);
+    RUN(test_all_lost);
     RUN(test_lies);
     RUN(test_failures);
     RUN(test_never_answers);
