@@ -1555,7 +1555,8 @@ static const struct {
     {"place", "0:0,0,0,0.5,0.5,0.5,0.5"}, {"scene", "none.json"}, {"bg", "303030"}, {"cutoff", "square"},
     {"sh-degree", "0"}, {"device", "1"}, {"profile", "small"}, {"budget", "100"}, {"detail", "9"}, {"lod", "1"},
     {"axes", "rdf"}, {"pool", "1M"}, {"fps", "30"}, {"no-open", 0}, {"qr", 0}, {"levels", 0}, {"port", "1"},
-    {"bind", "::1"}, {"host", "here"}, {"cert", "a.pem"}, {"key", "a.pem"}
+    {"bind", "::1"}, {"host", "here"}, {"cert", "a.pem"}, {"key", "a.pem"}, {"metres-per-unit", "2"},
+    {"pass-through", 0}
 };
 
 static uint64_t sum_of(uint64_t sum, const void *data, size_t bytes)
@@ -1589,7 +1590,7 @@ static uint64_t opened(const char *const *place, int count, const char *option, 
 
 static int is_row_tried(const option_row *row)
 {
-    static const char by_design[] = " screenshot web threads max-memory cpu backend max-gaussians import-memory ";
+    static const char by_design[] = " screenshot web xr threads max-memory cpu backend max-gaussians import-memory ";
     char name[40];
     snprintf(name, sizeof name, " %s ", row->name);
     int found = strstr(by_design, name) != 0;
