@@ -58,10 +58,14 @@ compile() {
         docs/examples/android/MainActivity.java $(find tests/android/stubs -name '*.java')
 }
 
+has_cuda=false
+nm "$parts/libfixsplat.so" 2>/dev/null | grep -q cudaMalloc && has_cuda=true
+
 # use WAY EVENTS: runs Check by a way to draw, with a life of EVENTS random events.
 use() {
     EGL_PLATFORM=surfaceless LIBGL_ALWAYS_SOFTWARE=1 LD_LIBRARY_PATH=$parts/stand_in timeout 1500 \
-        java -XX:TieredStopAtLevel=1 -Xcheck:jni -Dstand_in="$parts/stand_in/libEGL.so" -Djava.library.path="$parts" \
+        java -XX:TieredStopAtLevel=1 -Xcheck:jni -Dcuda="$has_cuda" -Dstand_in="$parts/stand_in/libEGL.so" \
+        -Djava.library.path="$parts" \
         -cp "$work/classes" org.fixsplat.Check "$command" "$work/scenes" "$1" "$2" >"$work/$1" 2>&1 ||
         echo "FAIL status $?" >>"$work/$1"
 }
