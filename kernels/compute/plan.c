@@ -579,7 +579,7 @@ static int choose_window(fxs_plan *p, const int32_t first[2], const int32_t size
     p->indices = indices;
     p->places = 0;
     for (uint32_t i = 0; i < p->all_places; i++) {
-        const fxs_drawn drawn = p->all ? p->all[i] : (fxs_drawn){i, 256, 0};
+        const fxs_drawn drawn = p->all ? p->all[i] : (fxs_drawn){.chunk = i, .share_q8 = 256};
         int seen = 0;
         while (drawn.chunk >= p->objects[object].end_chunk)
             object++;

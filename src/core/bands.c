@@ -62,6 +62,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
     f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);
+    f->animated = cut(&m, (uint64_t)f->blocks * f->animated_bytes);
     f->row_counts = cut(&m, planned ? (uint64_t)f->blocks * (tiles_y + 1) * sizeof *f->row_counts : 0);
     f->extents = cut(&m, planned ? (uint64_t)chunks * sizeof *f->extents : 0);
     f->histograms = cut(&m, config->draw_unlisted ? f->parts * sizeof *f->histograms : 0);

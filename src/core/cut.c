@@ -7,6 +7,7 @@
  *
  * To avoid popping, the nodes opened last fade: they are drawn together with their children. A node that draws a share
  * s changes its opacities to 1 - (1 - opacity)^s. A 64th of the budget is reserved for fading nodes. */
+#include "animate.h"
 #include "cut.h"
 #include "sized.h"
 
@@ -53,17 +54,17 @@ uint64_t fxs_cut_bytes(uint32_t room, uint32_t object_count, uint32_t eyes)
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options)
 {
     uint64_t least = 0, most = 0, gaussians = 0;
-    int trees = 0, paged = 0;
+    int trees = 0, in_part = 0;
     for (uint32_t i = 0; i < count; i++) {
         const fxs_scene *scene = fxs_object_at(objects, i)->scene;
         trees |= scene->nodes != 0;
-        paged |= scene->places != 0;
-        least += scene->nodes ? 1 : scene->chunk_count;
-        most += fxs_scene_chunks(scene);
+        in_part |= scene->places || scene->motion;
+        least += scene->nodes ? 1 : fxs_most_alive(scene);
+        most += scene->nodes ? fxs_scene_chunks(scene) : fxs_most_alive(scene);
         gaussians += scene->count;
     }
     const int limited = options->budget && options->budget < gaussians;
-    if (paged && (!limited || !trees))
+    if (in_part && (!limited || !trees))
         return (uint32_t)most;
     if (!trees || (!limited && !options->detail_q8))
         return 0;
@@ -285,23 +286,66 @@ static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
+/* The chunks of an object without a level-of-detail tree. In a moving scene, only those that are alive. */
+typedef struct whole {
+    const fxs_scene *scene;
+    uint32_t chunks;
+    int32_t time_q16;
+} whole;
+
+static int whole_of(whole *out, const fxs_cut *cut, uint32_t number)
+{
+    fxs_object object;
+    fxs_motion_header motion;
+    int error = fxs_object_read(&object, cut->objects, number);
+    if (error)
+        return error;
+    *out = (whole){object.scene, whole_chunks(cut, number), 0};
+    if (!object.scene->motion || (error = fxs_motion_read(&motion, object.scene)) != 0)
+        return error;
+    /* unsigned, so that the sum of two times may wrap */
+    out->time_q16 = fxs_time_of(&motion, (int64_t)((uint64_t)cut->options->time_q32 + (uint64_t)object.time_q32));
+    return 0;
+}
+
+/* Returns 1 if a chunk is drawn or wanted, 0, or FXS_ERR_SCENE. */
+static int is_alive(const whole *w, uint32_t chunk, fxs_moment *moment)
+{
+    *moment = (fxs_moment){{0, 0, 0}, 0, 0};
+    return w->scene->motion ? fxs_moment_of(moment, w->scene, chunk, w->time_q16) : 1;
+}
+
 /* Adds all chunks of the objects without a level-of-detail tree to the drawn chunks, in place from the back of the
-   array. */
-static void add_whole(fxs_cut *cut)
+   array. If the scene has changed and more chunks are alive than there is room for, returns FXS_ERR_SCENE. */
+static int add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;
-    for (uint32_t i = 0; i < cut->object_count; i++)
-        for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
-            to += is_there(fxs_object_at(cut->objects, i)->scene, k) ? 1 : 0;
+    fxs_moment moment;
+    whole w = {0, 0, 0};
+    for (uint32_t i = 0; i < cut->object_count; i++) {
+        int error = whole_of(&w, cut, i);
+        for (uint32_t k = 0; k < w.chunks && error >= 0; k++)
+            if (is_there(w.scene, k) && (error = is_alive(&w, k, &moment)) > 0)
+                to++;
+        if (error < 0)
+            return error;
+    }
+    if (to > cut->room)
+        return FXS_ERR_SCENE;
     cut->count = to;
     for (uint32_t i = cut->object_count; i-- > 0 && to > from;) {
         const uint32_t first = cut->views[i].first_chunk;
+        const int error = whole_of(&w, cut, i);
         while (from && cut->drawn[from - 1].chunk >= first)
             cut->drawn[--to] = cut->drawn[--from];
-        for (uint32_t k = whole_chunks(cut, i); k-- > 0;)
-            if (is_there(fxs_object_at(cut->objects, i)->scene, k))
-                cut->drawn[--to] = (fxs_drawn){first + k, 256, 0};
+        for (uint32_t k = w.chunks; k-- > 0 && !error;)
+            if (is_there(w.scene, k) && is_alive(&w, k, &moment) > 0) {
+                if (to == from)
+                    return FXS_ERR_SCENE;
+                cut->drawn[--to] = (fxs_drawn){first + k, 256, 0, moment};
+            }
     }
+    return to == from ? 0 : FXS_ERR_SCENE;
 }
 
 static void begin(search *s)
@@ -309,9 +353,16 @@ static void begin(search *s)
     const fxs_cut *cut = s->cut;
     for (uint32_t i = 0; i < cut->object_count && !s->error; i++) {
         const fxs_scene *scene = fxs_object_at(cut->objects, i)->scene;
-        for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
-            want(s, scene, k);
-        s->drawn += whole_chunks(cut, i);
+        fxs_moment moment;
+        whole w = {0, 0, 0};
+        s->error = whole_of(&w, cut, i);
+        for (uint32_t k = 0; k < w.chunks && !s->error; k++) {
+            const int alive = is_alive(&w, k, &moment);
+            if (alive > 0)
+                want(s, scene, k);
+            s->drawn += alive > 0;
+            s->error = alive < 0 ? alive : 0;
+        }
         if (scene->nodes && fxs_object_at(cut->objects, i)->visible)
             visit_chunk(s, i, scene->chunk_count, FXS_NOTHING);
     }
@@ -335,6 +386,5 @@ int fxs_cut_find(fxs_cut *cut)
         return s.error;
     find_fade(&s, fading);
     list_drawn(&s);
-    add_whole(cut);
-    return 0;
+    return add_whole(cut);
 }

@@ -8,6 +8,7 @@ typedef struct fxs_drawn {
     uint32_t chunk;                /* number of the chunk, counted over all objects */
     uint16_t share_q8;             /* factor of the Gaussians' optical depth, 1 to 1024; 256: unchanged */
     uint16_t grow_q8;              /* log2 of the growth of the Gaussians' sigmas, 0 to 256 */
+    fxs_moment moment;             /* of a chunk of a moving scene */
 } fxs_drawn;
 
 typedef struct fxs_cut {
@@ -25,8 +26,8 @@ typedef struct fxs_cut {
     uint32_t missing;              /* result: number of needed chunks that are not loaded */
 } fxs_cut;
 
-/* Returns the largest number of chunks (256 Gaussians each) to draw. Returns 0 if the options set no limit; then all
-   leaves of the trees are drawn. */
+/* Returns the largest number of chunks (256 Gaussians each) to draw. Returns 0 if the options set no limit and no scene
+   moves; then all leaves of the trees are drawn. */
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options);
 
 uint64_t fxs_cut_bytes(uint32_t room, uint32_t object_count, uint32_t eyes);

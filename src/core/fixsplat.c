@@ -5,7 +5,7 @@
 #include <fixsplat/internal/declarations.h>
 
 const fxs_kernels fxs_kernels_c = {
-    {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_spans_c, fxs_note_c,
+    {"c", "c", "c", "c", "c", "c"}, fxs_animate_c, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_spans_c, fxs_note_c,
     fxs_sort_c, fxs_list_c, fxs_blend_c, fxs_trace_c, fxs_resolve_c,
 };
 

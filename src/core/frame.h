@@ -77,6 +77,8 @@ typedef struct fxs_frame {
     uint32_t *block_counts;                /* number of splats of each block; FXS_BLOCK_FAILED: the block had an
                                               error */
     uint64_t *block_times;
+    unsigned char *animated;               /* for each block, room for a chunk of a moving scene at this moment */
+    uint32_t animated_bytes;               /* bytes of each; 0: no scene moves */
     void *cut_memory;
     const fxs_drawn *drawn;                /* chunks (256 Gaussians each) to draw; null: all. Both eyes draw the same */
     uint32_t drawn_count;
@@ -165,6 +167,20 @@ static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 static inline uint32_t fxs_frame_chunk(const fxs_frame *f, uint32_t place)
 {
     return f->drawn ? f->drawn[place].chunk : place;
+}
+
+/* Returns the index of a chunk among the drawn chunks, which are in ascending order. */
+static inline uint32_t fxs_frame_place(const fxs_frame *f, uint32_t chunk)
+{
+    uint32_t low = 0, high = f->chunk_count;
+    while (f->drawn && high - low > 1) {
+        const uint32_t middle = (low + high) / 2;
+        if (f->drawn[middle].chunk <= chunk)
+            low = middle;
+        else
+            high = middle;
+    }
+    return f->drawn ? low : chunk;
 }
 
 static inline uint32_t fxs_frame_object(const fxs_frame *f, uint32_t chunk)

@@ -2,6 +2,7 @@
  * scale to splats. */
 #include "object.h"
 
+#include "animate.h"
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 #include "memory.h"
@@ -64,6 +65,12 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_stage_view *world, cons
         out->keep_count += !object->crops[i].outside;
     for (int c = 0; c < 3; c++)
         out->tint_q13[c] = (int32_t)object->tint_q13[c];
+    if (object->scene->motion) {
+        fxs_motion_header motion;
+        if (fxs_motion_read(&motion, object->scene))
+            return FXS_ERR_SCENE;
+        out->motion = fxs_motion_rows_of(object->scene, &motion);
+    }
     const int error = fxs_view_of_object(&out->view, world, camera, object);
     out->view.offset_q11 = offset_of_q11(object->opacity_q16);
     return error;

@@ -9,6 +9,7 @@
 typedef struct fxs_object_view {
     fxs_stage_view view;
     fxs_scene scene;
+    fxs_motion_rows motion;        /* of a moving scene */
     uint32_t first_chunk, end_chunk;   /* numbers of the object's first chunk and of the chunk after its last, counted
                                           over all objects */
     uint32_t id;

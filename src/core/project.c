@@ -1,6 +1,7 @@
 /* Projects packed Gaussians to the picture by EWA splatting (Zwicker et al. 2001; Kerbl et al. 2023). The covariance of
  * a splat is Sigma' = J W R S S^T R^T W^T J^T + 0.3 I, with the Jacobian J, the view W, the Gaussian's rotation R and
  * its scale S. The matrix T = J W R S is in fixed point, in units of 2^E pixels. E depends on the Gaussian's size. */
+#include "axes.h"
 #include "codes.h"
 #include <fixsplat/internal/fixed.h>
 
@@ -64,38 +65,6 @@ static void jacobian(int32_t j_q15[2][3], const fxs_stage_view *view, const proj
         for (int k = 0; k < 3; k++)
             j_q15[i][k] = view->row_q15[i][k] - fxs_mul_q15(slope_q15, view->forward_q15[i][k]);
     }
-}
-
-typedef struct axes {
-    int32_t axis_q15[3], side_q15[2][3];
-    int32_t cos_q15, sin_q15;      /* roll about the first axis: second axis = cos side[0] + sin side[1] */
-} axes;
-
-/* Decodes the rotation of a Gaussian from a word: the numbers X and Y, `bits` bits each, then the roll U. Each number
-   is read as 16 bits in two's complement, Q15; the next number's bits act as a fraction. (X, Y) is the first axis in
-   Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), this axis is (X s, Y s, 1
-   - X^2 - Y^2). Two vectors perpendicular to it, the sides, are (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The
-   roll turns the sides by an angle of about pi/2 U, with cos = 1 - U^2 (1.225 - 0.225 U^2) and sin = U (1.56607 - U^2
-   (0.62924 - 0.06305 U^2)). Returns 0 if (X, Y) is longer than 1. */
-static int read_axes(axes *out, uint32_t word, int32_t bits)
-{
-    const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
-    const int32_t u_q15 = (int32_t)(word << 2 * bits) >> 16;
-    const int32_t xx_q15 = (x_q15 * x_q15 + 16384) >> 15, yy_q15 = (y_q15 * y_q15 + 16384) >> 15;
-    const int32_t xy_q15 = (x_q15 * y_q15 + 16384) >> 15;
-    const uint32_t square_q30 = (uint32_t)(x_q15 * x_q15) + (uint32_t)(y_q15 * y_q15);
-    if (square_q30 > 1u << 30)
-        return 0;
-    /* m is (2 - X^2 - Y^2) / 4 in Q32, from 1/4 to 1/2 */
-    const uint32_t m = (1u << 31) - square_q30;
-    const int32_t s_q15 = (int32_t)((fxs_mulhi(m, fxs_rsqrt(m)) + 8192) >> 14);
-    const int32_t xs_q15 = (x_q15 * s_q15 + 16384) >> 15, ys_q15 = (y_q15 * s_q15 + 16384) >> 15;
-    *out = (axes){{xs_q15, ys_q15, (int32_t)((m + 16384) >> 15) - 32768},
-                  {{32768 - xx_q15, -xy_q15, -xs_q15}, {-xy_q15, 32768 - yy_q15, -ys_q15}}, 0, 0};
-    const int32_t uu_q15 = (u_q15 * u_q15 + 16384) >> 15;
-    out->cos_q15 = 32768 - fxs_mul_q15(uu_q15, 40141 - fxs_mul_q15(uu_q15, 7373));
-    out->sin_q15 = fxs_mul_q15(u_q15, 51317 - fxs_mul_q15(uu_q15, 20619 - fxs_mul_q15(uu_q15, 2066)));
-    return 1;
 }
 
 /* Returns an upper bound of a Gaussian's sigma in pixels: f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent.
@@ -321,7 +290,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_v
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
     int32_t fall_q16[3], k_q15[3], j_q15[2][3], t_q15[2][3], least = INT32_MAX;
-    axes a;
+    fxs_axes a;
     for (int i = 0; i < 3; i++) {
         fall_q16[i] = fxs_fall_q16(fxs_scale_code(codes->scale, i), cv->scale_step_q24);
         least = fall_q16[i] < least ? fall_q16[i] : least;
@@ -333,7 +302,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_v
         return 0;
     int exponent = size_exponent > 0 ? size_exponent : 0;
     jacobian(j_q15, view, centre);
-    if (!read_axes(&a, codes->rotation, fxs_axis_bits(profile, fall_q16)))
+    if (!fxs_read_axes(&a, codes->rotation, fxs_axis_bits(profile, fall_q16)))
         return 0;
     for (int i = 0; i < 3; i++) {
         int32_t below_q16 = fall_q16[i] - least;

@@ -2,20 +2,26 @@
  * fxs_scene_find_parts and fxs_scene_open_parts do the same for a scene that is only partly in memory. */
 #include <fixsplat/internal/parts.h>
 
-#include "chunk.h"
+#include "animate.h"
 #include "memory.h"
 
 typedef struct layout {
-    uint64_t palette, rows, bytes;
+    uint64_t palette, motion, rows, bytes;
 } layout;
 
 static layout lay_out(uint64_t chunks, uint64_t chunk_bytes, uint64_t palette_bytes)
 {
     layout l;
     l.palette = sizeof(fxs_packed_header) + chunks * sizeof(fxs_chunk);
-    l.rows = l.palette + (palette_bytes + 63) / 64 * 64;
+    l.motion = l.rows = l.palette + (palette_bytes + 63) / 64 * 64;
     l.bytes = l.rows + chunks * chunk_bytes;
     return l;
+}
+
+static void add_motion(layout *l, uint64_t chunks, uint64_t chunk_bytes)
+{
+    l->rows = l->motion + fxs_motion_table_bytes(chunks);
+    l->bytes = l->rows + chunks * chunk_bytes;
 }
 
 static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
@@ -34,6 +40,16 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
 {
     layout l;
     return layout_of(&l, count, sh_degree, profile, palette_entries) && l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
+}
+
+size_t fxs_moving_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries,
+                              uint32_t degree, uint32_t flags)
+{
+    layout l;
+    if (!layout_of(&l, count, sh_degree, profile, palette_entries) || degree > FXS_MOTION_DEGREE)
+        return 0;
+    add_motion(&l, fxs_chunks_of(count), (uint64_t)fxs_chunk_bytes(profile, sh_degree) + fxs_motion_bytes(degree, flags));
+    return l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
 typedef struct tree_layout {
@@ -58,6 +74,14 @@ size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
+/* The rows of a moving scene are longer by the rows of its motion; open_motion checks their exact size. */
+static int chunk_bytes_valid(const fxs_packed_header *h, int moves)
+{
+    const uint32_t still = fxs_chunk_bytes((enum fxs_profile)h->profile, (int)h->sh_degree);
+    const uint32_t most = still + fxs_motion_bytes(FXS_MOTION_DEGREE, FXS_MOTION_TURNS | FXS_MOTION_FADES);
+    return h->chunk_bytes == still || (moves && h->chunk_bytes > still && h->chunk_bytes <= most);
+}
+
 static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void *header)
 {
     layout l;
@@ -65,15 +89,17 @@ static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void 
     fxs_packed_header_turn(h);
     if (h->magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
-    if (h->version != FXS_PACKED_VERSION && h->version != FXS_PACKED_VERSION_TREE)
+    if (h->version < FXS_PACKED_VERSION || h->version > FXS_PACKED_VERSION_MOTION)
         return FXS_ERR_VERSION;
-    const int has_tree = h->version == FXS_PACKED_VERSION_TREE;
+    const int has_tree = h->version == FXS_PACKED_VERSION_TREE, moves = h->version == FXS_PACKED_VERSION_MOTION;
     if (h->sh_degree > 3 || h->profile > FXS_PROFILE_SMALL || h->palette_step_q19 > 32767 ||
         !layout_of(&l, h->count, (int)h->sh_degree, (enum fxs_profile)h->profile, h->palette_entries) ||
         h->chunk_count != fxs_chunks_of(h->count) || h->holes > h->count || (has_tree && h->chunk_count < 2) ||
-        h->chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h->profile, (int)h->sh_degree))
+        (moves && !h->chunk_count) || !chunk_bytes_valid(h, moves))
         return FXS_ERR_SCENE;
-    *parts = (fxs_scene_parts){.palette = l.palette, .rows = l.rows, .tree = l.bytes, .node_chunks = l.bytes,
+    if (moves)
+        add_motion(&l, h->chunk_count, h->chunk_bytes);
+    *parts = (fxs_scene_parts){.palette = l.palette, .motion = l.motion, .rows = l.rows, .tree = l.bytes, .node_chunks = l.bytes,
                                .node_rows = l.bytes, .bytes = l.bytes};
     if (has_tree) {
         const tree_layout t = lay_out_tree(h->chunk_count - 1, h->chunk_bytes);
@@ -102,6 +128,16 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
+static int open_motion(fxs_scene *scene, const unsigned char *start)
+{
+    fxs_motion_header h;
+    scene->motion = start;
+    const int error = fxs_motion_read(&h, scene);
+    return error ? error
+           : scene->chunk_bytes != fxs_chunk_bytes(scene->profile, scene->sh_degree) + fxs_motion_bytes(h.degree, h.flags)
+               ? FXS_ERR_SCENE : 0;
+}
+
 /* Opens a packed scene of `bytes` bytes at `head`. If `bytes` is 0, only the headers at `head` and `tree` are in
    memory. The header is read only once, because another program may change it meanwhile. */
 static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
@@ -125,7 +161,9 @@ static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigne
     scene->palette_step_q19 = h.palette_step_q19;
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
-    if (parts.bytes > parts.tree) {
+    if (parts.rows > parts.motion)
+        error = open_motion(scene, head + parts.motion);
+    if (!error && parts.bytes > parts.tree) {
         tree = bytes ? head + parts.tree : tree;
         error = tree ? open_tree(scene, &parts, tree) : FXS_ERR_ARGUMENT;
         scene->node_rows = bytes ? head + parts.node_rows : 0;

@@ -1,6 +1,7 @@
 /* Sets up a frame: checks its arguments, transforms its objects to camera space, measures its memory. */
 #include <fixsplat/internal/parts.h>
 #include "sized.h"
+#include "animate.h"
 #include "bands.h"
 #include "draw.h"
 #include "targets.h"
@@ -22,6 +23,8 @@ static int take_objects(fxs_frame *f, const fxs_request *request)
         error = error ? error : fxs_object_check(&object);
         chunks += error ? 0 : object.scene->chunk_count;
         gaussians += error ? 0 : object.scene->count;
+        if (!error && object.scene->motion && f->animated_bytes < fxs_animated_bytes(object.scene))
+            f->animated_bytes = fxs_animated_bytes(object.scene);
     }
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;

@@ -75,7 +75,8 @@ static fxs_sight sight_of_node(const fxs_stage_view *view, const fxs_chunk *head
 FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swell_q8)
 {
     const uint32_t depth_q8 = (uint32_t)(exp2_q16(swell_q8 / 2) >> 8);
-    return (fxs_drawn){chunk, (uint16_t)((share_q8 * depth_q8 + 255) >> 8), (uint16_t)(swell_q8 / FXS_SWELL_OF_SIGMA)};
+    return (fxs_drawn){chunk, (uint16_t)((share_q8 * depth_q8 + 255) >> 8), (uint16_t)(swell_q8 / FXS_SWELL_OF_SIGMA),
+                       {{0, 0, 0}, 0, 0}};
 }
 
 FXS_STAGE int fxs_see(fxs_sight *out, const fxs_stage_view *views, uint32_t eyes, const fxs_scene *scene,

@@ -68,7 +68,7 @@ static int take(fxs_frame *f, slice *s)
         if (fxs_frame_stopped(f))
             return FXS_ERR_STOPPED;
         const uint32_t object = fxs_frame_object(f, fxs_frame_chunk(f, place));
-        const int32_t count = fxs_prepare_project(f, object, place, s->count, s->room + FXS_CHUNK);
+        const int32_t count = fxs_prepare_project(f, object, place, s->count, s->room + FXS_CHUNK, 0);
         if (count < 0)
             return count;
         keep(f, s, (uint32_t)count);
@@ -84,7 +84,9 @@ static int finish(fxs_frame *f, uint32_t count)
         const uint32_t chunk = f->indices[slot] / FXS_CHUNK;
         for (end = slot + 1; end < count && f->indices[end] / FXS_CHUNK == chunk;)
             end++;
-        const int error = fxs_prepare_shade(f, fxs_frame_object(f, chunk), chunk, slot, end - slot);
+        const uint32_t object = fxs_frame_object(f, chunk), place = fxs_frame_place(f, chunk);
+        int error = fxs_prepare_animate(f, object, place, 0);
+        error = error ? error : fxs_prepare_shade(f, object, place, slot, end - slot, 0);
         if (error)
             return error;
     }

@@ -58,7 +58,7 @@ static int gaussians_rewind(void *handle, fxs_message *message)
 }
 
 static const fxs_reader reader = {
-    NULL, sizeof(gaussians_reader), gaussians_open, gaussians_read, gaussians_rewind, NULL
+    NULL, sizeof(gaussians_reader), gaussians_open, gaussians_read, gaussians_rewind, NULL, NULL
 };
 
 int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,

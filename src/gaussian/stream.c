@@ -43,6 +43,7 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     info->unused[0] = 0;
     info->start = (fxs_start){.tangent = 0};
     info->coarse = 0;
+    info->time = (fxs_time){.duration = 0};
     FXS_TRY(reader->open(file->data, source, info, message));
     memcpy(info->origin, file->import.origin, sizeof info->origin);
     if (info->stored_sh_degree < info->sh_degree)
@@ -66,6 +67,11 @@ long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussia
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     return fxs_stream_read(file->reader, file->data, gaussians, capacity, message);
+}
+
+const fxs_motion *fxs_scene_file_motions(const fxs_scene_file *file)
+{
+    return file->reader->motions ? file->reader->motions(file->data) : NULL;
 }
 
 int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)

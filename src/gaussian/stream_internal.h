@@ -25,6 +25,8 @@ typedef struct fxs_reader {
     long (*read)(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *data, fxs_message *message);
     void (*close)(void *data);
+    /* The motions of the Gaussians that `read` returned last. Null: the reader's scenes are still. */
+    const fxs_motion *(*motions)(const void *data);
 } fxs_reader;
 
 struct fxs_scene_file {

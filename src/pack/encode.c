@@ -171,14 +171,16 @@ static unsigned char *put_row(unsigned char *to, const unsigned char *records, u
     return to;
 }
 
-void fxs_encode_rows(const fxs_encoder *e, const unsigned char *records, unsigned char *rows)
+void fxs_encode_rows(const fxs_encoder *e, uint32_t motion_bytes, const unsigned char *records, unsigned char *rows)
 {
     static const unsigned char small[] = {4, 4, 4, 1, 0}, others[] = {2, 2, 2, 4, 4, 4, 0};
-    const uint32_t bytes = fxs_chunk_bytes(e->profile, e->sh_degree) / FXS_CHUNK;
+    const uint32_t still = fxs_chunk_bytes(e->profile, e->sh_degree) / FXS_CHUNK, bytes = still + motion_bytes;
     uint32_t first = 0;
     for (const unsigned char *width = e->profile == FXS_PROFILE_SMALL ? small : others; *width; first += *width++)
         rows = put_row(rows, records, bytes, first, *width);
-    const uint32_t width = e->profile == FXS_PROFILE_DEFAULT ? 1 : bytes - first;
-    for (; first < bytes; first += width)
+    const uint32_t width = e->profile == FXS_PROFILE_DEFAULT ? 1 : still - first;
+    for (; first < still; first += width)
         rows = put_row(rows, records, bytes, first, width);
+    for (; first < bytes; first += 2)
+        rows = put_row(rows, records, bytes, first, 2);
 }

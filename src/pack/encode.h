@@ -91,7 +91,7 @@ typedef struct fxs_encoder {
     int sh_degree;
 } fxs_encoder;
 
-enum { FXS_RECORD_BYTES = 63 };      /* size in bytes of the largest record, the codes of one Gaussian */
+enum { FXS_RECORD_BYTES = 93 };      /* size in bytes of the largest record, the codes of one Gaussian and its motion */
 
 typedef struct fxs_row_codes {
     uint32_t position[3], scale[3];
@@ -109,7 +109,9 @@ void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_ga
 /* Returns the quantisation gain of SH residuals for a gain code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
 double fxs_gain(int code);
 
-/* Transposes the 256 records of a chunk into rows of one attribute each. */
-void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);
+/* Transposes the 256 records of a chunk into rows of one attribute each. A record ends with `motion_bytes` bytes of
+   motion, in numbers of 2 bytes. */
+void fxs_encode_rows(const fxs_encoder *encoder, uint32_t motion_bytes, const unsigned char *records,
+                     unsigned char *rows);
 
 #endif

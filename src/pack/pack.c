@@ -24,6 +24,7 @@
 #include "coded.h"
 #include "framing.h"
 #include "move.h"
+#include "moving.h"
 #include "order.h"
 #include "pack_stage.h"
 #include "part.h"
@@ -48,6 +49,7 @@
 
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
+    fxs_motion *motions;             /* of a moving scene, BATCH of them */
     uint64_t first;
     long count;                      /* number of Gaussians in the batch; 0: end of file; negative: error */
 } batch;
@@ -60,6 +62,7 @@ typedef struct findings {
     float low[3], high[3];
     uint64_t source;
     int changed;                     /* 1: a Gaussian's centre differs from an earlier pass over the file */
+    uint64_t limited;                /* number of Gaussians with a motion beyond the range of its codes */
 } findings;
 
 typedef struct packer packer;
@@ -96,6 +99,11 @@ struct packer {
     float (*boxes)[6];               /* bounding boxes of all chunks; only while packing a part of a scene */
     fxs_tree *tree;
     fxs_chunk_ranges *ranges;
+    fxs_life *lives;                 /* of a moving scene, one per Gaussian of the file; else null, like the next two */
+    fxs_chunk_time *times;
+    fxs_chunk_motion *motions;
+    fxs_motion_header *motion_header;
+    uint32_t motion_bytes;           /* bytes of a Gaussian's motion codes */
     fxs_encoder encoder;
     const fxs_coded *coded;          /* codes of already quantised attributes to copy, or null */
     fxs_palette *palette;            /* palette of SH vectors; null: no palette is learned */
@@ -122,6 +130,11 @@ static void read_batch(packer *p, batch *b, uint64_t first)
     b->count = fxs_scene_file_read(p->file, b->gaussians, BATCH, p->message);
     if (b->count > 0 && (uint64_t)b->count > left)
         b->count = (long)left;
+    const fxs_motion *motions = b->motions && b->count > 0 ? fxs_scene_file_motions(p->file) : 0;
+    if (motions)
+        memcpy(b->motions, motions, (size_t)b->count * sizeof *motions);
+    else if (b->motions && b->count > 0)
+        b->count = fxs_fail(p->message, "the file has no motion");
 }
 
 static void read_or_work(void *argument, uint32_t job)
@@ -252,21 +265,48 @@ static const fxs_gaussian *fit(fxs_gaussian *g)
     return g;
 }
 
-static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, double weight, findings *f)
+static void widen_bounds(findings *f, const fxs_range position[3])
 {
+    for (int i = 0; i < 3; i++) {
+        f->low[i] = position[i].low < f->low[i] ? position[i].low : f->low[i];
+        f->high[i] = position[i].high > f->high[i] ? position[i].high : f->high[i];
+    }
+}
+
+/* Returns the box of the positions that a Gaussian has in a scene. */
+static void find_reach(const packer *p, fxs_range position[3], const fxs_gaussian *g, const fxs_motion *motion,
+                       const fxs_life *life)
+{
+    for (int i = 0; i < 3; i++)
+        position[i] = p->lives ? (fxs_range){INFINITY, -INFINITY} : (fxs_range){g->position[i], g->position[i]};
+    if (p->lives)
+        fxs_motion_sweep(position, g, motion, life);
+}
+
+static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, const fxs_motion *motion, fxs_life *life,
+                          double weight, findings *f)
+{
+    fxs_range position[3];
     if (!fxs_drawable(g, p->info->sh_degree, &f->dropped)) {
+        entry->position[0] = NAN;
+        return;
+    }
+    if (motion && !fxs_motion_usable(motion)) {
+        f->dropped.not_finite++;
+        f->dropped.weight += weight;
         entry->position[0] = NAN;
         return;
     }
     f->brought_in += (uint64_t)is_far(g);
     fit(g);
-    memcpy(entry->position, g->position, sizeof g->position);
+    if (motion)
+        *life = fxs_life_of(motion, fxs_opacity_of_logit(g->opacity), &p->info->time);
+    find_reach(p, position, g, motion, life);
+    for (int i = 0; i < 3; i++)
+        entry->position[i] = p->lives ? (position[i].low + position[i].high) / 2 : g->position[i];
     entry->index = g->opacity < FAINT_LOGIT;
     *(entry->index ? &f->faint : &f->others) += weight;
-    for (int i = 0; i < 3; i++) {
-        f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
-        f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
-    }
+    widen_bounds(f, position);
 }
 
 static uint64_t hash_of(const fxs_gaussian *g, uint64_t index)
@@ -293,7 +333,8 @@ static void take_positions(packer *p, batch *b, uint32_t part)
         const uint64_t index = b->first + (uint64_t)i;
         if (p->by_part)
             p->findings[part].source += hash_of(&b->gaussians[i], index);
-        take_position(p, &p->entries[index], &b->gaussians[i], areas[i - first] / (1 + rests[i - first]),
+        take_position(p, &p->entries[index], &b->gaussians[i], p->lives ? &b->motions[i] : 0,
+                      p->lives ? &p->lives[index] : 0, areas[i - first] / (1 + rests[i - first]),
                       &p->findings[part]);
         if (index % p->seen_step == 0 && !isnan(p->entries[index].position[0]))
             p->seen[index / p->seen_step] = fxs_seen_of(&b->gaussians[i]);
@@ -399,7 +440,9 @@ static int find_slots(packer *p)
 {
     uint32_t count = (uint32_t)p->info->count;
     part_fog(p);
-    if (!p->coded && fxs_order(p->entries, count, longest_box(p->encoder.profile), &p->options))
+    const float longest = longest_box(p->encoder.profile);
+    if (!p->coded && (p->lives ? fxs_order_in_time(p->entries, p->lives, count, &p->info->time, longest, &p->options)
+                               : fxs_order(p->entries, count, longest, &p->options)))
         return fail_memory(p, count);
     for (uint32_t i = 0; p->coded && i < count; i++)
         p->entries[i].index = i;
@@ -456,6 +499,44 @@ static int fail_changed(const packer *p)
     return fxs_fail(p->message, "the file changed while it was read");
 }
 
+static void widen_life(fxs_life *all, const fxs_life *life)
+{
+    all->from = life->from < all->from ? life->from : all->from;
+    all->to = life->to > all->to ? life->to : all->to;
+    all->start = life->start < all->start ? life->start : all->start;
+    all->end = life->end > all->end ? life->end : all->end;
+}
+
+/* Finds the time of each chunk of a moving scene. The lives of its Gaussians are about their centres. */
+static int find_times(packer *p)
+{
+    fxs_life *all = fxs_allocate(p->options.allocator, p->end, sizeof *all);
+    int32_t *ticks = fxs_allocate(p->options.allocator, 2 * (size_t)p->end, sizeof *ticks);
+    float (*centres)[2] = fxs_allocate(p->options.allocator, p->end, sizeof *centres);
+    p->times = fxs_allocate(p->options.allocator, p->end, sizeof *p->times);
+    const int enough = all && ticks && centres && p->times;
+    for (uint32_t i = 0; enough && i < p->end; i++) {
+        all[i] = (fxs_life){INFINITY, -INFINITY, INFINITY, -INFINITY, 0};
+        centres[i][0] = INFINITY;
+        centres[i][1] = -INFINITY;
+    }
+    for (uint64_t i = 0; enough && i < p->info->count; i++)
+        if (p->slots[i] != FXS_NO_SLOT) {
+            const uint32_t chunk = p->slots[i] / FXS_CHUNK;
+            widen_life(&all[chunk], &p->lives[i]);
+            centres[chunk][0] = fminf(centres[chunk][0], p->lives[i].centre);
+            centres[chunk][1] = fmaxf(centres[chunk][1], p->lives[i].centre);
+        }
+    for (uint32_t i = 0; enough && i < p->end; i++)
+        fxs_chunk_time_set(&p->times[i], &p->motions[i], &all[i], centres[i][0], centres[i][1], &p->info->time);
+    if (enough)
+        p->motion_header->most_chunks = fxs_motion_most(p->motions, p->end, ticks);
+    fxs_release(p->options.allocator, all);
+    fxs_release(p->options.allocator, ticks);
+    fxs_release(p->options.allocator, centres);
+    return enough ? 0 : fail_memory(p, p->info->count);
+}
+
 static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
 {
     for (int i = 0; i < 3; i++)
@@ -490,6 +571,16 @@ static void find_opacities(const packer *p, double *x, uint32_t count)
         x[i] = 1 / (1 + x[i]);
 }
 
+static void take_moving_ranges(const packer *p, fxs_chunk_ranges *ranges, fxs_chunk_time *time, const fxs_gaussian *g,
+                               const fxs_motion *motion, const fxs_life *life, double opacity)
+{
+    fxs_gaussian rest = *g;
+    fxs_motion_rest(&rest, motion, time);
+    p->stages->take_ranges(ranges, &rest, opacity, p->encoder.sh_degree);
+    fxs_motion_sweep(ranges->position, g, motion, life);
+    fxs_motion_take(time, g, motion);
+}
+
 /* Collects the attribute ranges of the chunks with chunk % PARTS == part, so that parallel jobs share no ranges. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
@@ -510,7 +601,10 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
         const uint32_t later = slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK;
         if (is_packed(p, later))
             PREFETCH_TO_WRITE(&p->ranges[later - p->first]);
-        if (is_packed(p, chunk))
+        if (is_packed(p, chunk) && p->lives)
+            take_moving_ranges(p, &p->ranges[chunk], &p->times[chunk], g, &b->motions[own[i]],
+                               &p->lives[b->first + own[i]], opacities[i]);
+        else if (is_packed(p, chunk))
             p->stages->take_ranges(&p->ranges[chunk - p->first], g, opacities[i], p->encoder.sh_degree);
         if (p->sample)
             take_sample(p, slots[own[i]], g, opacities[i]);
@@ -533,10 +627,14 @@ static int find_headers(packer *p)
     for (uint32_t i = 0; i < chunks; i++) {
         for (int k = 0; k < 3; k++) {
             const fxs_range *r = &p->ranges[i].position[k];
-            if (!(r->low <= r->high && r->low >= p->report->low[k] && r->high <= p->report->high[k]))
+            if (!(r->low <= r->high && (p->lives || (r->low >= p->report->low[k] && r->high <= p->report->high[k]))))
                 return fail_changed(p);
         }
         fxs_encode_header(&p->chunks[i], &p->ranges[i], p->info);
+        if (p->lives) {
+            p->chunks[i].opacity_law = 0;        /* codes in proportion to the opacity, so that a fade is a product */
+            fxs_chunk_shift_set(&p->motions[i], &p->times[i], &p->chunks[i]);
+        }
     }
     return 0;
 }
@@ -605,6 +703,7 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     /* local copy, because the `findings` of several jobs share cache lines */
     fxs_loss loss = p->findings[part].loss;
     double opacities[BATCH / PARTS + 1];
+    uint64_t limited = 0;
     int changed = 0;
     const long first = first_of(b, part), end = first_of(b, part + 1);
     for (long i = first; i < end; i++)
@@ -621,7 +720,13 @@ static void encode_part(packer *p, batch *b, uint32_t part)
             memcpy(to, record, bytes);
             continue;
         }
-        const fxs_gaussian *g = fit(&b->gaussians[i]);
+        fxs_gaussian *g = &b->gaussians[i];
+        fit(g);
+        if (p->lives) {
+            limited += (uint64_t)fxs_motion_encode(record + bytes - p->motion_bytes, &p->info->time, &p->times[chunk],
+                                                   &p->motions[chunk], &p->chunks[chunk], g, &b->motions[i]);
+            fxs_motion_rest(g, &b->motions[i], &p->times[chunk]);
+        }
         changed |= !is_within(&p->ranges[chunk - p->first], g);
         p->stages->encode(&p->encoder, &p->chunks[chunk - p->first], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
@@ -631,6 +736,7 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     }
     p->findings[part].loss = loss;
     p->findings[part].changed |= changed;
+    p->findings[part].limited += limited;
 }
 
 static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, fxs_loss *loss)
@@ -640,7 +746,8 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
     const fxs_sh_item *items = p->sample ? p->sample + first : p->items + (first - p->first_chunk * FXS_CHUNK);
     fxs_sh_loss sh = {loss->largest[FXS_LOSS_SH], loss->squares[FXS_LOSS_SH]};
     fxs_palette_code_chunk(p->palette, items, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk - p->first].sh_mean,
-                           records + bytes - fxs_sh_bytes(p->encoder.profile, p->encoder.sh_degree), bytes, &sh);
+                           records + bytes - p->motion_bytes -
+                               fxs_sh_bytes(p->encoder.profile, p->encoder.sh_degree), bytes, &sh);
     loss->largest[FXS_LOSS_SH] = sh.largest;
     loss->squares[FXS_LOSS_SH] = sh.squares;
 }
@@ -656,7 +763,7 @@ static void finish_part(void *argument, uint32_t part)
         memcpy(records, rows, p->header->chunk_bytes);
         if (p->palette)
             code_chunk(p, chunk, records, &loss);
-        fxs_encode_rows(&p->encoder, records, rows);
+        fxs_encode_rows(&p->encoder, p->motion_bytes, records, rows);
     }
     p->findings[part].loss = loss;
 }
@@ -723,6 +830,10 @@ static int write_codes(packer *p)
 
 static void turn_headers(packer *p)
 {
+    for (uint32_t i = 0; p->lives && i < p->end; i++)
+        fxs_chunk_motion_turn(&p->motions[i]);
+    if (p->lives)
+        fxs_motion_header_turn(p->motion_header);
     for (uint32_t i = 0; i < p->end - p->first; i++)
         fxs_chunk_turn(&p->chunks[i]);
     fxs_packed_header_turn(p->header);
@@ -757,9 +868,12 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
 {
     const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);
     const enum fxs_profile profile = p->encoder.profile;
-    fxs_packed_header h = {.magic = FXS_PACKED_MAGIC, .version = tree ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION,
+    fxs_packed_header h = {.magic = FXS_PACKED_MAGIC,
+                           .version = p->lives ? FXS_PACKED_VERSION_MOTION
+                                      : tree   ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION,
                            .count = count, .holes = count - (uint32_t)p->report->packed, .chunk_count = chunks,
-                           .chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree),
+                           .chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree) +
+                                          FXS_CHUNK * p->motion_bytes,
                            .sh_degree = (uint32_t)p->encoder.sh_degree,
                            .flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0, .profile = (uint32_t)profile,
                            .palette_entries = fxs_palette_entries_for(p->report->packed, chunks, profile,
@@ -787,18 +901,44 @@ static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
     return 0;
 }
 
+static uint32_t motion_flags(const fxs_time *time)
+{
+    return (time->loops ? FXS_MOTION_LOOPS : 0) | (time->turns ? FXS_MOTION_TURNS : 0) |
+           (time->fades ? FXS_MOTION_FADES : 0);
+}
+
+static void begin_motion(packer *p, unsigned char *to)
+{
+    const fxs_time *time = &p->info->time;
+    const double octaves = time->least > 0 ? -fxs_log(time->least) * FXS_LOG2_E : 16;
+    p->motion_header = (fxs_motion_header *)(void *)to;
+    p->motions = (fxs_chunk_motion *)(void *)(p->motion_header + 1);
+    *p->motion_header = (fxs_motion_header){.magic = FXS_MOTION_MAGIC, .flags = motion_flags(time),
+                                            .duration_q16 = (uint32_t)fmax(1, floor(ldexp(time->duration, 16))),
+                                            .rate_q16 = (uint32_t)floor(ldexp(fmin(time->rate, 1000), 16) + 0.5),
+                                            .degree = (uint32_t)time->degree,
+                                            .cut_q16 = (uint32_t)ldexp(fmin(octaves, 16), 16)};
+}
+
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
     const uint32_t chunks = fxs_chunks_of((uint32_t)p->slot_count);
     const size_t tree = p->options.tree ? fxs_tree_bytes(chunks, p->encoder.sh_degree, p->encoder.profile) : 0;
     const fxs_packed_header h = header_of(p, tree);
-    const size_t leaves = fxs_scene_bytes(h.count, p->encoder.sh_degree, p->encoder.profile, h.palette_entries);
+    const size_t leaves =
+        p->lives ? fxs_moving_scene_bytes(h.count, p->encoder.sh_degree, p->encoder.profile, h.palette_entries,
+                                          (uint32_t)p->info->time.degree, motion_flags(&p->info->time))
+                 : fxs_scene_bytes(h.count, p->encoder.sh_degree, p->encoder.profile, h.palette_entries);
     FXS_TRY(allocate_packed(p, scene, leaves && leaves <= SIZE_MAX - 63 - tree ? leaves + tree : SIZE_MAX));
     p->header = scene->data;
     *p->header = h;
     p->chunks = (fxs_chunk *)(void *)(p->header + 1);
     p->palette_bytes = (unsigned char *)(p->chunks + chunks);
     p->rows = (unsigned char *)scene->data + leaves - (size_t)chunks * h.chunk_bytes;
+    if (p->lives) {
+        begin_motion(p, p->rows - fxs_motion_table_bytes(chunks));
+        FXS_TRY(find_times(p));
+    }
     if (tree)
         begin_tree((unsigned char *)scene->data + leaves, chunks - 1);
     return h.palette_entries ? allocate_palette(p) : 0;
@@ -887,6 +1027,22 @@ static int build_tree(packer *p, const fxs_scene *scene, void *data)
     return fxs_tree_build(scene, data, p->coded ? p->coded->palette : p->palette, &options, p->message);
 }
 
+static int prepare_motion(packer *p)
+{
+    const fxs_time *time = &p->info->time;
+    if (!(time->duration < ldexp(FXS_MOTION_DURATION_MOST, -16)) || time->degree < 0 ||
+        time->degree > (int)FXS_MOTION_DEGREE)
+        return fxs_fail(p->message, "a duration of %.0f seconds: expected less than %.0f", time->duration,
+                        ldexp(FXS_MOTION_DURATION_MOST, -16));
+    if (p->coded || p->by_part)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, p->message, "a moving scene is not packed in blocks");
+    p->motion_bytes = fxs_motion_bytes((uint32_t)time->degree, motion_flags(time)) / FXS_CHUNK;
+    p->lives = fxs_allocate_zeroed(p->options.allocator, (size_t)p->info->count, sizeof *p->lives);
+    for (int i = 0; i < 2; i++)
+        p->batches[i].motions = fxs_allocate(p->options.allocator, BATCH, sizeof(fxs_motion));
+    return p->lives && p->batches[0].motions && p->batches[1].motions ? 0 : fail_memory(p, p->info->count);
+}
+
 static int pack(packer *p, fxs_packed_scene *scene)
 {
     if (p->encoder.profile > FXS_PROFILE_SMALL || p->encoder.sh_degree < 0 || p->encoder.sh_degree > 3)
@@ -898,11 +1054,15 @@ static int pack(packer *p, fxs_packed_scene *scene)
     p->entries = fxs_allocate_zeroed(p->options.allocator, (size_t)p->info->count, sizeof *p->entries);
     fxs_use_large_pages(p->entries, (size_t)p->info->count * sizeof *p->entries);
     p->batches = fxs_allocate(p->options.allocator, 2, sizeof *p->batches);
+    for (int i = 0; i < 2 && p->batches; i++)
+        p->batches[i].motions = 0;
     p->findings = fxs_allocate_zeroed(p->options.allocator, PARTS, sizeof *p->findings);
     p->seen_step = (p->info->count - 1) / FXS_SEEN_MOST + 1;
     p->seen = fxs_allocate_zeroed(p->options.allocator, FXS_SEEN_MOST, sizeof *p->seen);
     if (!p->entries || !p->batches || !p->findings || !p->seen)
         return fail_memory(p, p->info->count);
+    if (p->info->time.duration > 0)
+        FXS_TRY(prepare_motion(p));
     FXS_TRY(read_positions(p));
     if (p->coded && p->report->packed != p->info->count)
         return fail_changed(p);
@@ -972,12 +1132,16 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     if (!p.options.workers.run)
         p.options.workers.run = fxs_run_here;
     p.options.workers.count += p.options.workers.count == 0;
-    p.options.tree &= FXS_BUILDS_TREES;
+    p.options.tree &= FXS_BUILDS_TREES && !(info->time.duration > 0);
     const int result = pack(&p, scene);
     if (!result && fxs_has_origin(info->origin))
         move_to_origin(scene, info, report);
     fxs_release(p.options.allocator, p.entries);
+    for (int i = 0; i < 2 && p.batches; i++)
+        fxs_release(p.options.allocator, p.batches[i].motions);
     fxs_release(p.options.allocator, p.batches);
+    fxs_release(p.options.allocator, p.lives);
+    fxs_release(p.options.allocator, p.times);
     fxs_release(p.options.allocator, p.findings);
     fxs_release(p.options.allocator, p.seen);
     fxs_release(p.options.allocator, p.slots);

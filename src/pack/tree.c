@@ -296,7 +296,7 @@ static void write_chunk(const tree *t, worker *w, held *h, size_t at)
     if (t->run.palette)
         fxs_palette_code_chunk(t->run.palette, w->items, h->count, chunk.sh_mean,
                                w->records + bytes - fxs_sh_bytes(s->profile, s->sh_degree), bytes, &sh_loss);
-    fxs_encode_rows(&t->encoder, w->records, t->run.node_rows + at * s->chunk_bytes);
+    fxs_encode_rows(&t->encoder, 0, w->records, t->run.node_rows + at * s->chunk_bytes);
     fxs_chunk_turn(&chunk);
     memcpy(t->run.node_chunks + at * sizeof chunk, &chunk, sizeof chunk);
 }

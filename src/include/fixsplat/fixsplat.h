@@ -159,7 +159,25 @@ typedef struct fxs_scene {
        not in memory. In a scene with a tree its nearest ancestor in memory is drawn instead; otherwise the chunk is
        skipped. */
     const uint32_t *places;
+
+    const unsigned char *motion;      /* when the chunks of a moving scene are drawn, and how their rows describe their
+                                         motion; null: the scene is still */
 } fxs_scene;
+
+/* The time of a moving scene. All fields are 0 for a still scene. */
+typedef struct fxs_motion_info {
+    int64_t duration_q32;             /* seconds; a moving scene has the times 0 to its duration */
+    int64_t rate_q32;                 /* frames a second of the source; 0: none, the motion is continuous */
+    int loops;                        /* 1: after its duration the scene starts again; 0: it stops at its last moment */
+    uint32_t most_chunks;             /* largest number of chunks of 256 Gaussians that are drawn at one time */
+} fxs_motion_info;
+
+/* Returns the time of an open scene. */
+FXS_EXPERIMENTAL fxs_motion_info fxs_scene_motion(const fxs_scene *scene);
+
+/* Returns the number of slots for Gaussians, in whole chunks of 256, that a moving scene draws at a time in seconds; of
+   a still scene all. */
+FXS_EXPERIMENTAL uint32_t fxs_scene_alive(const fxs_scene *scene, int64_t time_q32);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    Nothing is copied: `data` must stay in place and unchanged while the scene is in use. If another program changes the
@@ -194,6 +212,7 @@ typedef struct fxs_object {
     const fxs_crop *crops;         /* crop boxes of the object; null: none */
     uint32_t crop_count;           /* number of crop boxes, 0 to FXS_MAX_CROPS */
     uint32_t unused;               /* 0: room for a field of a later version */
+    int64_t time_q32;              /* of a moving scene: seconds that are added to the time of the options */
 } fxs_object;
 
 /* Initialises an object: its scene lies at the origin of the world, unscaled, visible, with id 0 and without crops. */
@@ -279,6 +298,8 @@ typedef struct fxs_options {
                                       chunk's level, with the Gaussian's own brightness; leaves are white. Processor
                                       only; other back ends ignore it */
     uint32_t unused;               /* 0: room for a field of a later version */
+    int64_t time_q32;              /* the moment of moving scenes, seconds. A scene that loops takes it modulo its
+                                      duration; others stop at their first and last moment. Still scenes ignore it */
 } fxs_options;
 
 /* Initialises rendering options: Mahalanobis cut-off, SH degree 3, black background, no stop callback, no budget. */

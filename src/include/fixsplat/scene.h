@@ -132,6 +132,28 @@ typedef struct fxs_gaussian {
                             degree */
 } fxs_gaussian;
 
+/* How a Gaussian of a moving scene moves, with d = t - centre in seconds: its position is position + d drift[0] + d^2
+   drift[1] + d^3 drift[2], its rotation is (rotation + d turn) normalised, its opacity is opacity exp(-(d / fade)^2). It
+   exists from the time `from` until before the time `to`. Source: Li et al. 2024, Spacetime Gaussian feature splatting,
+   section 4.1. */
+typedef struct fxs_motion {
+    float drift[3][3];   /* scene units per second, per second^2 and per second^3, each x, y, z */
+    float turn[4];       /* change of the quaternion w, x, y, z per second */
+    float centre, fade;  /* seconds; a fade of INFINITY: the opacity does not change */
+    float from, to;      /* seconds; -INFINITY, INFINITY: it always exists */
+} fxs_motion;
+
+/* The time of a moving scene in a file. */
+typedef struct fxs_time {
+    double duration;     /* seconds; times are 0 to the duration; 0: the scene is still */
+    double rate;         /* frames a second of the source; 0: none, the motion is continuous */
+    int loops;           /* 1: after its duration the scene starts again */
+    int degree;          /* of the polynomials of the position: 0 to 3 */
+    int turns, fades;    /* 1: turns are not all 0; fades are not all INFINITY */
+    double least;        /* a Gaussian is not drawn while its opacity has fallen below this share of its largest; 0: as
+                            the renderer draws it */
+} fxs_time;
+
 typedef struct fxs_scene_file fxs_scene_file;
 
 /* The values of a number that a file stores with few bits: `low` plus a whole multiple of `step`. Step 0: any value. */
@@ -164,11 +186,16 @@ typedef struct fxs_scene_file_info {
                              far placement */
     double coarse;        /* loss of precision of positions: the spacing of floats in scene units, at parts that lie too
                              far from the origin; 0: none */
+    fxs_time time;        /* of a moving scene */
 } fxs_scene_file_info;
 
 /* Reads the next Gaussians of a stream, at most `capacity`; some formats return fewer before the end, too. Returns
    their number, 0 at the end, or an error and a message. */
 FXS_API long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
+
+/* Returns how the Gaussians of the last call of fxs_scene_file_read move, one fxs_motion each, until the next call; null
+   for a still scene. */
+FXS_EXPERIMENTAL const fxs_motion *fxs_scene_file_motions(const fxs_scene_file *file);
 
 /* Goes back to the first Gaussian of a stream. Returns 0, or an error and a message. */
 FXS_API int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);

@@ -184,7 +184,7 @@ static void merge_close(void *handle)
 }
 
 static const fxs_reader merged_format = {NULL, sizeof(merge_reader), NULL, merge_read, merge_rewind,
-                                               merge_close};
+                                               merge_close, NULL};
 
 static void close_all(fxs_scene_file **files, uint32_t count)
 {

@@ -283,7 +283,7 @@ static void decimated_close(void *handle)
 }
 
 static const fxs_reader decimated_format = {
-    NULL, sizeof(decimated), NULL, decimated_read, decimated_rewind, decimated_close
+    NULL, sizeof(decimated), NULL, decimated_read, decimated_rewind, decimated_close, NULL
 };
 
 static int make_room(decimated *d, uint32_t count, fxs_message *message)

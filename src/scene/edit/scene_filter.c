@@ -140,7 +140,7 @@ static void filter_close(void *handle)
 }
 
 static const fxs_reader filtered = {
-    NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
+    NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close, NULL
 };
 
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, const fxs_progress *progress,

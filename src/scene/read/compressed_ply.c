@@ -261,5 +261,5 @@ static long compressed_read(void *handle, fxs_gaussian *gaussians, size_t capaci
 }
 
 const fxs_reader fxs_read_compressed_ply = {
-    is_compressed_ply, sizeof(compressed_reader), compressed_open, compressed_read, compressed_rewind, NULL
+    is_compressed_ply, sizeof(compressed_reader), compressed_open, compressed_read, compressed_rewind, NULL, NULL
 };

@@ -161,4 +161,4 @@ static int fxs_rewind_file(void *data, fxs_message *message)
 }
 
 const fxs_reader fxs_read_fxs = {is_fxs, sizeof(fxs_file_reader), fxs_open_file, fxs_read_gaussians, fxs_rewind_file,
-                                 NULL};
+                                 NULL, NULL};

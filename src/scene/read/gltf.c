@@ -1129,4 +1129,4 @@ static int is_gltf(const fxs_head *head, fxs_message *message)
     return !memcmp(head->bytes, "glTF", 4) || (head->name && is_gltf_name(head->name));
 }
 
-const fxs_reader fxs_read_gltf = {is_gltf, READER_SIZE, gltf_open, gltf_read, gltf_rewind, gltf_close};
+const fxs_reader fxs_read_gltf = {is_gltf, READER_SIZE, gltf_open, gltf_read, gltf_rewind, gltf_close, NULL};

@@ -277,7 +277,7 @@ static void gsplat_close(void *handle)
             fxs_text_let_go(g->source, &g->arrays[i]);
 }
 
-const fxs_reader fxs_read_gsplat = {is_gsplat, sizeof(gsplat), gsplat_open, gsplat_read, gsplat_rewind, gsplat_close};
+const fxs_reader fxs_read_gsplat = {is_gsplat, sizeof(gsplat), gsplat_open, gsplat_read, gsplat_rewind, gsplat_close, NULL};
 
 #else
 
@@ -288,6 +288,6 @@ static int gsplat_open(void *handle, const fxs_scene_source *source, fxs_scene_f
                        source->path);
 }
 
-const fxs_reader fxs_read_gsplat = {is_gsplat, 0, gsplat_open, NULL, NULL, NULL};
+const fxs_reader fxs_read_gsplat = {is_gsplat, 0, gsplat_open, NULL, NULL, NULL, NULL};
 
 #endif

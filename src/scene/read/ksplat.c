@@ -244,5 +244,5 @@ static int is_ksplat(const fxs_head *head, fxs_message *message)
 }
 
 const fxs_reader fxs_read_ksplat = {
-    is_ksplat, sizeof(ksplat_reader), ksplat_open, ksplat_read, ksplat_rewind, NULL
+    is_ksplat, sizeof(ksplat_reader), ksplat_open, ksplat_read, ksplat_rewind, NULL, NULL
 };

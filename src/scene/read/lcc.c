@@ -372,4 +372,4 @@ static int is_lcc(const fxs_head *head, fxs_message *message)
     return head->name && strstr(head->bytes, "\"totalLevel\"");
 }
 
-const fxs_reader fxs_read_lcc = {is_lcc, READER_SIZE, lcc_open, lcc_read, lcc_rewind, lcc_close};
+const fxs_reader fxs_read_lcc = {is_lcc, READER_SIZE, lcc_open, lcc_read, lcc_rewind, lcc_close, NULL};

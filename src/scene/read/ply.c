@@ -397,4 +397,4 @@ static int is_ply(const fxs_head *head, fxs_message *message)
     return !memcmp(head->bytes, "ply", 3);
 }
 
-const fxs_reader fxs_read_ply = {is_ply, sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL};
+const fxs_reader fxs_read_ply = {is_ply, sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL, NULL};

@@ -619,7 +619,7 @@ static void rad_close(void *handle)
     cJSON_Delete(r->root);
 }
 
-const fxs_reader fxs_read_rad = {is_rad, sizeof(rad_reader), rad_open, rad_read, rad_rewind, rad_close};
+const fxs_reader fxs_read_rad = {is_rad, sizeof(rad_reader), rad_open, rad_read, rad_rewind, rad_close, NULL};
 
 #else
 
@@ -629,6 +629,6 @@ static int rad_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read .rad: built without cJSON", source->path);
 }
 
-const fxs_reader fxs_read_rad = {is_rad, 0, rad_open, NULL, NULL, NULL};
+const fxs_reader fxs_read_rad = {is_rad, 0, rad_open, NULL, NULL, NULL, NULL};
 
 #endif

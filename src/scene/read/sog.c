@@ -833,8 +833,8 @@ static void sog_close(void *handle)
     fxs_release(allocator, r->ranges);
 }
 
-const fxs_reader fxs_read_sog = {is_sog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
-const fxs_reader fxs_read_lcc2 = {is_lcc2, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
+const fxs_reader fxs_read_sog = {is_sog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close, NULL};
+const fxs_reader fxs_read_lcc2 = {is_lcc2, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close, NULL};
 
 #else
 
@@ -845,7 +845,7 @@ static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file
                        source->path);
 }
 
-const fxs_reader fxs_read_sog = {is_sog, 0, sog_open, NULL, NULL, NULL};
-const fxs_reader fxs_read_lcc2 = {is_lcc2, 0, sog_open, NULL, NULL, NULL};
+const fxs_reader fxs_read_sog = {is_sog, 0, sog_open, NULL, NULL, NULL, NULL};
+const fxs_reader fxs_read_lcc2 = {is_lcc2, 0, sog_open, NULL, NULL, NULL, NULL};
 
 #endif

@@ -99,5 +99,5 @@ static int splat_rewind(void *handle, fxs_message *message)
 }
 
 const fxs_reader fxs_read_splat = {
-    is_splat, sizeof(splat_reader), splat_open, splat_read, splat_rewind, NULL
+    is_splat, sizeof(splat_reader), splat_open, splat_read, splat_rewind, NULL, NULL
 };

@@ -575,4 +575,4 @@ static int is_spz(const fxs_head *head, fxs_message *message)
     return !memcmp(head->bytes, "NGSP", 4) || !memcmp(head->bytes, "\x1f\x8b", 2);
 }
 
-const fxs_reader fxs_read_spz = {is_spz, sizeof(spz_reader), spz_open, spz_read, spz_rewind, spz_close};
+const fxs_reader fxs_read_spz = {is_spz, sizeof(spz_reader), spz_open, spz_read, spz_rewind, spz_close, NULL};

@@ -501,5 +501,5 @@ static int is_tileset(const fxs_head *head, fxs_message *message)
 }
 
 const fxs_reader fxs_read_tileset = {
-    is_tileset, READER_SIZE, tileset_open, tileset_read, tileset_rewind, tileset_close
+    is_tileset, READER_SIZE, tileset_open, tileset_read, tileset_rewind, tileset_close, NULL
 };

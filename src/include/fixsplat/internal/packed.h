@@ -14,6 +14,13 @@
  *   fxs_chunk[chunk_count - 1]             each node's chunk of coarse Gaussians, which replace all leaves below it
  *   rows[chunk_count - 1]                  the codes of the nodes' chunks
  *
+ * Version 7 is a moving scene, without a tree. Behind the palette, before the rows, it has:
+ *
+ *   fxs_motion_header                      64 bytes
+ *   fxs_chunk_motion[chunk_count]          16 bytes per chunk, when the chunk is drawn; zeros pad to a multiple of 64
+ *
+ * and a chunk's rows continue, behind the SH, with the rows of its motion (FXS_MOTION_BYTES), below.
+ *
  * Rows of a chunk, by profile:
  *
  *   default
@@ -38,6 +45,12 @@
  *                                          bit 31 of b, the rest is 0
  *       uint8_t  sh[256][4 or 6]           4 signed palette indices for degree 1, 6 for degrees 2 and 3
  *
+ *   motion, in version 7, with degree 0 to 3 of the motion header:
+ *       int16_t  drift[degree][3][256]     coefficients of u, u^2, u^3 of the position codes x, y, z
+ *       int16_t  turn[4][256]              with FXS_MOTION_TURNS: coefficients of u of the quaternion w, x, y, z, Q14
+ *       int16_t  centre[256]               with FXS_MOTION_FADES: u of the largest opacity, Q13
+ *       uint16_t width[256]                with FXS_MOTION_FADES: log2 of the width of the fade in u, plus 8, Q12
+ *
  *   Signed palette index: entry in bits 6..0; bit 7 negates the entry.
  *
  * A row has 256 numbers, so a vector loads 16, 32 or 64 neighbours at once. Chunks are the leaves of a k-d tree. Chunks
@@ -59,6 +72,7 @@ extern "C" {
 #define FXS_PACKED_MAGIC 0x31535846u      /* first four bytes of a packed scene, "FXS1" */
 #define FXS_PACKED_VERSION 5u             /* file version of scenes without a level-of-detail tree */
 #define FXS_PACKED_VERSION_TREE 6u        /* file version of scenes with a level-of-detail tree */
+#define FXS_PACKED_VERSION_MOTION 7u      /* file version of moving scenes */
 #define FXS_PACKED_ANTIALIASED 1u
 #define FXS_PACKED_UP 0x80000000u       /* header flag: the lower bits of `flags` store the up vector
                                            (docs/format.md) */
@@ -130,6 +144,36 @@ typedef struct fxs_node {            /* a node of the level-of-detail tree has 1
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)
 
+#define FXS_MOTION_MAGIC 0x4d535846u      /* first four bytes of the motion of a scene, "FXSM" */
+#define FXS_MOTION_LOOPS 1u               /* flags of a motion header: the scene starts again after its duration */
+#define FXS_MOTION_TURNS 2u               /* its Gaussians turn: they have the rows `turn` */
+#define FXS_MOTION_FADES 4u               /* its Gaussians fade in and out: they have the rows `centre` and `width` */
+#define FXS_MOTION_DEGREE 3u              /* largest degree of the polynomials of the position */
+#define FXS_MOTION_DURATION_MOST (1u << 30)   /* 4.5 hours */
+
+typedef struct fxs_motion_header {   /* the header of a scene's motion has 64 bytes */
+    uint32_t magic;
+    uint32_t checksum;               /* in a file: CRC-32 of this header with checksum 0, then of the chunks' motions
+                                        with the padding */
+    uint32_t duration_q16;           /* seconds, above 0; times are 0 to the duration */
+    uint32_t rate_q16;               /* frames a second of the source; 0: none, the motion is continuous */
+    uint32_t flags;                  /* FXS_MOTION_LOOPS, FXS_MOTION_TURNS, FXS_MOTION_FADES */
+    uint32_t degree;                 /* of the polynomials of the position, 0 to 3 */
+    uint32_t most_chunks;            /* largest number of chunks that are alive at one time, 1 or more */
+    uint32_t cut_q16;                /* a Gaussian whose opacity has fallen by more octaves than this is not drawn */
+    uint32_t reserved[8];            /* reserved bytes, which must be 0 */
+} fxs_motion_header;
+
+/* When a chunk is alive (drawn), and the unit of its motion. With t in seconds, its time u is (t - middle) / 2^(unit -
+   16), limited to +-1. */
+typedef struct fxs_chunk_motion {    /* the motion of a chunk has 16 bytes */
+    int32_t from_q16, to_q16;        /* seconds: alive from `from` until before `to` */
+    int32_t middle_q16;
+    uint8_t unit;                    /* 0 to 30 */
+    int8_t shift;                    /* position code = code + (sum of drift u^k) 2^shift, -15 to 4 */
+    uint16_t reserved;               /* 0 */
+} fxs_chunk_motion;
+
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 #define FXS_BIG_ENDIAN 1
 #else
@@ -169,7 +213,8 @@ static inline uint64_t fxs_little_64(uint64_t x)
 
 typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 6 + 8 * 3 + 4 * 4 &&
                                      sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 &&
-                                     sizeof(fxs_tree_header) == 64 && sizeof(fxs_node) == 16 ? 1 : -1];
+                                     sizeof(fxs_tree_header) == 64 && sizeof(fxs_node) == 16 &&
+                                     sizeof(fxs_motion_header) == 64 && sizeof(fxs_chunk_motion) == 16 ? 1 : -1];
 
 static inline void fxs_packed_header_turn(fxs_packed_header *header)
 {
@@ -196,6 +241,40 @@ static inline void fxs_node_turn(fxs_node *node)
 {
     fxs_little_endian(node, 0, 2, 4);
     fxs_little_endian(node, offsetof(fxs_node, gain_q8), 4, 2);
+}
+
+static inline void fxs_motion_header_turn(fxs_motion_header *header)
+{
+    fxs_little_endian(header, 0, sizeof *header / 4, 4);
+}
+
+static inline void fxs_chunk_motion_turn(fxs_chunk_motion *motion)
+{
+    fxs_little_endian(motion, 0, 3, 4);
+    fxs_little_endian(motion, offsetof(fxs_chunk_motion, reserved), 1, 2);
+}
+
+/* Returns the bytes of the rows of motion of a chunk. */
+static inline uint32_t fxs_motion_bytes(uint32_t degree, uint32_t flags)
+{
+    return FXS_CHUNK * (6 * degree + (flags & FXS_MOTION_TURNS ? 8u : 0u) + (flags & FXS_MOTION_FADES ? 4u : 0u));
+}
+
+/* Returns the bytes of the motion of a scene behind its palette: header, chunks' motions and padding. */
+static inline uint64_t fxs_motion_table_bytes(uint64_t chunks)
+{
+    return (sizeof(fxs_motion_header) + chunks * sizeof(fxs_chunk_motion) + 63) / 64 * 64;
+}
+
+static inline int fxs_motion_header_valid(const fxs_motion_header *h, uint32_t chunks)
+{
+    return h->magic == FXS_MOTION_MAGIC && h->duration_q16 >= 1 && h->duration_q16 <= FXS_MOTION_DURATION_MOST &&
+           h->degree <= FXS_MOTION_DEGREE && h->most_chunks >= 1 && h->most_chunks <= chunks;
+}
+
+static inline int fxs_chunk_motion_valid(const fxs_chunk_motion *motion)
+{
+    return motion->unit <= 30 && motion->shift >= -15 && motion->shift <= 4;
 }
 
 static inline int fxs_within(int64_t x, int64_t limit)
@@ -330,6 +409,10 @@ static inline uint32_t fxs_palette_bytes(const fxs_scene *scene)
    argument is out of range. */
 FXS_EXPERIMENTAL size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
                                         uint32_t palette_entries);
+
+/* Returns the size in bytes of a moving scene, whose motion has the given degree and flags, as fxs_scene_bytes does. */
+FXS_EXPERIMENTAL size_t fxs_moving_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
+                                               uint32_t palette_entries, uint32_t degree, uint32_t flags);
 
 /* Returns the size in bytes of the level-of-detail tree that follows `chunks` chunks. Returns 0 for fewer than two
    chunks, or if the size exceeds a size_t. */

@@ -154,6 +154,20 @@ typedef struct fxs_trace {
 
 #define FXS_HALF_Q15 16384
 
+/* The powers of a chunk's time u in a moving scene (internal/packed.h), at one moment. */
+typedef struct fxs_moment {
+    int16_t power_q15[3];          /* u, u^2, u^3, within +-32767 */
+    int8_t shift;                  /* left shift of a sum of drifts, -15 to 4 */
+    uint8_t moves;                 /* 1; 0: the chunk's scene is still */
+} fxs_moment;
+
+/* The rows of motion in a chunk of a moving scene. */
+typedef struct fxs_motion_rows {
+    uint32_t at;                   /* offset of the first in the chunk's rows, bytes */
+    uint32_t degree, cut_q16;      /* as in fxs_motion_header */
+    uint8_t turns, fades, unused[2];
+} fxs_motion_rows;
+
 struct fxs_object_view;            /* the struct is defined in src/core/object.h */
 
 /* Tiles for a back end to draw: first_tile to last_tile, numbered row by row. The list of tile t is the counts[t]
@@ -249,6 +263,11 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* name of each stage's version: "c", "avx2", ... */
 
+    /* Writes the rows of a chunk of a moving scene as they are at a moment to `out`, without SH and motion. `rows` are
+       the chunk's, scale_step_q24 is in its header; both are aligned to 64. The first part of the stage project. */
+    void (*animate)(const fxs_scene *scene, const fxs_motion_rows *motion, const fxs_moment *moment,
+                    uint32_t scale_step_q24, const unsigned char *rows, unsigned char *out);
+
     /* Projects the Gaussians of a chunk. Appends each Gaussian that can touch a pixel: its splat (without colour),
        bounds, index in the scene (ascending) and depth key. Returns the number of Gaussians appended, at most 256, or
        FXS_ERR_SCENE if the chunk's header is out of range: the scene changed after it was opened. */
@@ -309,6 +328,8 @@ FXS_EXPERIMENTAL size_t fxs_frame_bytes(const fxs_context *context, const fxs_ob
 
 FXS_EXPERIMENTAL extern const fxs_kernels fxs_kernels_c;
 
+FXS_EXPERIMENTAL void fxs_animate_c(const fxs_scene *scene, const fxs_motion_rows *motion, const fxs_moment *moment,
+                                    uint32_t scale_step_q24, const unsigned char *rows, unsigned char *out);
 FXS_EXPERIMENTAL int32_t fxs_project_c(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk,
                                        fxs_splat *splats,
                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
