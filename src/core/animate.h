@@ -96,7 +96,7 @@ static inline void fxs_turned(int32_t v_q15[3], const int32_t turn_q15[4])
 
 static inline uint32_t fxs_turned_word(uint32_t word, int32_t bits, int width, const int32_t turn_q15[4])
 {
-    fxs_axes axes;
+    fxs_gaussian_axes axes;
     int32_t second_q15[3];
     if (!fxs_read_axes(&axes, word, bits))
         return word;

@@ -9,13 +9,13 @@
 #include <fixsplat/internal/fixed.h>
 #include <fixsplat/internal/pixel.h>
 
-typedef struct fxs_axes {
+typedef struct fxs_gaussian_axes {
     int32_t axis_q15[3], side_q15[2][3];
     int32_t cos_q15, sin_q15;      /* roll about the first axis: second axis = cos side[0] + sin side[1] */
-} fxs_axes;
+} fxs_gaussian_axes;
 
 /* Computes the first axis and its sides from (X, Y). Returns 0 if (X, Y) is longer than 1. */
-static inline int fxs_axes_of(fxs_axes *out, int32_t x_q15, int32_t y_q15)
+static inline int fxs_axes_of(fxs_gaussian_axes *out, int32_t x_q15, int32_t y_q15)
 {
     const int32_t xx_q15 = (x_q15 * x_q15 + 16384) >> 15, yy_q15 = (y_q15 * y_q15 + 16384) >> 15;
     const int32_t xy_q15 = (x_q15 * y_q15 + 16384) >> 15;
@@ -26,7 +26,7 @@ static inline int fxs_axes_of(fxs_axes *out, int32_t x_q15, int32_t y_q15)
     const uint32_t m = (1u << 31) - square_q30;
     const int32_t s_q15 = (int32_t)((fxs_mulhi(m, fxs_rsqrt(m)) + 8192) >> 14);
     const int32_t xs_q15 = (x_q15 * s_q15 + 16384) >> 15, ys_q15 = (y_q15 * s_q15 + 16384) >> 15;
-    const fxs_axes axes = {{xs_q15, ys_q15, (int32_t)((m + 16384) >> 15) - 32768},
+    const fxs_gaussian_axes axes = {{xs_q15, ys_q15, (int32_t)((m + 16384) >> 15) - 32768},
                            {{32768 - xx_q15, -xy_q15, -xs_q15}, {-xy_q15, 32768 - yy_q15, -ys_q15}}, 0, 0};
     *out = axes;
     return 1;
@@ -34,7 +34,7 @@ static inline int fxs_axes_of(fxs_axes *out, int32_t x_q15, int32_t y_q15)
 
 /* Decodes the rotation of a Gaussian. Each number is read as 16 bits in two's complement, Q15; the next number's bits act
    as a fraction. Returns 0 if (X, Y) is longer than 1. */
-static inline int fxs_read_axes(fxs_axes *out, uint32_t word, int32_t bits)
+static inline int fxs_read_axes(fxs_gaussian_axes *out, uint32_t word, int32_t bits)
 {
     const int32_t u_q15 = (int32_t)(word << 2 * bits) >> 16;
     if (!fxs_axes_of(out, (int32_t)word >> 16, (int32_t)(word << bits) >> 16))
@@ -67,7 +67,7 @@ static inline uint32_t fxs_write_axes(const int32_t first_q15[3], const int32_t 
     const int32_t inverse_q14 = (int32_t)(fxs_rsqrt((uint32_t)(32768 + (z_q15 < 32767 ? z_q15 : 32767)) << 15) >> 16);
     int32_t x_q15 = (sign * first_q15[0] * inverse_q14 + 16384) >> 15;
     int32_t y_q15 = (sign * first_q15[1] * inverse_q14 + 16384) >> 15;
-    fxs_axes axes;
+    fxs_gaussian_axes axes;
     if (!fxs_axes_of(&axes, x_q15, y_q15)) {     /* longer than 1 by rounding: z is 0 */
         x_q15 -= x_q15 >> 10;
         y_q15 -= y_q15 >> 10;

@@ -290,7 +290,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_stage_v
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
     int32_t fall_q16[3], k_q15[3], j_q15[2][3], t_q15[2][3], least = INT32_MAX;
-    fxs_axes a;
+    fxs_gaussian_axes a;
     for (int i = 0; i < 3; i++) {
         fall_q16[i] = fxs_fall_q16(fxs_scale_code(codes->scale, i), cv->scale_step_q24);
         least = fall_q16[i] < least ? fall_q16[i] : least;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "src/gaussian/tilt.h"
-#include "src/core/codes.h"
+#include "src/core/animate.h"
 #include "src/gaussian/attributes.h"
 
 #define LN_2 0.69314718055994531
@@ -88,4 +88,57 @@ void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char 
         take_bands(s, chunk, rows, g, out->sh);
     else if (s->sh_degree)
         take_palette(s, chunk, rows, g, out->sh);
+}
+
+/* Decodes the polynomial of one axis, about the middle of the chunk's time, and develops it about `centre`. Both are in
+   units of u. */
+static void take_drift(const fxs_motion_rows *how, const fxs_chunk_motion *m, const fxs_chunk *chunk,
+                       const unsigned char *row, uint32_t g, int axis, double centre, float *position,
+                       float drift[3][3])
+{
+    const double step = ldexp((double)chunk->step_q32[axis], (int)chunk->step_shift - 32 + m->shift);
+    const double seconds = ldexp(1, m->unit - 16);
+    double a[3] = {0, 0, 0};
+    for (uint32_t k = 0; k < how->degree; k++)
+        a[k] = step * fxs_signed_half_at(row + 2 * FXS_CHUNK * (3 * k + (uint32_t)axis), g);
+    *position = (float)(*position + centre * (a[0] + centre * (a[1] + centre * a[2])));
+    drift[0][axis] = (float)((a[0] + centre * (2 * a[1] + 3 * centre * a[2])) / seconds);
+    drift[1][axis] = (float)((a[1] + 3 * centre * a[2]) / (seconds * seconds));
+    drift[2][axis] = (float)(a[2] / (seconds * seconds * seconds));
+}
+
+/* turn codes T: rotation(u) = (1 + T u) rotation(0), as a product of quaternions. */
+static void take_turn(const unsigned char *row, uint32_t g, double centre, double seconds, float r[4], float turn[4])
+{
+    double t[4], q[4] = {(double)r[0], (double)r[1], (double)r[2], (double)r[3]};
+    for (int i = 0; i < 4; i++)
+        t[i] = fxs_signed_half_at(row + 2 * FXS_CHUNK * i, g) * 0x1p-14;
+    const double d[4] = {t[0] * q[0] - t[1] * q[1] - t[2] * q[2] - t[3] * q[3],
+                         t[0] * q[1] + t[1] * q[0] + t[2] * q[3] - t[3] * q[2],
+                         t[0] * q[2] + t[2] * q[0] + t[3] * q[1] - t[1] * q[3],
+                         t[0] * q[3] + t[3] * q[0] + t[1] * q[2] - t[2] * q[1]};
+    for (int i = 0; i < 4; i++) {
+        r[i] = (float)(q[i] + d[i] * centre);
+        turn[i] = (float)(d[i] / seconds);
+    }
+}
+
+void fxs_decode_motion(const fxs_motion_rows *how, const fxs_motion_header *header, const fxs_chunk_motion *m,
+                       const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, fxs_gaussian *out,
+                       fxs_motion *motion)
+{
+    const unsigned char *row = rows + how->at, *turns = row + 6 * FXS_CHUNK * how->degree;
+    const unsigned char *fades = turns + (how->turns ? 8 * FXS_CHUNK : 0);
+    const double seconds = ldexp(1, m->unit - 16), middle = ldexp(m->middle_q16, -16);
+    const double centre = how->fades ? fxs_signed_half_at(fades, g) * 0x1p-13 : 0;
+    const uint32_t width = how->fades ? fxs_half_at(fades + 2 * FXS_CHUNK, g) : 65535;
+    memset(motion, 0, sizeof *motion);
+    for (int i = 0; i < 3; i++)
+        take_drift(how, m, chunk, row, g, i, centre, &out->position[i], motion->drift);
+    if (how->turns)
+        take_turn(turns, g, centre, seconds, out->rotation, motion->turn);
+    motion->centre = (float)(middle + centre * seconds);
+    motion->fade = width == 65535 ? INFINITY : (float)(exp2(width / 4096.0 - 8) * seconds * sqrt(1.4426950408889634));
+    motion->from = m->from_q16 <= 0 ? -INFINITY : (float)ldexp(m->from_q16, -16);
+    motion->to = (uint32_t)m->to_q16 > header->duration_q16 && m->to_q16 > 0 ? INFINITY : (float)ldexp(m->to_q16, -16);
 }

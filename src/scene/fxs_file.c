@@ -7,6 +7,7 @@
 
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/internal/packed.h>
+#include <fixsplat/internal/parts.h>
 #include "src/base/output_internal.h"
 #include "src/base/try_internal.h"
 #include "src/core/codes.h"
@@ -41,14 +42,20 @@ static uint32_t chunk_checksum(const fxs_crc32_table *table, const fxs_scene *sc
     return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), rows, scene->chunk_bytes);
 }
 
+/* The palette, and the motion of a moving scene, lie between the chunk headers and the rows. */
+static const unsigned char *palette_of(const fxs_scene *scene)
+{
+    return scene->chunks + (size_t)scene->chunk_count * sizeof(fxs_chunk);
+}
+
 static size_t palette_bytes(const fxs_scene *scene)
 {
-    return scene->palette ? (size_t)(scene->rows - (const unsigned char *)scene->palette) : 0;
+    return (size_t)(scene->rows - palette_of(scene));
 }
 
 static uint32_t palette_checksum(const fxs_crc32_table *table, const fxs_scene *scene)
 {
-    return fxs_crc32(table, 0, scene->palette, palette_bytes(scene));
+    return fxs_crc32(table, 0, palette_of(scene), palette_bytes(scene));
 }
 
 static size_t node_bytes(const fxs_scene *scene)
@@ -167,8 +174,8 @@ static int write_scene(fxs_output *output, const void *data, const fxs_scene *sc
     const fxs_packed_header header = sealed_header(&table, data, scene);
     FXS_TRY(fxs_output_write(output, &header, sizeof header, message));
     FXS_TRY(write_chunks(output, &table, scene, 0, scene->chunk_count, message));
-    if (scene->palette)
-        FXS_TRY(fxs_output_write(output, scene->palette, palette_bytes(scene), message));
+    if (palette_bytes(scene))
+        FXS_TRY(fxs_output_write(output, palette_of(scene), palette_bytes(scene), message));
     FXS_TRY(fxs_output_write(output, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes, message));
     return scene->nodes ? write_tree(output, &table, scene, message) : 0;
 }
@@ -185,12 +192,10 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
     return fxs_output_close(&output, message);
 }
 
-static size_t expected_bytes(const fxs_packed_header *h)
+static unsigned long long expected_bytes(const void *header)
 {
-    const int degree = (int)(h->sh_degree & 3);
-    const enum fxs_profile profile = (enum fxs_profile)h->profile;
-    return fxs_scene_bytes(h->count, degree, profile, h->palette_entries) +
-           (h->version == FXS_PACKED_VERSION_TREE ? fxs_tree_bytes(fxs_chunks_of(h->count), degree, profile) : 0);
+    fxs_scene_parts parts;
+    return fxs_scene_find_parts(&parts, header) ? 0 : parts.bytes;
 }
 
 int fxs_file_check_header(const char *path, const fxs_crc32_table *table, const void *data, fxs_message *message)
@@ -200,9 +205,9 @@ int fxs_file_check_header(const char *path, const fxs_crc32_table *table, const 
     fxs_packed_header_turn(&header);
     if (header.magic != FXS_PACKED_MAGIC)
         return fxs_fail(message, "%s: not an .fxs file", path);
-    if (header.version != FXS_PACKED_VERSION && header.version != FXS_PACKED_VERSION_TREE)
-        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u and %u; convert "
-                           "its source again", path, header.version, FXS_PACKED_VERSION, FXS_PACKED_VERSION_TREE);
+    if (header.version < FXS_PACKED_VERSION || header.version > FXS_PACKED_VERSION_MOTION)
+        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u to %u; convert "
+                           "its source again", path, header.version, FXS_PACKED_VERSION, FXS_PACKED_VERSION_MOTION);
     if (header.checksum != header_checksum(table, data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     return 0;
@@ -213,8 +218,8 @@ int fxs_file_check_heads(const char *path, const fxs_crc32_table *table, const v
 {
     fxs_packed_header header;
     memcpy(&header, head, sizeof header);
-    if (fxs_little_32(header.palette_checksum) != fxs_crc32(table, 0, scene->palette, palette))
-        return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
+    if (fxs_little_32(header.palette_checksum) != fxs_crc32(table, 0, palette_of(scene), palette))
+        return fxs_fail(message, "%s: the palette or the motion is damaged: its checksum is wrong", path);
     if (scene->nodes && fxs_little_32(tree_of(scene).checksum) != tree_checksum(table, scene))
         return fxs_fail(message, "%s: the tree is damaged: its checksum is wrong", path);
     return 0;
@@ -231,18 +236,15 @@ int fxs_file_check_chunk(const char *path, const fxs_crc32_table *table, const f
 
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
 {
-    fxs_packed_header header;
     fxs_crc32_table table;
     fxs_scene scene;
     fxs_crc32_fill(&table);
-    if (bytes < sizeof header)
+    if (bytes < sizeof(fxs_packed_header))
         return fxs_fail(message, "%s: not an .fxs file", path);
     FXS_TRY(fxs_file_check_header(path, &table, data, message));
-    memcpy(&header, data, sizeof header);
-    fxs_packed_header_turn(&header);
     if (fxs_scene_open(&scene, data, bytes))
-        return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
-                        expected_bytes(&header));
+        return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %llu", path, bytes,
+                        expected_bytes(data));
     if (all)
         FXS_TRY(fxs_file_check_heads(path, &table, data, &scene, palette_bytes(&scene), message));
     for (uint32_t i = 0; i < fxs_scene_chunks(&scene) && all; i++)

@@ -90,7 +90,7 @@ typedef struct fxs_packed_header {   /* the header of a packed scene has 192 byt
     uint32_t profile;
     uint32_t palette_entries;        /* number of SH palette entries per stage, 1 to 128; 0: no palette */
     uint32_t palette_step_q19;       /* scale of the SH palette: coefficient = number * step; at most 32767 */
-    uint32_t palette_checksum;       /* in a file: CRC-32 of the SH palette */
+    uint32_t palette_checksum;       /* in a file: CRC-32 of the SH palette and the motion */
     uint32_t holes;                  /* number of empty slots before the last Gaussian */
     uint32_t start_tangent_q24;      /* start view: tangent of half the vertical field of view; 0: none */
     int64_t start_q32[3];            /* start view: camera centre */
@@ -153,15 +153,13 @@ typedef struct fxs_node {            /* a node of the level-of-detail tree has 1
 
 typedef struct fxs_motion_header {   /* the header of a scene's motion has 64 bytes */
     uint32_t magic;
-    uint32_t checksum;               /* in a file: CRC-32 of this header with checksum 0, then of the chunks' motions
-                                        with the padding */
     uint32_t duration_q16;           /* seconds, above 0; times are 0 to the duration */
     uint32_t rate_q16;               /* frames a second of the source; 0: none, the motion is continuous */
     uint32_t flags;                  /* FXS_MOTION_LOOPS, FXS_MOTION_TURNS, FXS_MOTION_FADES */
     uint32_t degree;                 /* of the polynomials of the position, 0 to 3 */
     uint32_t most_chunks;            /* largest number of chunks that are alive at one time, 1 or more */
     uint32_t cut_q16;                /* a Gaussian whose opacity has fallen by more octaves than this is not drawn */
-    uint32_t reserved[8];            /* reserved bytes, which must be 0 */
+    uint32_t reserved[9];            /* reserved bytes, which must be 0 */
 } fxs_motion_header;
 
 /* When a chunk is alive (drawn), and the unit of its motion. With t in seconds, its time u is (t - middle) / 2^(unit -
