@@ -3,19 +3,59 @@
 #include <string.h>
 
 #include "origin_internal.h"
+#include "src/base/options.h"
 #include "stream_internal.h"
+
+enum { MOTIONS = 4096 };
 
 typedef struct gaussians_reader {
     fxs_gaussian_source from;
+    fxs_motion_source moving;      /* read is null: the Gaussians are still */
+    fxs_motion *motions;
+    const fxs_scene_source *source;
     const char *name;
     uint64_t next;
 } gaussians_reader;
+
+/* What a program hands in. */
+typedef struct program_source {
+    const fxs_gaussian_source *gaussians;
+    const fxs_motion_source *motions;
+} program_source;
+
+static int open_motions(gaussians_reader *r, const fxs_scene_source *source, const fxs_motion_source *motions,
+                        fxs_scene_file_info *info, fxs_message *message)
+{
+    FXS_TRY(FXS_OPTIONS_READ(fxs_motion_source, &r->moving, motions, message));
+    const fxs_time *time = &r->moving.time;
+    if (!r->moving.read || !(time->duration > 0 && time->duration <= 16384) || time->degree < 0 || time->degree > 3)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads motions, a duration of %g seconds, not "
+                           "above 0 and at most 16384, or a degree of %d, not 0 to 3", r->name, time->duration,
+                           time->degree);
+    r->motions = fxs_hold(source, MOTIONS * sizeof *r->motions, message);
+    info->time = *time;
+    return r->motions ? 0 : FXS_ERR_MEMORY;
+}
+
+static void gaussians_close(void *handle)
+{
+    gaussians_reader *r = handle;
+    if (r->motions)
+        fxs_let_go(r->source, r->motions, MOTIONS * sizeof *r->motions);
+}
+
+static const fxs_motion *gaussians_motions(const void *handle)
+{
+    return ((const gaussians_reader *)handle)->motions;
+}
 
 static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info,
                           fxs_message *message)
 {
     gaussians_reader *r = handle;
-    r->from = *(const fxs_gaussian_source *)source->input.argument;
+    const program_source *program = source->input.argument;
+    r->from = *program->gaussians;
+    r->source = source;
     r->name = source->path;
     if (!r->from.read || r->from.sh_degree < 0 || r->from.sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads, or SH degree %d, not 0 to 3",
@@ -27,14 +67,15 @@ static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scen
     info->count = r->from.count;
     info->sh_degree = r->from.sh_degree;
     info->antialiased = r->from.antialiased != 0;
-    return 0;
+    return program->motions ? open_motions(r, source, program->motions, info, message) : 0;
 }
 
 static long gaussians_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     gaussians_reader *r = handle;
     const uint64_t left = r->from.count - r->next;
-    const size_t wanted = capacity < left ? capacity : (size_t)left;
+    const size_t room = r->motions && capacity > MOTIONS ? MOTIONS : capacity;
+    const size_t wanted = room < left ? room : (size_t)left;
     const size_t coefficients = 3 * (size_t)(r->from.sh_degree * (r->from.sh_degree + 2));
     if (wanted == 0)
         return 0;
@@ -46,6 +87,10 @@ static long gaussians_read(void *handle, fxs_gaussian *gaussians, size_t capacit
                            (unsigned long long)r->next);
     for (long i = 0; i < count; i++)
         memset(gaussians[i].sh + coefficients, 0, sizeof gaussians->sh - coefficients * sizeof *gaussians->sh);
+    const int error = r->motions ? r->moving.read(r->moving.argument, r->next, r->motions, (size_t)count) : 0;
+    if (error)
+        return fxs_fail_as(error < 0 && error >= FXS_ERR_FILE ? error : FXS_ERR_FILE, message,
+                           "%s: the function that reads motions failed", r->name);
     r->next += (uint64_t)count;
     return count;
 }
@@ -58,14 +103,14 @@ static int gaussians_rewind(void *handle, fxs_message *message)
 }
 
 static const fxs_reader reader = {
-    NULL, sizeof(gaussians_reader), gaussians_open, gaussians_read, gaussians_rewind, NULL, NULL
+    NULL, sizeof(gaussians_reader), gaussians_open, gaussians_read, gaussians_rewind, gaussians_close,
+    gaussians_motions
 };
 
-int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
-                                  const fxs_scene_file_options *options, fxs_scene_file **file,
-                                  fxs_scene_file_info *info, fxs_message *message)
+static int open_program(const char *name, const program_source *program, const fxs_scene_file_options *options,
+                        fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {
-    const fxs_scene_input input = {.argument = (void *)gaussians};
+    const fxs_scene_input input = {.argument = (void *)program};
     FXS_TRY(fxs_stream_create(file, name, options, message));
     fxs_scene_file_options *own = &(*file)->source.options;
     own->max_gaussians = own->max_gaussians ? own->max_gaussians : FXS_MAX_COUNT;
@@ -77,4 +122,18 @@ int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *g
         *file = NULL;
     }
     return result;
+}
+
+int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
+                                  const fxs_scene_file_options *options, fxs_scene_file **file,
+                                  fxs_scene_file_info *info, fxs_message *message)
+{
+    return open_program(name, &(program_source){gaussians, NULL}, options, file, info, message);
+}
+
+int fxs_scene_file_open_moving(const char *name, const fxs_gaussian_source *gaussians,
+                               const fxs_motion_source *motions, const fxs_scene_file_options *options,
+                               fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+{
+    return open_program(name, &(program_source){gaussians, motions}, options, file, info, message);
 }

@@ -79,6 +79,13 @@ int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)
     return file->reader->rewind(file->data, message);
 }
 
+int fxs_stream_check_still(const fxs_scene_file_info *info, const char *what, fxs_message *message)
+{
+    return !(info->time.duration > 0) ? 0
+           : fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "the scene moves, and moving scenes are not %s; choose a moment",
+                         what);
+}
+
 const fxs_allocator *fxs_stream_allocator(const fxs_scene_file *file)
 {
     return file->source.options.allocator;

@@ -52,6 +52,9 @@ long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussia
    read from the old state. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);
 
+/* Returns 0 if a scene is still, else FXS_ERR_UNSUPPORTED and a message that says what is not done with moving ones. */
+int fxs_stream_check_still(const fxs_scene_file_info *info, const char *what, fxs_message *message);
+
 const fxs_allocator *fxs_stream_allocator(const fxs_scene_file *file);
 
 #endif

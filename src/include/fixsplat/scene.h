@@ -197,6 +197,21 @@ FXS_API long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, 
    for a still scene. */
 FXS_EXPERIMENTAL const fxs_motion *fxs_scene_file_motions(const fxs_scene_file *file);
 
+/* Attaches a moment to an open file of a moving scene. From then on, fxs_scene_file_read returns still Gaussians as they
+   are at that time, and info->count is the number of those that exist then. `seconds` is limited to the scene's
+   duration, or taken modulo it if the scene loops. A still scene is not changed. The file is read once. Returns 0, or an
+   error and a message; the caller must then close the file. Errors: as fxs_scene_file_read; FXS_ERR_FILE if no Gaussian
+   exists then; FXS_ERR_MEMORY. */
+FXS_EXPERIMENTAL int fxs_scene_file_at(fxs_scene_file *file, double seconds, fxs_scene_file_info *info,
+                                       fxs_message *message);
+
+/* Moves a Gaussian to a time, seconds, 0 to the duration. Returns 0 if it does not exist then. */
+FXS_EXPERIMENTAL int fxs_gaussian_at(fxs_gaussian *gaussian, const fxs_motion *motion, const fxs_time *time,
+                                     double seconds);
+
+/* Returns a time within a moving scene: modulo its duration if it loops, else limited to it. */
+FXS_EXPERIMENTAL double fxs_time_within(const fxs_time *time, double seconds);
+
 /* Goes back to the first Gaussian of a stream. Returns 0, or an error and a message. */
 FXS_API int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
 
@@ -241,6 +256,25 @@ typedef struct fxs_gaussian_source {
 FXS_API int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
                                           const fxs_scene_file_options *options, fxs_scene_file **file,
                                           fxs_scene_file_info *info, fxs_message *message);
+
+/* Gaussians that move, for fxs_scene_file_open_moving. */
+typedef struct fxs_motion_source {
+    uint32_t size;
+    fxs_time time;
+    /* Writes the motions of `count` Gaussians, those that `read` of the fxs_gaussian_source wrote last, from number
+       `first` on. Returns 0 or an FXS_ERR_*. */
+    int (*read)(void *argument, uint64_t first, fxs_motion *out, size_t count);
+    void *argument;
+} fxs_motion_source;
+FXS_INIT(fxs_motion_source)
+
+/* Opens the program's moving Gaussians as fxs_scene_file_open_gaussians opens still ones; *motions is copied too.
+   fxs_pack drops and counts a Gaussian whose motion has a NaN, a fade of 0 or less, or an empty window. Errors: also
+   FXS_ERR_ARGUMENT for a duration that is not above 0 and at most 16,384 seconds, a degree, or no `read`. */
+FXS_EXPERIMENTAL int fxs_scene_file_open_moving(const char *name, const fxs_gaussian_source *gaussians,
+                                                const fxs_motion_source *motions,
+                                                const fxs_scene_file_options *options, fxs_scene_file **file,
+                                                fxs_scene_file_info *info, fxs_message *message);
 
 /* ---- Scene files ------------------------------------------------------------------------------------------------- */
 

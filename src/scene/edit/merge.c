@@ -430,14 +430,18 @@ int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_sc
     fxs_stream_swap(files[0], &r->reader, &r->data);
     r->files = fxs_allocate_zeroed(allocator, world->file_count, sizeof(fxs_scene_file *));
     r->parts = fxs_allocate_zeroed(allocator, world->count, sizeof *r->parts);
-    int error = FXS_ERR_MEMORY;
+    int error = FXS_ERR_MEMORY, moving = 0;
+    for (uint32_t i = 0; i < world->file_count && !moving; i++)
+        moving = fxs_stream_check_still(&infos[i], "placed or merged", message);
     if (r->files) {
         memcpy(r->files, files, world->file_count * sizeof(fxs_scene_file *));
         r->file_count = world->file_count;
     } else {
         close_all(files + 1, world->file_count - 1);
     }
-    if (r->files && r->parts)
+    if (moving)
+        error = moving;
+    else if (r->files && r->parts)
         error = list_parts(r, world, infos, info, message);
     else
         fxs_fail(message, "out of memory");

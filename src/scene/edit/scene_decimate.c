@@ -332,6 +332,7 @@ int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_fil
                             const fxs_progress *progress, fxs_message *message)
 {
     const fxs_allocator *allocator = fxs_stream_allocator(file);
+    FXS_TRY(fxs_stream_check_still(info, "decimated", message));
     if (target < 1)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no Gaussian would be left");
     if (info->count <= target)

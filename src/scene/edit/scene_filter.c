@@ -188,6 +188,7 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
     const fxs_scene_filter *const filter = &all;
     fxs_scene_filter_init(&all);
     FXS_TRY(FXS_OPTIONS_READ(fxs_scene_filter, &all, given, message));
+    FXS_TRY(fxs_stream_check_still(info, "filtered", message));
     if (filter->sh_degree < 0 || filter->sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "SH degree %d, not 0 to 3", filter->sh_degree);
     if (filter->floaters < 0 || filter->floaters > FXS_FLOATER_STRENGTHS)
