@@ -26,6 +26,23 @@ static char *path_of_file(const char *path, const fxs_allocator *allocator)
     return found;
 }
 
+/* Numbered files stand for a moving scene: a path with a *, or a folder without the index of another format. */
+static int is_numbered(const char *path, const fxs_allocator *allocator)
+{
+    if (strchr(path, '*'))
+        return fxs_file_kind(path) == FXS_FILE_NONE;
+    char *found = fxs_file_kind(path) == FXS_FILE_FOLDER ? path_of_file(path, allocator) : NULL;
+    const int is = found && fxs_file_kind(found) == FXS_FILE_NONE;
+    fxs_release(allocator, found);
+    return is;
+}
+
+#ifdef FXS_TO_PACK
+#define NUMBERED NULL
+#else
+#define NUMBERED &fxs_read_numbered
+#endif
+
 static int open_path(fxs_scene_source *source, const char *path, fxs_message *message)
 {
     char *found = path_of_file(path, source->options.allocator);
@@ -56,10 +73,15 @@ static int open_any(const char *path, const fxs_scene_input *input, const fxs_sc
         return result;
     }
     fxs_scene_file *f = *file;
-    result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
+    const fxs_reader *numbered = NUMBERED;
+    if (numbered && !input && is_numbered(path, f->source.options.allocator)) {
+        result = fxs_scene_source_open_input(&f->source, path, &(fxs_scene_input){.size = 0}, message);
+        result = result ? result : fxs_stream_begin(f, "numbered files", numbered, info, message);
+    } else {
+        result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
                        : open_path(&f->source, path, message);
-    if (result == 0)
-        result = begin(f, info, message);
+        result = result ? result : begin(f, info, message);
+    }
     if (result) {
         fxs_scene_file_close(f);
         *file = NULL;

@@ -222,6 +222,8 @@ const option_row load_rows[] = {
     {"axes", "AXES", CHOICE_FROM(FXS_AXES_RUB, axes, WORDS("rub", "rdf")), .help =
      "axes of an .spz: rub (right, up, back) or rdf (right, down, front; splat-transform 3) (default: as the file "
      "says, else rub)"},
+    {"rate", "FPS", REAL(rate, ABOVE_0, 1000, "frames per second above 0, at most 1000"), .help =
+     "frames per second of numbered files, a moving scene (default 30)"},
     {"max-gaussians", "N", UINT64(max_gaussians, 1, INFINITY), .help =
      "refuse to import a larger scene (default: 1000000 plus one per byte of its files, at most 67108864). Packing "
      "takes about 100 bytes per Gaussian"},

@@ -254,7 +254,7 @@ static int level_of(const char *path, const load_options *o, const fxs_scene_fil
 static fxs_scene_file_options file_options(const char *path, const load_options *o)
 {
     fxs_scene_file_options options = {.size = sizeof(fxs_scene_file_options), 
-        .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
+        .axes = o->axes, .rate = o->rate, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
         .progress = o->progress
     };
     options.level = level_of(path, o, &options);

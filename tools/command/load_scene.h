@@ -32,6 +32,7 @@ typedef struct load_options {
     const fxs_scene_filter *filter;         /* filter that drops Gaussians, unused for an .fxs; may be null */
     uint64_t decimate_count;                /* number of Gaussians to reduce a scene to; 0: no reduction */
     double decimate_share;                  /* share of Gaussians to reduce a scene to; 0: no reduction */
+    double rate;
     uint64_t max_gaussians;
     size_t import_memory;
     int again;

@@ -93,6 +93,7 @@ typedef struct fxs_scene_file_options {
                                         read of an .spz */
     uint64_t max_gaussians;          /* largest number of Gaussians in a scene, more is an error; 0: the limit by
                                         FXS_GAUSSIANS_ALWAYS */
+    double rate;                     /* frames a second of numbered files; 0: 30 */
     uint64_t max_memory;             /* most bytes that reading may hold at once, without the packed scene; 0: the limit
                                         by FXS_IMPORT_BYTES */
 } fxs_scene_file_options;
@@ -286,8 +287,9 @@ FXS_EXPERIMENTAL int fxs_scene_file_open_moving(const char *name, const fxs_gaus
    fixsplat was built without a library that the format needs; FXS_ERR_ARGUMENT for a level that the scene lacks. One
    thread at a time may use a file; several threads may each use their own. */
 
-/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog or the tileset.json of 3D Tiles. The
-   content determines the format. `options` may be null. Returns 0 and a handle that fxs_scene_file_close frees, or an
+/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog or the tileset.json of 3D Tiles, or the
+   frames of a moving scene: a folder of numbered files (frame0001.ply, frame0002.ply ...; any format of one file), or a
+   path with a * for the number. The content determines the format. `options` may be null. Returns 0 and a handle that fxs_scene_file_close frees, or an
    error and a message, with *file null. 2D Gaussians are read as 3D Gaussians with a third scale of e^-20. The
    filter_3D of a Mip-Splatting .ply is applied. fxs_scene_file_info reports all other changes and unused data.
 
