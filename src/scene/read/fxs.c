@@ -172,7 +172,7 @@ static long fxs_read_gaussians(void *data, fxs_gaussian *gaussians, size_t capac
 {
     fxs_file_reader *r = data;
     size_t n = 0;
-    capacity = capacity < AT_ONCE ? capacity : AT_ONCE;
+    capacity = r->motion.magic && capacity > AT_ONCE ? AT_ONCE : capacity;
     for (; n < capacity && r->next < r->slots; r->next++) {
         const uint32_t g = r->next % FXS_CHUNK;
         if (g == 0)

@@ -100,7 +100,9 @@ static int list_files(names *n, const char *path, fxs_message *message)
     if (n->failed)
         return fxs_fail_memory(message, path, 0);
     if (!n->count)
-        return fxs_fail(message, "%s: no numbered scene files, such as frame0001.ply", path);
+        return fxs_fail(message, n->given ? "%s: no numbered scene files of this name"
+                                          : "%s: not a regular file, but a folder without an index or numbered scene "
+                                            "files, such as frame0001.ply", path);
     if (n->several && !n->given)
         return fxs_fail(message, "%s: numbered scene files of several names or endings; choose some, as '%s%s*%s'", path,
                         n->folder, n->prefix, n->ending);
