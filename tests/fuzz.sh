@@ -61,6 +61,20 @@ seeds_of_scene() {
             end_header
         head -c 78 /dev/zero
     } >other.ply
+    still='x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3'
+    {
+        printf '%s\n' ply 'format binary_little_endian 1.0' 'comment ftgs_version 1' 'comment use_velocity 1' \
+            'comment min_duration 0.02' 'comment opacity_floor 0.0001' 'comment n_frames 9' 'element vertex 2'
+        printf 'property float %s\n' $still time log_duration velocity_0 velocity_1 velocity_2
+        echo end_header
+        head -c 152 /dev/zero
+    } >ftgs.ply
+    {
+        printf '%s\n' ply 'format ascii 1.0' 'comment cfg_args: duration=2 start=1 fps=30' 'element vertex 1'
+        printf 'property float %s\n' $still trbf_center trbf_scale motion_0 motion_1 motion_2 motion_3 motion_4 motion_5 \
+            motion_6 motion_7 motion_8 omega_0 omega_1 omega_2 omega_3
+        printf '%s\n' end_header '1 2 3 0 0 0 1 -1 -1 -1 1 0 0 0 .5 -1 1 1 1 2 2 2 3 3 3 .1 .2 .3 .4'
+    } >spacetime.ply
     {
         printf '%s\n' ply 'format binary_little_endian 1.0' 'element chunk 1'
         for attribute in '' scale_; do

@@ -30,7 +30,7 @@ static const fxs_format_row formats[] = {
     {{"compressed ply", ".compressed.ply", SAYS("PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient"),
       1, 1, 3, 1, SAYS("positions, scales and rotations have 10 or 11 bits, the rest 8"), 0},
      &fxs_read_compressed_ply, WRITE(compressed_ply)},
-    {{"ply", ".ply", SAYS("Inria's (text, floats, halves; of 2D Gaussians too)"),
+    {{"ply", ".ply", SAYS("Inria's (text, floats, halves; 2D Gaussians; moving: Spacetime Gaussians' lite, FTGS)"),
       1, 1, 3, 1, NULL, 1},
      &fxs_read_ply, WRITE(ply)},
     {{"ksplat", ".ksplat", SAYS("of GaussianSplats3D"),

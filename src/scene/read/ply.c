@@ -1,13 +1,14 @@
 /* Reads .ply with the vertex properties of Inria's 3D Gaussian splatting code. */
 #include <stdio.h>
 
-#include "ply_header.h"
+#include "ply_motion.h"
 #include "src/base/foreign.h"
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
-enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS, FIELDS, NO_FIELD = -1 };
+enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS,
+       TIMES, FIELDS = TIMES + FXS_PLY_TIMES, NO_FIELD = -1, BATCH = 512 };
 
 static const char *const field_names[FIRST_REST] = {
     "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity",
@@ -38,6 +39,7 @@ typedef struct ply_reader {
     int sh_degree, stored_sh_degree;
     int is_flat;                         /* 1: the file has 2D Gaussians, without scale_2 */
     int is_filtered;                     /* 1: the file has filter_3D of Mip-Splatting */
+    fxs_ply_motion motion;
     double full;   /* stored number that means full brightness; 0: colours are stored as SH (f_dc) */
     float fields[FIELDS];
     int columns, all_float;
@@ -48,6 +50,7 @@ typedef struct ply_reader {
     column column_table[FIELDS];
     run run_table[FIELDS];
     fxs_byte_reader bytes;
+    fxs_motion motions[BATCH];
 } ply_reader;
 
 static int skip_list(ply_reader *reader, const fxs_ply_property *list)
@@ -240,6 +243,12 @@ static int map_fields(ply_reader *reader, fxs_message *message)
     reader->is_filtered = filter >= 0;
     if (reader->is_filtered)
         reader->field_table[filter] = FILTER;
+    FXS_TRY(fxs_ply_find_motion(&reader->motion, header, reader->vertex, path, message));
+    for (int i = 0; i < FXS_PLY_TIMES && reader->motion.moves; i++)
+        if (reader->motion.columns[i] >= 0)
+            reader->field_table[reader->motion.columns[i]] = (int8_t)(TIMES + i);
+    if (reader->motion.is_colour && !reader->full)
+        reader->full = 1;
     find_halves(reader);
     return 0;
 }
@@ -299,16 +308,16 @@ static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_mess
     double places[FXS_ORIGIN_SAMPLE][3], sizes[FXS_ORIGIN_SAMPLE];
     int n = 0, failed = 0;
     for (; n < FXS_ORIGIN_SAMPLE && (uint64_t)n < vertex->count && !failed; n += !failed) {
-        fxs_gaussian g = {.opacity = 0};
+        const fxs_gaussian *g = (const fxs_gaussian *)(const void *)reader->fields;
         const uint64_t s = FXS_ORIGIN_SAMPLE, k = (uint64_t)n;
         const uint64_t row = vertex->count / s * k + vertex->count % s * k / s;
         failed = is_fixed(reader, vertex)
                      ? fxs_bytes_seek(&reader->bytes, reader->vertex_offset + row * vertex->row_size) ||
-                           read_fixed_row(reader, vertex, (float *)&g)
-                     : read_row(reader, vertex, (float *)&g);
+                           read_fixed_row(reader, vertex, reader->fields)
+                     : read_row(reader, vertex, reader->fields);
         for (int i = 0; i < 3; i++)
-            places[n][i] = (double)g.position[i];
-        sizes[n] = fxs_exp((double)fmaxf(g.scale[0], g.scale[1]));
+            places[n][i] = (double)g->position[i];
+        sizes[n] = fxs_exp((double)fmaxf(g->scale[0], g->scale[1]));
     }
     import->moves = 1;
     fxs_origin_of(import->origin, places, n);
@@ -336,6 +345,8 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     info->sh_degree = reader->sh_degree;
     info->stored_sh_degree = reader->stored_sh_degree;
     info->antialiased = reader->header.antialiased;
+    if (reader->motion.moves)
+        info->time = reader->motion.time;
     list_unused(reader, info->unused);
     return is_fine(reader) ? choose_origin(reader, info, message) : 0;
 }
@@ -361,12 +372,18 @@ static void apply_filter(fxs_gaussian *g, double filter, int scales)
         g->opacity = fxs_logit_of_opacity(fxs_opacity_of_logit(g->opacity) * fxs_exp(shrunk));
 }
 
+/* Returns 1 if a row has more numbers than a Gaussian. */
+static int is_spread(const ply_reader *reader)
+{
+    return reader->is_filtered || reader->motion.moves;
+}
+
 static void complete(const ply_reader *reader, fxs_gaussian *g)
 {
-    if (reader->is_filtered) {
+    if (is_spread(reader))
         memcpy(g, reader->fields, sizeof *g);
+    if (reader->is_filtered)
         apply_filter(g, reader->fields[FILTER], reader->is_flat ? 2 : 3);
-    }
     for (int c = 0; c < 3 && reader->full > 0; c++)
         g->dc[c] = fxs_dc_of_colour(g->dc[c] / reader->full);
     if (reader->is_flat)
@@ -380,15 +397,24 @@ static long ply_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
     int (*read)(ply_reader *, const fxs_ply_element *, float *) = is_fixed(reader, vertex) ? read_fixed_row : read_row;
     uint64_t left = vertex->count - reader->vertices_read;
     long count = (long)(capacity < left ? capacity : left);
+    count = reader->motion.moves && count > BATCH ? BATCH : count;
     if (reader->columns < FIRST_REST + SH_FLOATS)
         memset(gaussians, 0, (size_t)count * sizeof *gaussians);
     for (long i = 0; i < count; i++) {
-        if (read(reader, vertex, reader->is_filtered ? reader->fields : (float *)&gaussians[i]) != 0)
+        if (read(reader, vertex, is_spread(reader) ? reader->fields : (float *)&gaussians[i]) != 0)
             return fail_row(reader, vertex, reader->vertices_read, message);
         complete(reader, &gaussians[i]);
+        if (reader->motion.moves)
+            fxs_ply_motion_of(&reader->motion, reader->fields + TIMES, &reader->motions[i]);
         reader->vertices_read++;
     }
     return count;
+}
+
+static const fxs_motion *ply_motions(const void *handle)
+{
+    const ply_reader *reader = handle;
+    return reader->motion.moves ? reader->motions : NULL;
 }
 
 static int is_ply(const fxs_head *head, fxs_message *message)
@@ -397,4 +423,4 @@ static int is_ply(const fxs_head *head, fxs_message *message)
     return !memcmp(head->bytes, "ply", 3);
 }
 
-const fxs_reader fxs_read_ply = {is_ply, sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL, NULL};
+const fxs_reader fxs_read_ply = {is_ply, sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL, ply_motions};

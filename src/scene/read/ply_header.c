@@ -6,7 +6,7 @@
 
 enum {
     MAX_LINE = 4096,
-    MAX_WORDS = 6,
+    MAX_WORDS = 16,
     MAX_HEADER = 1 << 20,
     MAX_COUNT = 2147483647
 };
@@ -15,6 +15,10 @@ const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES] = {
     {"char", "int8", 1, 127}, {"uchar", "uint8", 1, 255}, {"short", "int16", 2, 255}, {"ushort", "uint16", 2, 65535},
     {"int", "int32", 4, 255}, {"uint", "uint32", 4, 255}, {"float", "float32", 4, 1}, {"double", "float64", 8, 1},
     {"half", "float16", 2, 1}
+};
+
+const char *const fxs_ply_setting_names[FXS_PLY_SETTINGS] = {
+    "ftgs_version", "use_velocity", "min_duration", "opacity_floor", "n_frames", "fps", "duration", "start"
 };
 
 typedef struct parser {
@@ -131,6 +135,31 @@ static int split(char *line, char *words[MAX_WORDS])
     return count;
 }
 
+static void take_setting(fxs_ply_header *header, const char *name, size_t length, const char *number, int first,
+                         int end)
+{
+    for (int i = first; i < end; i++)
+        if (strlen(fxs_ply_setting_names[i]) == length && !strncmp(name, fxs_ply_setting_names[i], length)) {
+            header->given |= 1u << i;
+            if (!fxs_ply_parse_number(number, &header->settings[i]))
+                header->settings[i] = NAN;
+        }
+}
+
+/* Reads a comment of FTGS (a name and a number), or the words name=number after "cfg_args:", which SuperSplat 4D
+   writes, in older files as "Namespace(name=number, ...)". */
+static void parse_comment(fxs_ply_header *header, char **words, int count)
+{
+    if (count == 3)
+        take_setting(header, words[1], strlen(words[1]), words[2], 0, FXS_PLY_DURATION);
+    for (int i = 2; i < count && is(words[1], "cfg_args:"); i++) {
+        char *name = strncmp(words[i], "Namespace(", 10) ? words[i] : words[i] + 10, *equals = strchr(name, '=');
+        words[i][strcspn(words[i], ",)")] = '\0';
+        if (equals)
+            take_setting(header, name, (size_t)(equals - name), equals + 1, FXS_PLY_FPS, FXS_PLY_SETTINGS);
+    }
+}
+
 static int parse_line(parser *p, char *line)
 {
     char *words[MAX_WORDS];
@@ -141,6 +170,7 @@ static int parse_line(parser *p, char *line)
         if (count == 3 && ((is(words[1], "SplatRenderMode:") && is(words[2], "mip"))
                            || (is(words[1], "antialiased") && is(words[2], "1"))))
             p->header->antialiased = 1;
+        parse_comment(p->header, words, count);
         return 0;
     }
     if (count == 3 && is(words[0], "format"))

@@ -38,9 +38,19 @@ typedef struct fxs_ply_element {
     uint32_t row_size;         /* size of a binary row in bytes, if all lists are empty */
 } fxs_ply_element;
 
+/* Numbers in comments about the time of a moving scene. */
+enum {
+    FXS_PLY_FTGS_VERSION, FXS_PLY_USE_VELOCITY, FXS_PLY_MIN_DURATION, FXS_PLY_OPACITY_FLOOR, FXS_PLY_N_FRAMES,
+    FXS_PLY_FPS, FXS_PLY_DURATION, FXS_PLY_START, FXS_PLY_SETTINGS
+};
+
+extern const char *const fxs_ply_setting_names[FXS_PLY_SETTINGS];
+
 typedef struct fxs_ply_header {
     fxs_ply_encoding encoding;
     int antialiased;
+    uint32_t given;            /* bit i: the header has setting i */
+    double settings[FXS_PLY_SETTINGS];   /* NaN: no number */
     int elements, properties;
     fxs_ply_element element_table[FXS_PLY_MAX_ELEMENTS];
     fxs_ply_property property_table[FXS_PLY_MAX_PROPERTIES];
@@ -65,6 +75,9 @@ int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *eleme
 /* Finds a colour stored as three properties such as red, green, blue. Returns the number that means full brightness; 0:
    no colour. */
 double fxs_ply_find_colour(const fxs_ply_header *header, const fxs_ply_element *element, int colour[3]);
+
+/* Reads a decimal number, or nan or inf, in the whole of `word`. Returns 1, or 0 if it is no number. */
+int fxs_ply_parse_number(const char *word, double *value);
 
 double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding encoding);
 

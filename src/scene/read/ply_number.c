@@ -98,6 +98,12 @@ static const char *parse_number(const char *text, double *value)
     return text;
 }
 
+int fxs_ply_parse_number(const char *word, double *value)
+{
+    const char *end = parse_number(word, value);
+    return end && !*end;
+}
+
 static int is_blank(int byte)
 {
     return byte == ' ' || byte == '\t' || byte == '\r';
