@@ -24,7 +24,7 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) kernels/compute/plan.c port/web/webgpu.c
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
-WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
+WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c src/scene/sequence.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c) port/backend/pack_stages.c \
               $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c source.c text.c zip.c) \
               $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c) $(WEB_C)

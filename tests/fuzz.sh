@@ -40,7 +40,46 @@ seed_of_rad() {
     rm chunk
 }
 
+zstd() {
+    printf '\50\265\57\375\40'"\\$(printf %o "$1")\\$(printf %o $(($1 * 8 + 1)))\\0\\0"
+    head -c "$1" /dev/zero
+}
+
+stream4d() {
+    printf "\\$1\\$2\\1\\$(printf %o $3)\\0\\0\\0\\$(printf %o $(($3 + 9)))\\0\\0\\0"
+}
+
+seed_of_splat4d() {
+    for size in 1 1 1 1 1 6 6 6 2 8; do
+        stream4d 0 2 $size
+        zstd $size
+    done >still
+    {
+        printf '\12\0'
+        for frames in 1 2; do
+            attribute=0
+            for numbers in 6 8 6 2 6; do
+                stream4d $attribute $((frames - 1)) $((frames * numbers))
+                attribute=$((attribute + 1))
+            done
+        done
+        for size in 6 8 6 2 6 12 16 12 4 12; do
+            zstd $size
+        done
+    } >group
+    still=$(wc -c <still) group=$(wc -c <group)
+    {
+        printf 'SP4D\1\0\0\0\220\1\0\0%-400s' "{\"n\":2,\"t\":3,\"fps\":30,\"steps\":{\"pos\":0.004,$(
+            )\"base_pos\":0.002,\"scale_log\":0.04,\"base_scale_log\":0.02,\"rgb\":9,\"alpha\":9,\"rot\":1},$(
+            )\"static_section\":{\"offset\":412,\"len\":$still},\"gops\":[{\"offset\":$((412 + still)),$(
+            )\"len\":$group,\"f0\":0,\"f1\":2}]}"
+        cat still group
+    } >splat4d
+    rm still group
+}
+
 seeds_of_scene() {
+    seed_of_splat4d
     seed_of_rad >rad
     for scene in knot needles fog layers; do
         "$fixsplat" make-scene $scene --count 3 -o $scene.ply
@@ -102,11 +141,6 @@ seeds_of_scene() {
             head -c 264 /dev/zero
         } >ksplat$level
     done
-}
-
-zstd() {
-    printf '\50\265\57\375\40'"\\$(printf %o "$1")\\$(printf %o $(($1 * 8 + 1)))\\0\\0"
-    head -c "$1" /dev/zero
 }
 
 seeds_of_spz() {
