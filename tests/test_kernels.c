@@ -348,6 +348,74 @@ static void make_view(void)
     view.cutoff = one_in(16) ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
 }
 
+/* ---- Moving scenes ----------------------------------------------------------------------------------------------- */
+
+/* The rows of a chunk of a moving scene, one after the other, as at the end of a file. */
+typedef struct moving_chunk {
+    fxs_motion_rows motion;
+    unsigned char *rows;
+} moving_chunk;
+
+/* Makes the rows of motion behind the rows of the scene's chunk. In most rows of one chunk in four, all codes are 0.
+   kind 0: all codes are 0; 1 and 2: extreme; 3: small numbers; others: random. */
+static moving_chunk make_motion(uint32_t degree, int turns, int fades)
+{
+    const uint32_t flags = (turns ? FXS_MOTION_TURNS : 0) | (fades ? FXS_MOTION_FADES : 0);
+    const uint32_t still = made.header->chunk_bytes, bytes = fxs_motion_bytes(degree, flags);
+    moving_chunk m = {{still, degree, one_in(4) ? (uint32_t)next() : below(16 << 16), turns != 0, fades != 0, {0}},
+                      allocate(still + bytes)};
+    const int calm = one_in(4);
+    memcpy(m.rows, made.rows, still);
+    for (uint32_t at = still; at < still + bytes; at += 2 * FXS_CHUNK) {
+        const uint32_t kind = calm && !one_in(8) ? 0 : below(8), size = below(16);
+        for (uint32_t g = 0; g < FXS_CHUNK; g++) {
+            const uint32_t bits = (uint32_t)next();
+            const int code = kind == 0 ? 0 : kind == 1 || (kind == 2 && bits & 1) ? INT16_MIN
+                             : kind == 2 ? INT16_MAX : (int16_t)bits / (1 << (kind == 3 ? size : 0));
+            const uint16_t half = fxs_little_16((uint16_t)code);
+            memcpy(m.rows + at + 2 * g, &half, sizeof half);
+        }
+    }
+    return m;
+}
+
+/* Gives the Gaussians rotation words whose (X, Y) is about 1 long, and spheres, whose X and Y have the fewest bits. */
+static void fill_edge_rotations(void)
+{
+    const uint32_t bits = FXS_AXIS_BITS_LEAST(FXS_PROFILE_DEFAULT);
+    memset(made.rows + FXS_ROW_SCALE, 0, 4 * FXS_CHUNK);
+    for (uint32_t g = 0; g < FXS_CHUNK; g++) {
+        const double angle = uniform(0, 6.2832), length = uniform(32740, 32770);
+        const uint32_t x = (uint32_t)lrint(length * cos(angle)), y = (uint32_t)lrint(length * sin(angle));
+        const uint32_t word = fxs_little_32((x << 16 & -(1u << (32 - bits))) | (y << 16) >> bits);
+        memcpy(made.rows + FXS_ROW_ROTATION + 4 * g, &word, sizeof word);
+    }
+}
+
+static fxs_moment random_moment(void)
+{
+    fxs_moment moment = {{0, 0, 0}, (int8_t)between(-15, 4), 1};
+    for (int i = 0; i < 3; i++)
+        moment.power_q15[i] = (int16_t)(one_in(8) ? 32767 : one_in(8) ? -32767 : between(-32767, 32767));
+    return moment;
+}
+
+static void animate_case(void)
+{
+    make_scene();
+    if (one_in(2))                     /* any word, also those that are no rotation */
+        fill_codes(made.rows, made.header->chunk_bytes, 3);
+    else if (scene.profile != FXS_PROFILE_SMALL && one_in(2))
+        fill_edge_rotations();
+    const moving_chunk m = make_motion(below(FXS_MOTION_DEGREE + 1), one_in(2), one_in(2));
+    const fxs_moment moment = random_moment();
+    output *rows = output_new(fxs_chunk_bytes(scene.profile, 0), 0);
+    fxs_animate_c(&scene, &m.motion, &moment, chunk_of()->scale_step_q24, m.rows, at(rows, 0, 0));
+    fast.animate(&scene, &m.motion, &moment, chunk_of()->scale_step_q24, m.rows, at(rows, 1, 0));
+    CHECK(same(rows));
+    free(m.rows);
+}
+
 /* ---- The stages project and shade ------------------------------------------------------------------------------ */
 
 static uint64_t visible_total;
@@ -711,6 +779,11 @@ static void run_cases(void (*one)(void), uint64_t share)
     }
 }
 
+static void animate(void)
+{
+    run_cases(animate_case, 1);
+}
+
 static void project(void)
 {
     visible_total = zooms = 0;
@@ -768,6 +841,8 @@ static void test_version(size_t i)
     fast = fxs_kernels_c;
     fxs_kernels_choose(&fast, versions[i].cpu);
     printf("%s, %llu of %d cases\n", versions[i].name, (unsigned long long)last_seed, ALL_CASES);
+    if (fast.animate != fxs_animate_c)
+        RUN(animate);
     if (fast.project != fxs_project_c)
         RUN(project);
     if (fast.shade != fxs_shade_c)
@@ -806,6 +881,8 @@ typedef struct workload {
     packed_scene packed;
     fxs_scene scene;
     fxs_stage_view view;
+    moving_chunk moving;
+    unsigned char animated[18 * FXS_CHUNK] __attribute__((aligned(64)));
     uint32_t counts[BENCH_CHUNKS], visible;
     fxs_splat splats[BENCH_CHUNKS][FXS_CHUNK];
     fxs_bounds bounds[BENCH_CHUNKS][FXS_CHUNK];
@@ -856,10 +933,20 @@ static void bench_init(workload *w, enum fxs_profile profile)
     w->packed = bench_scene(profile);
     CHECK(fxs_scene_open(&w->scene, w->packed.data, w->packed.bytes) == 0);
     CHECK(one_view_init(&w->view, &w->scene, &camera, &options) == 0);
+    made = w->packed;
+    w->moving = make_motion(FXS_MOTION_DEGREE, 1, 1);
     for (uint32_t i = 0; i < MAX_SPLATS; i++) {
         make_splat(&w->tile_splats[i], 0, 0, 1);
         w->entries[i] = i;
     }
+}
+
+static void bench_animate(workload *w, const fxs_kernels *k)
+{
+    static const fxs_moment moment = {{20000, 12207, 7451}, -2, 1};
+    for (uint32_t i = 0; i < BENCH_CHUNKS; i++)
+        k->animate(&w->scene, &w->moving.motion, &moment, w->packed.chunks[0].scale_step_q24, w->moving.rows,
+                   w->animated);
 }
 
 static void bench_project(workload *w, const fxs_kernels *k)
@@ -930,6 +1017,7 @@ static void bench_version(const char *name, const fxs_kernels *k)
 {
     workload *w = bench_load;
     printf("%-8s", name);
+    printf(" %9.1f", measure(bench_animate, k, BENCH_CHUNKS * FXS_CHUNK));
     printf(" %9.1f", measure(bench_project, k, BENCH_CHUNKS * FXS_CHUNK));
     printf(" %9.1f", measure(bench_shade, k, w->visible));
     printf(" %9.1f", measure(bench_sparse, k, BENCH_CHUNKS * FXS_CHUNK / 16));
@@ -945,10 +1033,10 @@ static void bench(const char *label, enum fxs_profile profile)
     bench_load = calloc(1, sizeof *bench_load);
     bench_init(bench_load, profile);
     bench_project(bench_load, &kernels);
-    printf("%s: %s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve,\n"
+    printf("%s: %s a Gaussian (animate, project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve,\n"
            "also as RGB565 and RGBA16); %u of %u Gaussians visible\n", label, TICK,
            (unsigned)bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
-    printf("%-8s %9s %9s %9s %9s %9s %9s %9s\n", "", "project", "shade", "sparse", "blend", "resolve", "565", "16");
+    printf("%-8s %9s %9s %9s %9s %9s %9s %9s %9s\n", "", "animate", "project", "shade", "sparse", "blend", "resolve", "565", "16");
     bench_version("c", &kernels);
     for (size_t i = 0; i < VERSIONS; i++)
         if (fxs_cpu_detect() & versions[i].cpu) {
@@ -956,6 +1044,7 @@ static void bench(const char *label, enum fxs_profile profile)
             fxs_kernels_choose(&kernels, versions[i].cpu);
             bench_version(versions[i].name, &kernels);
         }
+    free(bench_load->moving.rows);
     free(bench_load->packed.data);
     free(bench_load);
 }

@@ -22,6 +22,16 @@ static inline vi load_u16(const uint16_t *from)
     return (vi)vmovl_u16(vld1_u16(from));
 }
 
+static inline vi load_i16(const int16_t *from)
+{
+    return (vi)vmovl_s16(vld1_s16(from));
+}
+
+static inline void store_u16(uint16_t *to, vi x)
+{
+    vst1_u16(to, vmovn_u32((uint32x4_t)x));
+}
+
 static inline vi load_i8(const int8_t *from)
 {
     uint32_t four;

@@ -28,6 +28,16 @@ static inline vi load_u16(const uint16_t *from)
     return (vi)vldrhq_u32(from);
 }
 
+static inline vi load_i16(const int16_t *from)
+{
+    return (vi)vldrhq_s32(from);
+}
+
+static inline void store_u16(uint16_t *to, vi x)
+{
+    vstrhq_u32(to, (uint32x4_t)x);
+}
+
 static inline vi load_i8(const int8_t *from)
 {
     return (vi)vldrbq_s32(from);

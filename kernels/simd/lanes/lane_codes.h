@@ -44,6 +44,11 @@ static inline vi load_rotations(const fxs_scene *scene, const unsigned char *row
     return (c & (int32_t)0xfff00000) | d << 12 | (a >> 22 & 3) << 10 | (vi)((vu)b >> 31) << 9;
 }
 
+static inline vi load_opacities(const fxs_scene *scene, const unsigned char *rows, uint32_t i)
+{
+    return (vi)((vu)load(rows + (scene->profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR) + 4 * i) >> 24);
+}
+
 static inline void load_colours(vi code[3], const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     if (scene->profile == FXS_PROFILE_SMALL) {

@@ -1,7 +1,7 @@
 /* Projects LANES Gaussians of a chunk together. The first pass over the chunk's 256 Gaussians finds the centres and
  * drops Gaussians behind the camera or outside the picture. The second pass finds the shapes of the remaining
  * Gaussians and stores them without gaps. The C version handles rare chunks with very large Gaussians. */
-#include "lane_codes.h"
+#include "lane_axes.h"
 
 #ifndef AT_ONCE                    /* number of Gaussians per pass over a chunk; a smaller number needs less stack */
 #define AT_ONCE FXS_CHUNK
@@ -60,18 +60,13 @@ static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
            equal((vi)(high_half(raised_q35) >> 21 | raised_q14 >> 31), all(0));
 }
 
-static inline vi fall_of(const fxs_chunk_view *cv, vi code)
-{
-    return (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
-}
-
 /* Computes the sizes of Gaussians on the screen, f sigma_max / z 2^jacobian_exponent, as mantissa * 2^exponent with the
    mantissa in [0.5, 1). The smallest scale code of a Gaussian has the largest sigma. */
 static inline vu screen_size(const fxs_stage_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
                              vi *exponent)
 {
     vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 19 & 1022);
-    vi minus_log2_q16 = fall_of(cv, code) - cv->scale_q16;
+    vi minus_log2_q16 = fall_of(code, cv->scale_step_q24) - cv->scale_q16;
     vu size_q15 = (vu)exp2_q15((minus_log2_q16 & 65535) >> 1);
     vu over_z_q30 = narrow(mul_wide_u(size_q15, (vu)c->inverse_q30), 15);
     vu mantissa = mulhi(over_z_q30, (vu)all((int32_t)view->focal_q32));
@@ -104,8 +99,7 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
 static inline int find_centres(survivors *s, const fxs_stage_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
-    vi code[3], opacity = (vi)((vu)load(rows + (scene->profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR) +
-                                        4 * i) >> 24), value[ROWS];
+    vi code[3], opacity = load_opacities(scene, rows, i), value[ROWS];
     centre c;
     load_positions(code, scene, rows, i);
     c.camera[2] = camera_axis(cv, 2, code);
@@ -148,39 +142,6 @@ static inline void jacobian(vi j_q15[3], const fxs_stage_view *view, int i, vi s
         j_q15[k] = view->row_q15[i][k] - mul_q15(slope_q15, all(view->forward_q15[i][k]));
 }
 
-typedef struct axes {
-    vi axis_q15[3], side_q15[2][3], cos_q15, sin_q15;
-} axes;
-
-static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
-{
-    const vi y = fall_q16[1] - fall_q16[0], z = fall_q16[2] - fall_q16[0];
-    const vi gap = least(most(y, -y), most(z, -z)) >> 4;
-    return least(FXS_AXIS_BITS_LEAST(profile) + (5 * gap >> 16), all(FXS_AXIS_BITS_MOST(profile)));
-}
-
-static inline mask read_axes(axes *out, vi word, vi bits)
-{
-    const vu y_word = shift_left((vu)word, bits), roll_word = shift_left(y_word, bits);
-    const vi x = word >> 16, y = (vi)y_word >> 16, u = (vi)roll_word >> 16;
-    const vi xx = x * x, yy = y * y, xx_q15 = round_shift(xx, 15), yy_q15 = round_shift(yy, 15);
-    const vi xy_q15 = round_shift(x * y, 15), uu_q15 = round_shift(u * u, 15);
-    const vu square_q30 = (vu)(xx + yy), m = 0x80000000u - square_q30;
-    const vi s_q15 = (vi)((mulhi(m, rsqrt(m)) + 8192) >> 14);
-    const vi xs_q15 = mul_q15(x, s_q15), ys_q15 = mul_q15(y, s_q15);
-    out->axis_q15[0] = xs_q15;
-    out->axis_q15[1] = ys_q15;
-    out->axis_q15[2] = (vi)((m + 16384) >> 15) - 32768;
-    out->side_q15[0][0] = 32768 - xx_q15;
-    out->side_q15[0][1] = out->side_q15[1][0] = -xy_q15;
-    out->side_q15[0][2] = -xs_q15;
-    out->side_q15[1][1] = 32768 - yy_q15;
-    out->side_q15[1][2] = -ys_q15;
-    out->cos_q15 = 32768 - mul_q15(uu_q15, 40141 - mul_q15(uu_q15, all(7373)));
-    out->sin_q15 = mul_q15(u, 51317 - mul_q15(uu_q15, 20619 - mul_q15(uu_q15, all(2066))));
-    return greater((vi)((1 << 30) - square_q30), all(-1));
-}
-
 static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
 {
     return round_shift(a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2], 15);
@@ -202,8 +163,7 @@ static inline mask screen_axes(vi t_q15[2][3], const fxs_stage_view *view, const
     axes a;
     jacobian(j_q15[0], view, 0, load(&s->rows[SLOPE_X][at]));
     jacobian(j_q15[1], view, 1, load(&s->rows[SLOPE_Y][at]));
-    for (int i = 0; i < 3; i++)
-        fall_q16[i] = fall_of(cv, i < 2 ? scale_word >> 10 * i & 1023 : scale_word >> 19 & 1022);
+    falls_of(fall_q16, scale_word, cv->scale_step_q24);
     const mask valid = read_axes(&a, load(&s->rows[ROTATION][at]), axis_bits(profile, fall_q16));
     vi shortest = least(least(fall_q16[0], fall_q16[1]), fall_q16[2]);
     for (int i = 0; i < 3; i++)

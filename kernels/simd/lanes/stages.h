@@ -9,6 +9,8 @@
 #define FXS_JOIN(stage, isa) fxs_##stage##_##isa
 #define FXS_STAGE_OF(stage, isa) FXS_JOIN(stage, isa)
 
+#define FXS_ANIMATE(isa) void FXS_STAGE_OF(animate, isa)(const fxs_scene *scene, const fxs_motion_rows *motion, \
+    const fxs_moment *moment, uint32_t scale_step_q24, const unsigned char *rows, unsigned char *out)
 #define FXS_PROJECT(isa) int32_t FXS_STAGE_OF(project, isa)(const fxs_stage_view *view, const fxs_scene *scene, \
     uint32_t chunk, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 #define FXS_SHADE(isa) int FXS_STAGE_OF(shade, isa)(const fxs_stage_view *view, const fxs_scene *scene, \
@@ -33,7 +35,8 @@
 /* Lists of the functions of the rendering stages: X(macro of the function head, macro of the stage, name in
    fxs_kernels, instruction set). */
 #define FXS_VECTOR_STAGES(X, isa) \
-    X(FXS_PROJECT, FXS_PROJECT, project, isa) X(FXS_SHADE, FXS_SHADE, shade, isa) \
+    X(FXS_ANIMATE, FXS_PROJECT, animate, isa) X(FXS_PROJECT, FXS_PROJECT, project, isa) \
+    X(FXS_SHADE, FXS_SHADE, shade, isa) \
     X(FXS_BIN, FXS_BIN, bin, isa) X(FXS_SPANS, FXS_BIN, spans, isa) X(FXS_NOTE, FXS_BIN, note, isa) \
     X(FXS_LIST, FXS_BIN, list, isa) X(FXS_BLEND, FXS_BLEND, blend, isa) X(FXS_TRACE, FXS_BLEND, trace, isa)
 #define FXS_SORT_STAGE(X, isa) X(FXS_SORT, FXS_SORT, sort, isa)

@@ -54,6 +54,7 @@ static inline void store_h(int16_t *to, vh x)
 /* Operations that the headers of the instruction sets define:
  *
  *   load_fours         loads the four words at from + stride * at[lane] for each lane
+ *   store_u16          stores numbers of 0 to 65535 in 16 bits each
  *   store_compressed   stores the lanes of a mask without gaps; may write a whole vector
  *   store_pairs        stores a[0], b[0], a[1], b[1], ...
  *   shift_left, shift_right   shift per lane; a shift of 32 to 127 gives 0

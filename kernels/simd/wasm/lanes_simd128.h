@@ -23,6 +23,16 @@ static inline vi load_u16(const uint16_t *from)
     return (vi)wasm_u32x4_load16x4(from);
 }
 
+static inline vi load_i16(const int16_t *from)
+{
+    return (vi)wasm_i32x4_load16x4(from);
+}
+
+static inline void store_u16(uint16_t *to, vi x)
+{
+    wasm_v128_store64_lane(to, wasm_u16x8_narrow_i32x4((v128_t)x, (v128_t)x), 0);
+}
+
 static inline vi load_i8(const int8_t *from)
 {
     return (vi)wasm_i32x4_extend_low_i16x8(wasm_i16x8_extend_low_i8x16(wasm_v128_load32_zero(from)));

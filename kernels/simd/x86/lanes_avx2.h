@@ -16,6 +16,17 @@ static inline vi load_u16(const uint16_t *from)
     return (vi)_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
 }
 
+static inline vi load_i16(const int16_t *from)
+{
+    return (vi)_mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
+}
+
+static inline void store_u16(uint16_t *to, vi x)
+{
+    const __m128i high = _mm256_extracti128_si256((__m256i)x, 1);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_packus_epi32(_mm256_castsi256_si128((__m256i)x), high));
+}
+
 static inline vi load_i8(const int8_t *from)
 {
     return (vi)_mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));

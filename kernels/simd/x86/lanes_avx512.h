@@ -16,6 +16,16 @@ static inline vi load_u16(const uint16_t *from)
     return (vi)_mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)(const void *)from));
 }
 
+static inline vi load_i16(const int16_t *from)
+{
+    return (vi)_mm512_cvtepi16_epi32(_mm256_loadu_si256((const __m256i *)(const void *)from));
+}
+
+static inline void store_u16(uint16_t *to, vi x)
+{
+    _mm256_storeu_si256((__m256i *)(void *)to, _mm512_cvtepi32_epi16((__m512i)x));
+}
+
 static inline vi load_i8(const int8_t *from)
 {
     return (vi)_mm512_cvtepi8_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));

@@ -17,6 +17,16 @@ static inline vi load_u16(const uint16_t *from)
     return (vi)_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
 }
 
+static inline vi load_i16(const int16_t *from)
+{
+    return (vi)_mm_cvtepi16_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
+}
+
+static inline void store_u16(uint16_t *to, vi x)
+{
+    _mm_storel_epi64((__m128i *)(void *)to, _mm_packus_epi32((__m128i)x, (__m128i)x));
+}
+
 static inline vi load_i8(const int8_t *from)
 {
     int32_t four;

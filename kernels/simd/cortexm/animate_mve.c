@@ -1,0 +1,2 @@
+#include "lanes_mve.h"
+#include "kernels/simd/lanes/animate.h"

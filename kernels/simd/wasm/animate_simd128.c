@@ -1,0 +1,2 @@
+#include "lanes_simd128.h"
+#include "kernels/simd/lanes/animate.h"

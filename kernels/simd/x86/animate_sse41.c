@@ -1,0 +1,2 @@
+#include "lanes_sse41.h"
+#include "kernels/simd/lanes/animate.h"
