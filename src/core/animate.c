@@ -8,7 +8,16 @@ FXS_STAGE int fxs_motion_read(fxs_motion_header *header, const fxs_scene *scene)
 {
     memcpy(header, scene->motion, sizeof *header);
     fxs_motion_header_turn(header);
-    return fxs_motion_header_valid(header, scene->chunk_count) ? 0 : FXS_ERR_SCENE;
+    const uint32_t still = fxs_chunk_bytes(scene->profile, scene->sh_degree);
+    return fxs_motion_header_valid(header, scene->chunk_count) &&
+                   scene->chunk_bytes == still + fxs_motion_bytes(header->degree, header->flags)
+               ? 0 : FXS_ERR_SCENE;
+}
+
+uint32_t fxs_most_alive(const fxs_scene *scene)
+{
+    fxs_motion_header header;
+    return !scene->motion || fxs_motion_read(&header, scene) ? scene->chunk_count : header.most_chunks;
 }
 
 FXS_STAGE int32_t fxs_time_of(const fxs_motion_header *motion, int64_t time_q32)
@@ -48,12 +57,6 @@ FXS_STAGE fxs_motion_rows fxs_motion_rows_of(const fxs_scene *scene, const fxs_m
 }
 
 #ifndef __CUDACC__
-uint32_t fxs_most_alive(const fxs_scene *scene)
-{
-    fxs_motion_header header;
-    return !scene->motion || fxs_motion_read(&header, scene) ? scene->chunk_count : header.most_chunks;
-}
-
 fxs_motion_info fxs_scene_motion(const fxs_scene *scene)
 {
     fxs_motion_header h;

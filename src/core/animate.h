@@ -9,7 +9,8 @@
 /* Returns the time of a moving scene, 0 to its duration, Q16. */
 FXS_STAGE int32_t fxs_time_of(const fxs_motion_header *motion, int64_t time_q32);
 
-/* Copies and checks the motion header of a moving scene. Returns 0 or FXS_ERR_SCENE. */
+/* Copies the motion header of a moving scene, and checks it and the length of a chunk's rows. Returns 0 or
+   FXS_ERR_SCENE. */
 FXS_STAGE int fxs_motion_read(fxs_motion_header *header, const fxs_scene *scene);
 
 /* Finds out whether a chunk is alive at a time, and computes its powers of u. Returns 1, 0 or FXS_ERR_SCENE. */
@@ -21,7 +22,8 @@ uint32_t fxs_most_alive(const fxs_scene *scene);
 /* Returns the layout of the rows of motion of a scene. */
 FXS_STAGE fxs_motion_rows fxs_motion_rows_of(const fxs_scene *scene, const fxs_motion_header *motion);
 
-/* Moves the codes of one Gaussian to a moment. `scale_step_q24` is the chunk's. */
+/* Moves the codes of one Gaussian to a moment: to the codes that the chunk has as fxs_animate_chunk writes it.
+   `scale_step_q24` is the chunk's. */
 static inline void fxs_animate_codes(fxs_codes *codes, const fxs_motion_rows *motion, const unsigned char *rows,
                                      uint32_t g, const fxs_moment *moment, enum fxs_profile profile,
                                      uint32_t scale_step_q24);
@@ -131,8 +133,10 @@ static inline void fxs_animate_codes(fxs_codes *codes, const fxs_motion_rows *mo
                                      uint32_t scale_step_q24)
 {
     const unsigned char *row = rows + motion->at;
-    for (uint32_t i = 0; i < 3; i++)
-        codes->position[i] = fxs_drifted(codes->position[i], motion, row + 2 * FXS_CHUNK * i, g, moment);
+    for (uint32_t i = 0; i < 3; i++) {
+        const uint16_t drifted = fxs_drifted(codes->position[i], motion, row + 2 * FXS_CHUNK * i, g, moment);
+        codes->position[i] = profile == FXS_PROFILE_SMALL ? fxs_spread_11(drifted >> 5) : drifted;
+    }
     row += 6 * FXS_CHUNK * motion->degree;
     if (motion->turns) {
         int32_t fall_q16[3], turn_q15[4];

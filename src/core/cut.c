@@ -287,20 +287,20 @@ static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
 }
 
 /* The chunks of an object without a level-of-detail tree. In a moving scene, only those that are alive. */
-typedef struct whole {
+typedef struct whole_object {
     const fxs_scene *scene;
     uint32_t chunks;
     int32_t time_q16;
-} whole;
+} whole_object;
 
-static int whole_of(whole *out, const fxs_cut *cut, uint32_t number)
+static int whole_of(whole_object *out, const fxs_cut *cut, uint32_t number)
 {
     fxs_object object;
     fxs_motion_header motion;
     int error = fxs_object_read(&object, cut->objects, number);
     if (error)
         return error;
-    *out = (whole){object.scene, whole_chunks(cut, number), 0};
+    *out = (whole_object){object.scene, whole_chunks(cut, number), 0};
     if (!object.scene->motion || (error = fxs_motion_read(&motion, object.scene)) != 0)
         return error;
     /* unsigned, so that the sum of two times may wrap */
@@ -309,7 +309,7 @@ static int whole_of(whole *out, const fxs_cut *cut, uint32_t number)
 }
 
 /* Returns 1 if a chunk is drawn or wanted, 0, or FXS_ERR_SCENE. */
-static int is_alive(const whole *w, uint32_t chunk, fxs_moment *moment)
+static int is_alive(const whole_object *w, uint32_t chunk, fxs_moment *moment)
 {
     *moment = (fxs_moment){{0, 0, 0}, 0, 0};
     return w->scene->motion ? fxs_moment_of(moment, w->scene, chunk, w->time_q16) : 1;
@@ -321,7 +321,7 @@ static int add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;
     fxs_moment moment;
-    whole w = {0, 0, 0};
+    whole_object w = {0, 0, 0};
     for (uint32_t i = 0; i < cut->object_count; i++) {
         int error = whole_of(&w, cut, i);
         for (uint32_t k = 0; k < w.chunks && error >= 0; k++)
@@ -354,7 +354,7 @@ static void begin(search *s)
     for (uint32_t i = 0; i < cut->object_count && !s->error; i++) {
         const fxs_scene *scene = fxs_object_at(cut->objects, i)->scene;
         fxs_moment moment;
-        whole w = {0, 0, 0};
+        whole_object w = {0, 0, 0};
         s->error = whole_of(&w, cut, i);
         for (uint32_t k = 0; k < w.chunks && !s->error; k++) {
             const int alive = is_alive(&w, k, &moment);

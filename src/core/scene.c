@@ -132,10 +132,7 @@ static int open_motion(fxs_scene *scene, const unsigned char *start)
 {
     fxs_motion_header h;
     scene->motion = start;
-    const int error = fxs_motion_read(&h, scene);
-    return error ? error
-           : scene->chunk_bytes != fxs_chunk_bytes(scene->profile, scene->sh_degree) + fxs_motion_bytes(h.degree, h.flags)
-               ? FXS_ERR_SCENE : 0;
+    return fxs_motion_read(&h, scene);
 }
 
 /* Opens a packed scene of `bytes` bytes at `head`. If `bytes` is 0, only the headers at `head` and `tree` are in

@@ -132,19 +132,26 @@ static void directional(int32_t sum_q16[3], const fxs_stage_view *view, const fx
         add_band(sum_q16, sh, b_q15, 3, chunk->sh_step_q19[2]);
 }
 
+/* Computes the colour of a splat from the codes of its Gaussian, and from its SH, number g of the rows. */
+static void shade_codes(fxs_splat *splat, const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+                        const unsigned char *rows, uint32_t g, const fxs_codes *codes)
+{
+    int32_t sum_q16[3];
+    for (int c = 0; c < 3; c++) {
+        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(codes, c);
+        sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
+    }
+    if (view->sh_degree > 0)
+        directional(sum_q16, view, scene, chunk, rows, g, codes->position);
+    for (int c = 0; c < 3; c++)
+        splat->colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
+}
+
 static void shade_one(fxs_splat *splat, const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                       const unsigned char *rows, uint32_t g)
 {
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
-    int32_t sum_q16[3];
-    for (int c = 0; c < 3; c++) {
-        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(&codes, c);
-        sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
-    }
-    if (view->sh_degree > 0)
-        directional(sum_q16, view, scene, chunk, rows, g, codes.position);
-    for (int c = 0; c < 3; c++)
-        splat->colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
+    shade_codes(splat, view, scene, chunk, rows, g, &codes);
 }
 
 void fxs_shade_list(const fxs_stage_view *view, const fxs_scene *scene, const fxs_chunk *header,
