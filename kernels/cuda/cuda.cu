@@ -49,8 +49,9 @@ struct frame {
     uint32_t cut_chunks, whole_chunks, cut_eyes;
     uint32_t missing;              /* number of wanted chunks that are not on the device */
     bool in_parts;                 /* true: a scene is in parts (fxs_scene.places) */
-    bool cut_here;                 /* true: the host chooses the level of detail, because a scene is in parts or its
-                                      level-of-detail tree is invalid */
+    bool moving;                   /* true: a scene moves, so `drawn` has the moments of its chunks */
+    bool cut_here;                 /* true: the host chooses the chunks that are drawn, because a scene is in parts or
+                                      moves, or its level-of-detail tree is invalid */
     uint64_t staged;
     bool plain;                    /* true: the frame has one object, not scaled, cropped or tinted, with all Gaussians
                                       drawn */
@@ -272,10 +273,10 @@ uint64_t drawn_most(const frame *f)
 }
 
 /* Returns the number of Gaussians for which the tile lists have room at first. A scene in parts may be much larger than
-   its pool. */
+   its pool, and a moving scene than what is alive at a time. */
 uint64_t listed(const frame *f)
 {
-    return f->in_parts ? drawn_most(f) : f->gaussians;
+    return f->in_parts || f->moving ? drawn_most(f) : f->gaussians;
 }
 
 uint64_t likely_larges(const frame *f)
@@ -294,7 +295,7 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         uint64_t cleared, cut_bytes = 0;
         fxs_targets targets = f->targets;
         slot_buffers(&none, f, &of_frame);
-        if (f->cut_room)
+        if (f->cut_room && !f->cut_here)
             slot_cut(&none, f, &cuda->options, &cleared, &cut_bytes);
         s->cut = larger_of(s->cut, cut_bytes);
         s->pixels = larger_of(s->pixels, place_hosted(&targets, f, nullptr));
@@ -413,6 +414,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
         if (error)
             return error;
         f->in_parts |= object.scene->places != nullptr;
+        f->moving |= object.scene->motion != nullptr;
         chunks += object.scene->chunk_count;
         gaussians += object.scene->count;
         f->crop_count += object.crop_count;
@@ -420,7 +422,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
     f->object_count = count;
-    f->cut_here = f->in_parts;
+    f->cut_here = f->in_parts || f->moving;
     f->cut_room = error ? 0 : fxs_cut_room(objects, count, options);
     f->chunks = f->cut_room ? f->cut_room : (uint32_t)chunks;
     f->gaussians = (uint32_t)gaussians;
@@ -588,12 +590,15 @@ int find_cut(fxs_cuda *cuda, frame *f, fxs_cut *cut, fxs_message *why)
     return 0;
 }
 
-/* Stages the cut of a frame for its second eye. */
-void copy_cut(fxs_cuda *cuda, frame *to, const frame *from)
+/* Stages the cut of a frame for its second eye, whose room is the same, unless the scene has changed in between. */
+int copy_cut(fxs_cuda *cuda, frame *to, const frame *from, fxs_message *why)
 {
+    if (to->cut_room != from->cut_room)
+        return failed(why, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
     to->chunks = from->chunks;
     memcpy(staged_at(cuda, to->staged + drawn_at(to)), staged_at(cuda, from->staged + drawn_at(from)),
            drawn_bytes(from));
+    return 0;
 }
 
 /* Stages what the device needs for the cut, or finds the cut here. */
@@ -609,10 +614,8 @@ int stage_cut(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *frames, fxs_mess
     cut.eyes = f->cut_eyes;
     cut.views = staged_objects(cuda, f);
     cut.room = f->cut_room;
-    if (f->cut_here && cuda->stereo && i % 2) {
-        copy_cut(cuda, f, f - 1);
-        return 0;
-    }
+    if (f->cut_here && cuda->stereo && i % 2)
+        return copy_cut(cuda, f, f - 1, why);
     if (f->cut_here)
         return find_cut(cuda, f, &cut, why);
     const int error = fxs_cut_views(&cut, (fxs_stage_view *)staged_at(cuda, f->staged + cut_views_at(f)));
@@ -690,13 +693,13 @@ void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffe
     f->drawn_count = &c.status->drawn;
 }
 
-template <bool Many>
+template <bool Many, bool Moving>
 void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
     start(locate_chunks<Many>, (of->chunks + 63) / 64, 64, 0, stream, of->view, of->scene, f, of->chunks);
     if (of->pooled)
         start(fetch_chunks, of->chunks, FETCH_THREADS, 0, stream, f);
-    launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
+    launch(cuda, project_chunk<Many, Moving>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
 template <class Pixel>
@@ -704,8 +707,8 @@ void finish(const fxs_cuda *cuda, cudaStream_t stream, uint32_t groups, const fr
             const target &t)
 {
     groups = groups < FINISH_GROUPS ? groups : FINISH_GROUPS;
-    launch(cuda, finish_tiles<Pixel>, cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream,
-           of->view, f, t, of->scene, of->plain);
+    launch(cuda, of->moving ? finish_tiles<Pixel, true> : finish_tiles<Pixel, false>, cuda->processors,
+           groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream, of->view, f, t, of->scene, of->plain);
 }
 
 template <class Pixel>
@@ -809,9 +812,11 @@ void project_frame(const fxs_cuda *cuda, const frame *of, const slot *s, frame_b
     if (of->cut_room && !of->cut_here)
         start_cut(cuda, of, s, f);
     if (of->chunks && of->plain)
-        project<false>(cuda, of, *f, s->on);
+        project<false, false>(cuda, of, *f, s->on);
+    else if (of->chunks && of->moving)
+        project<true, true>(cuda, of, *f, s->on);
     else if (of->chunks)
-        project<true>(cuda, of, *f, s->on);
+        project<true, false>(cuda, of, *f, s->on);
 }
 
 int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, fxs_message *why)
@@ -953,7 +958,8 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
     *groups = parts_of(shared_most, blend_bytes<Pixel>(0), sizeof(group_shared<Pixel>), groups_most<Pixel>);
     *warps = parts_of(shared_most, sorted_bytes<Pixel>(0), sizeof(warp_shared<Pixel>), WARPS_MOST);
     int error = allow_shared(blend_tiles<Pixel>, blend_bytes<Pixel>(*groups), shared_most, why);
-    error = error ? error : allow_shared(finish_tiles<Pixel>, blend_bytes<Pixel>(*groups), shared_most, why);
+    error = error ? error : allow_shared(finish_tiles<Pixel, false>, blend_bytes<Pixel>(*groups), shared_most, why);
+    error = error ? error : allow_shared(finish_tiles<Pixel, true>, blend_bytes<Pixel>(*groups), shared_most, why);
     return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 

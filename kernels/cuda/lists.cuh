@@ -1,6 +1,8 @@
 /* Fills the list of splats (projected Gaussians) of each tile of 16x16 pixels, unsorted. A thread block projects and
  * shades one chunk of 256 packed Gaussians. If a frame has one object without scale, crop and tint, its view and scene
- * are kernel parameters. Otherwise the template parameter Many is true, and the objects are in device memory. */
+ * are kernel parameters. Otherwise the template parameter Many is true, and the objects are in device memory. With a
+ * moving scene among the objects, Moving is true too, and the Gaussians of such scenes are first moved to the frame's
+ * moment. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -15,7 +17,8 @@ namespace {
 const uint32_t LARGE_BLOCKS = 792;
 const int LARGE_ROWS = 8;
 const int BOX_COLUMNS = 6, BOX_ROWS = 7, BOX_TILES = BOX_COLUMNS * BOX_ROWS;
-const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
+const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;     /* without the rows of motion */
+const uint32_t MOTION_BYTES_MOST = (3 * 2 * FXS_MOTION_DEGREE + 4 * 2 + 2 * 2) * FXS_CHUNK;
 
 __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
                                       uint32_t grow_q8)
@@ -90,6 +93,13 @@ struct block_splats {
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
 
+struct moving_splats : block_splats {
+    alignas(64) unsigned char motion[MOTION_BYTES_MOST];
+};
+
+template <bool Moving>
+using splats_of_block = typename std::conditional<Moving, moving_splats, block_splats>::type;
+
 __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, const void *from, uint32_t bytes)
 {
 #if __CUDA_ARCH__ >= 900
@@ -102,17 +112,24 @@ __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, con
 #endif
 }
 
-/* Starts to copy a chunk of Gaussians to shared memory: part 1 is the spherical harmonics, part 0 the rest. From
-   compute capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
+/* The rows of motion of a chunk, which are behind its other rows, and their place in shared memory. */
+struct motion_part {
+    unsigned char *to;
+    uint32_t bytes;
+};
+
+/* Starts to copy a chunk of Gaussians to shared memory: part 1 is the spherical harmonics, part 0 the rest. `bytes` are
+   those of the rows without motion. From compute capability 9.0 on, one thread issues bulk copies; before, all threads
+   copy. */
 __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
-                                   const unsigned char *rows, uint32_t bytes)
+                                   const unsigned char *rows, uint32_t bytes, motion_part motion)
 {
     static_assert(sizeof b->view % 16 == 0 && sizeof b->header % 16 == 0, "copied by 16 bytes");
     const uint32_t early = bytes < FXS_ROW_SH ? bytes : FXS_ROW_SH;
 #if __CUDA_ARCH__ >= 900
     if (threadIdx.x > 0)
         return;
-    const uint32_t parts[2] = {early + (uint32_t)(sizeof b->view + sizeof b->header), bytes - early};
+    const uint32_t parts[2] = {early + motion.bytes + (uint32_t)(sizeof b->view + sizeof b->header), bytes - early};
     for (uint32_t part = 0; part < 2; part++) {
         cuda::ptx::mbarrier_init(&b->arrived[part], 1);
         cuda::ptx::fence_proxy_async(cuda::ptx::space_shared);
@@ -123,6 +140,7 @@ __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, 
     fetch_bytes(b, 0, &b->view, view, sizeof b->view);
     fetch_bytes(b, 0, &b->header, header, sizeof b->header);
     fetch_bytes(b, 0, b->rows, rows, early);
+    fetch_bytes(b, 0, motion.to, rows + bytes, motion.bytes);
     __pipeline_commit();
     fetch_bytes(b, 1, b->rows + early, rows + early, bytes - early);
     __pipeline_commit();
@@ -142,6 +160,18 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
         __pipeline_wait_prior(0);
     __syncthreads();
 #endif
+}
+
+/* Moves the codes of Gaussian g of a visible chunk to the frame's moment, if its scene moves. `rows` are the chunk's
+   rows of motion. */
+__device__ inline void move_codes(fxs_codes *codes, const frame_buffers *f, const fxs_object_view *object,
+                                  const fxs_chunk_view *cv, const unsigned char *rows, uint32_t g)
+{
+    const fxs_moment moment = f->drawn[cv->chunk].moment;
+    fxs_motion_rows motion = object->motion;
+    motion.at = 0;
+    if (moment.moves)
+        fxs_animate_codes(codes, &motion, rows, g, &moment, object->scene.profile, cv->scale_step_q24);
 }
 
 /* Sets row_ends to the inclusive prefix sum of the numbers of tile rows that the threads' splats cover. Returns the
@@ -254,12 +284,12 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_s
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-template <bool Many>
+template <bool Many, bool Moving>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_stage_view view,
                                                               const __grid_constant__ fxs_scene only_scene,
                                                               const __grid_constant__ frame_buffers f)
 {
-    __shared__ block_splats b;
+    __shared__ splats_of_block<Moving> b;
     wait_for_last_kernel();
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
     const uint32_t place = cv->chunk;      /* this value is loaded before the test below, so that both loads overlap */
@@ -272,10 +302,15 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     const uint32_t index = place * FXS_CHUNK + g;
     const uint32_t share_q8 = Many && f.drawn ? f.drawn[place].share_q8 : 256;
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
+    motion_part motion = {nullptr, 0};
+    if constexpr (Moving)
+        motion = {b.motion, object->motion.at ? scene->chunk_bytes - object->motion.at : 0};
     fetch_chunk(&b, cv, fxs_header(scene, chunk), Many ? rows_of(scene, chunk) : fxs_rows(scene, chunk),
-                scene->chunk_bytes);
+                scene->chunk_bytes - motion.bytes, motion);
     await_part(&b, 0);
-    const fxs_codes codes = fxs_codes_of(scene, rows, g);
+    fxs_codes codes = fxs_codes_of(scene, rows, g);
+    if constexpr (Moving)
+        move_codes(&codes, &f, object, &b.view, b.motion, g);
     const uint32_t offset_q11 = offset_of_code_q11[b.view.opacity_law][codes.colour >> 24];
     fxs_splat splat;
     fxs_bounds bounds;
@@ -287,7 +322,10 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     await_part(&b, 1);
     ellipse e;
     if (visible) {
-        shade_one(&splat, camera, scene, &b.header, rows, g);
+        if (Moving)
+            shade_codes(&splat, camera, scene, &b.header, rows, g, &codes);
+        else
+            shade_one(&splat, camera, scene, &b.header, rows, g);
         if (Many)
             fxs_object_tint(object, &splat);
         f.depths[index] = depth;

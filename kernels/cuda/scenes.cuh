@@ -18,7 +18,7 @@ const uint64_t POOL_USUAL = (uint64_t)256 << 20, UPLOAD_USUAL = (uint64_t)8 << 2
 struct scene_copy {
     const fxs_scene *key;
     fxs_scene here, there;         /* here: the scene as given by the caller; there: the same scene with device
-                                      pointers */
+                                      pointers, but for `motion`, which only the host reads */
     block data;                    /* device memory of the scene; null: the scene is not copied to the device yet */
     bool wrong_tree;               /* true: the level-of-detail tree is invalid, so the host chooses the level of
                                       detail */

@@ -18,10 +18,14 @@
 /* this copy of the C sources is internal to the CUDA back end */
 #undef FXS_API
 #define FXS_API
+/* the macro `static` marks functions of the host too, which may call others of the host */
+#pragma nv_diagnostic push
+#pragma nv_diag_suppress 20011
 namespace {
 #include <fixsplat/internal/fixed.h>
 #include <fixsplat/internal/stage.h>
 #include "src/core/view.c"
+#include "src/core/animate.c"
 #include "src/core/object.c"
 #include "src/core/chunk.c"
 #include "src/core/sight.c"
@@ -33,6 +37,7 @@ namespace {
 #include "src/core/targets.c"
 }
 #undef static
+#pragma nv_diagnostic pop
 
 namespace {
 

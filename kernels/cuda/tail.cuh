@@ -57,7 +57,9 @@ __device__ inline tile_rect rect_of_box(uint64_t box, uint32_t tiles_x)
             top + (63 - (uint32_t)__clzll((long long)mask)) / BOX_COLUMNS};
 }
 
-/* The splats of a frame. `only` is the scene of a frame with one object, not scaled, cropped or tinted; else null. */
+/* The splats of a frame. `only` is the scene of a frame with one object, not scaled, cropped or tinted; else null. In
+   frames with a moving scene, Moving is true. */
+template <bool Moving>
 struct frame_splats {
     const fxs_stage_view *view;
     const frame_buffers *f;
@@ -71,7 +73,10 @@ struct frame_splats {
         const fxs_scene *scene = only ? only : &object->scene;
         const uint32_t chunk = only ? cv->chunk : chunk_at(f, cv->chunk) - object->first_chunk;
         const uint32_t share_q8 = !only && f->drawn ? f->drawn[cv->chunk].share_q8 : 256;
-        const fxs_codes codes = fxs_codes_of(scene, rows_of(scene, chunk), g);
+        const unsigned char *rows = rows_of(scene, chunk);
+        fxs_codes codes = fxs_codes_of(scene, rows, g);
+        if (Moving)
+            move_codes(&codes, f, object, cv, rows + object->motion.at, g);
         const uint32_t offset_q11 = offset_of_code_q11[cv->opacity_law][codes.colour >> 24];
         uint32_t depth;
         if (!project_one(splat, bounds, &depth, only ? view : &object->view, cv, scene->profile, &codes,
@@ -128,8 +133,9 @@ struct frame_splats {
 };
 
 /* Calls visit(key) for each splat that tile (column, row) lists, in any order. */
-template <class Visit>
-__device__ void visit_splats(const frame_splats *s, const tile_group *group, uint32_t column, uint32_t row, Visit visit)
+template <bool Moving, class Visit>
+__device__ void visit_splats(const frame_splats<Moving> *s, const tile_group *group, uint32_t column, uint32_t row,
+                             Visit visit)
 {
     const frame_buffers *f = s->f;
     const uint32_t chunks = f->status->chunks;
@@ -157,7 +163,8 @@ __device__ void visit_splats(const frame_splats *s, const tile_group *group, uin
 
 /* Finds the tiles that the visible chunks cover. Returns when all thread blocks are done. A block waits only for blocks
    that already run, since a chunk is taken by a running warp. */
-__device__ void cover_chunks(const frame_splats *s)
+template <bool Moving>
+__device__ void cover_chunks(const frame_splats<Moving> *s)
 {
     frame_status *status = s->f->status;
     const uint32_t chunks = status->chunks;
@@ -179,10 +186,10 @@ __device__ void cover_chunks(const frame_splats *s)
 }
 
 /* Blends the splats of tile (column, row). `kept` has room for `room` keys. */
-template <class Pixel>
+template <bool Moving, class Pixel>
 __device__ void blend_found(Pixel (&p)[2], group_shared<Pixel> *own, const region_blender<Pixel, 2> &blender,
-                            const frame_splats *s, const tile_group *g, uint32_t column, uint32_t row, uint64_t *kept,
-                            uint64_t room)
+                            const frame_splats<Moving> *s, const tile_group *g, uint32_t column, uint32_t row,
+                            uint64_t *kept, uint64_t room)
 {
     if (g->thread == 0)
         own->keys.count = 0;
@@ -212,7 +219,7 @@ __device__ void blend_found(Pixel (&p)[2], group_shared<Pixel> *own, const regio
     }
 }
 
-template <class Pixel>
+template <class Pixel, bool Moving>
 __global__ void __launch_bounds__(FINISH_GROUPS *GROUP_THREADS, 1)
 finish_tiles(const __grid_constant__ fxs_stage_view view, const __grid_constant__ frame_buffers f,
              const __grid_constant__ target t, const __grid_constant__ fxs_scene scene, bool plain)
@@ -223,7 +230,7 @@ finish_tiles(const __grid_constant__ fxs_stage_view view, const __grid_constant_
     wait_for_last_kernel();
     if (fits(&f))
         return;
-    const frame_splats splats = {&view, &f, plain ? &scene : nullptr};
+    const frame_splats<Moving> splats = {&view, &f, plain ? &scene : nullptr};
     const uint32_t groups = blockDim.x / GROUP_THREADS, part = g.thread / WARP, across = (uint32_t)view.tiles_x;
     const uint64_t room = f.capacity / (gridDim.x * groups);
     make_table(shared->alpha_q15);

@@ -9,6 +9,7 @@
 #include "src/core/frame.h"
 #include "src/core/pool_places.h"
 #include "src/core/targets.h"
+#include "tests/moving_scene.h"
 #include "tests/one_scene.h"
 #include "tests/random_scene.h"
 #include "tests/random_tree.h"
@@ -1223,6 +1224,228 @@ static void test_stream_order(void)
     world_free(&w);
 }
 
+/* ---- Moving scenes ----------------------------------------------------------------------------------------------- */
+
+enum { MOVING = 2, MOVING_OBJECTS = 5, MOVING_FRAMES = 5 };
+
+/* Two moving scenes, a still one and one with a level-of-detail tree. The first scene is that of two objects. */
+typedef struct moving_world {
+    unsigned char *data[MOVING];
+    fxs_scene scenes[MOVING];
+    packed_scene still, tree;
+    fxs_object objects[MOVING_OBJECTS];
+    fxs_crop crops[MOVING_OBJECTS][CROPS];
+    uint32_t count, chunks;
+} moving_world;
+
+/* A time within or near a scene's duration; one in eight is any number. */
+static int64_t random_time_q32(void)
+{
+    return between(0, 7) ? (int64_t)between(-(1 << 17), 9 << 16) * 65536 : (int64_t)next();
+}
+
+static void random_moving(moving_world *w, int i, int32_t most)
+{
+    for (int k = 0; k < MOVING; k++) {
+        size_t bytes;
+        packed_scene still = random_scene((enum fxs_profile)((i + k) % 3), most);
+        w->data[k] = make_moving(&still.scene, (uint32_t)((i / 3 + k) % 4), (uint32_t)between(0, 7), next(), &bytes);
+        if (fxs_scene_open(&w->scenes[k], w->data[k], bytes))
+            abort();
+        free(still.data);
+    }
+    w->still = random_scene(FXS_PROFILE_COMPACT, 1000);
+    w->tree = random_tree(FXS_PROFILE_SMALL, 12, 0, 0);
+    const fxs_scene *const scenes[MOVING_OBJECTS] = {&w->scenes[0], &w->scenes[1], &w->scenes[0], &w->still.scene,
+                                                     &w->tree.scene};
+    w->count = i % 4 ? (uint32_t)between(1, MOVING_OBJECTS) : 1;
+    w->chunks = 0;
+    for (uint32_t k = 0; k < w->count; k++) {
+        w->objects[k] = one_object(scenes[k]);
+        if (k && between(0, 1))
+            random_object(&w->objects[k], w->crops[k]);
+        w->objects[k].time_q32 = random_time_q32();
+        w->chunks += scenes[k]->chunk_count;
+    }
+}
+
+static void forget_moving(moving_world *w, fxs_cuda *by)
+{
+    for (int k = 0; k < MOVING; k++)
+        fxs_cuda_forget(by, &w->scenes[k]);
+    fxs_cuda_forget(by, &w->still.scene);
+    fxs_cuda_forget(by, &w->tree.scene);
+}
+
+static void moving_free(moving_world *w)
+{
+    for (int k = 0; k < MOVING; k++)
+        free(w->data[k]);
+    free(w->still.data);
+    free(w->tree.data);
+}
+
+static void test_moving(void)
+{
+    for (int i = 0; i < (quick ? 12 : 200); i++) {
+        moving_world w;
+        fxs_camera cameras[2];
+        fxs_options options;
+        int by_device;
+        state = (uint64_t)i * 0x3579bd1u + 23;
+        random_moving(&w, i, i % 8 == 3 && !quick ? 20000 : 3000);
+        random_cut(cameras, &options, w.chunks);
+        random_other_eye(cameras);
+        options.time_q32 = random_time_q32();
+        const int good = CHECK(cut_frame_equal(w.objects, w.count, cameras, 1 + (uint32_t)i % 2, &options,
+                                               &by_device) && !by_device);
+        forget_moving(&w, cuda);
+        moving_free(&w);
+        if (!good) {
+            printf("  case %d\n", i);
+            return;
+        }
+    }
+}
+
+/* Draws a batch of frames of the same objects at different times, with all targets. Returns the error. */
+static int draw_moments(fxs_cuda *by, const moving_world *w, const fxs_options *options, fxs_cuda_stats *stats)
+{
+    pictures p[MOVING_FRAMES][2];
+    fxs_cuda_frame frames[MOVING_FRAMES];
+    fxs_object objects[MOVING_FRAMES][MOVING_OBJECTS];
+    for (uint32_t i = 0; i < MOVING_FRAMES; i++) {
+        memcpy(objects[i], w->objects, sizeof objects[i]);
+        for (uint32_t k = 0; k < w->count; k++)
+            objects[i][k].time_q32 = random_time_q32();
+        random_camera(&frames[i].camera);
+        twice(p[i], &frames[i].camera, i % 2 ? COLOUR | BACKDROP : COLOUR | MEAN | MEDIAN | ID | OCCLUDER,
+              FXS_FORMAT_RGBA8, 0);
+        frames[i].objects = objects[i];
+        frames[i].count = w->count;
+        frames[i].targets = p[i][1].targets;
+        render_c(&frames[i], options, &p[i][0].targets);
+    }
+    const int error = fxs_cuda_render_host(by, frames, MOVING_FRAMES, options, stats, &why);
+    for (int i = 0; i < MOVING_FRAMES; i++) {
+        CHECK(error || pictures_equal(p[i], &frames[i].camera));
+        free(p[i][0].memory);
+        free(p[i][1].memory);
+    }
+    return error;
+}
+
+static void test_moments(void)
+{
+    enum { SLOTS = 3 };
+    fxs_cuda *by;
+    if (!CHECK(!fxs_cuda_create(&by, 0, 0, SLOTS, &why)))
+        return;
+    for (int i = 0; i < (quick ? 4 : 24); i++) {
+        moving_world w;
+        fxs_options options;
+        state = (uint64_t)i * 0x1122335u + 41;
+        random_moving(&w, i, 3000);
+        random_options(&options);
+        options.time_q32 = random_time_q32();
+        CHECK(!draw_moments(by, &w, &options, 0));
+        forget_moving(&w, by);
+        moving_free(&w);
+    }
+    fxs_cuda_destroy(by);
+}
+
+/* Of a moving scene that does not fit into the memory allowed, the device keeps a part. */
+static void test_moving_pool(void)
+{
+    moving_world w;
+    fxs_options options;
+    fxs_cuda_stats stats = {0};
+    uint64_t least = 1000;
+    int error = FXS_ERR_MEMORY;
+    state = 4;
+    random_moving(&w, 4, 30000);
+    fxs_options_init(&options);
+    for (int tries = 0; tries < 20 && error == FXS_ERR_MEMORY; tries++) {
+        fxs_cuda *by;
+        if (!CHECK(!fxs_cuda_create(&by, 0, least, 2, &why)))
+            return;
+        error = draw_moments(by, &w, &options, &stats);
+        fxs_cuda_destroy(by);
+        if (error && CHECK(why.bytes_needed > least))
+            least = why.bytes_needed;
+    }
+    CHECK(!error && stats.memory.scenes < w.scenes[0].chunk_count * (uint64_t)w.scenes[0].chunk_bytes);
+    moving_free(&w);
+}
+
+/* A moving scene in parts: after some frames, the device has all chunks that are alive. */
+static void test_moving_parts(void)
+{
+    moving_world w;
+    fxs_options options;
+    state = 6;
+    random_moving(&w, 4, 30000);
+    fxs_scene part = w.scenes[0];
+    uint32_t *places = room(part.chunk_count * sizeof *places);
+    for (uint32_t i = 0; i < part.chunk_count; i++)
+        places[i] = i;
+    part.places = places;
+    const fxs_object object = one_object(&part), whole = one_object(&w.scenes[0]);
+    fxs_options_init(&options);
+    for (int i = 0; i < 5; i++) {
+        pictures p[2];
+        fxs_camera camera;
+        fxs_cuda_stats stats = {.missing = 1};
+        random_camera(&camera);
+        options.time_q32 = random_time_q32();
+        twice(p, &camera, COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+        const fxs_cuda_frame shown = {camera, &whole, 1, p[0].targets}, frame = {camera, &object, 1, p[1].targets};
+        render_c(&shown, &options, &p[0].targets);
+        for (int tries = 0; tries < 9 && stats.missing; tries++)
+            CHECK(!fxs_cuda_render_host(cuda, &frame, 1, &options, &stats, &why));
+        CHECK(!stats.missing && pictures_equal(p, &camera));
+        free(p[0].memory);
+        free(p[1].memory);
+    }
+    fxs_cuda_forget(cuda, &part);
+    free(places);
+    moving_free(&w);
+}
+
+/* The bytes of a mapped scene may change after it was opened. */
+static void test_changed_motion(void)
+{
+    moving_world w;
+    fxs_camera camera;
+    fxs_options options;
+    uint8_t pixels[4 * 100 * 80];
+    state = 12;
+    random_moving(&w, 0, 3000);
+    random_camera(&camera);
+    fxs_options_init(&options);
+    unsigned char *table = w.data[0] + (w.scenes[0].motion - w.data[0]);
+    fxs_motion_header kept, changed;
+    memcpy(&kept, table, sizeof kept);
+    const fxs_cuda_frame frame = {camera, w.objects, 1, {.colour = {pixels, camera.width * 4}}};
+    CHECK(!fxs_cuda_render_host(cuda, &frame, 1, &options, 0, &why));
+    changed = kept;
+    changed.degree ^= 1;
+    memcpy(table, &changed, sizeof changed);
+    CHECK(fxs_cuda_render_host(cuda, &frame, 1, &options, 0, &why) == FXS_ERR_SCENE);
+    changed = kept;
+    changed.most_chunks = 1;
+    memcpy(table, &changed, sizeof changed);
+    for (uint32_t i = 0; i < w.scenes[0].chunk_count; i++)
+        memcpy(table + sizeof kept + i * sizeof(fxs_chunk_motion), &(fxs_chunk_motion){0, INT32_MAX, 0, 16, 0, 0},
+               sizeof(fxs_chunk_motion));
+    CHECK(w.scenes[0].chunk_count > 1);
+    CHECK(fxs_cuda_render_host(cuda, &frame, 1, &options, 0, &why) == FXS_ERR_SCENE);
+    memcpy(table, &kept, sizeof kept);
+    forget_moving(&w, cuda);
+    moving_free(&w);
+}
+
 /* ---- Scenes, memory and errors ----------------------------------------------------------------------------------- */
 
 static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, fxs_cuda_stats *stats)
@@ -1311,6 +1534,7 @@ static void test_overflow(void)
         check_objects(1, OBJECTS, quick ? 600 : 3000);
         test_targets();
         test_cut();
+        test_moving();
         CHECK(overflows - before > (quick ? 5 : 60));
         printf("  %d overflows\n", overflows - before);
     }
@@ -1613,6 +1837,11 @@ int main(int argc, char **argv)
     RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_stream_order);
+    RUN(test_moving);
+    RUN(test_moments);
+    RUN(test_moving_pool);
+    RUN(test_moving_parts);
+    RUN(test_changed_motion);
     RUN(test_long_lists);
     RUN(test_overflow);
     RUN(test_scenes);

@@ -20,7 +20,7 @@ typedef struct fxs_cuda fxs_cuda;
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* packed scenes; of a scene that does not fit, the part on the device; pools of
                                       scenes in parts */
-    uint64_t splats;               /* per slot: 46 bytes a Gaussian, 108 a chunk, 424 an object; with a budget or a
+    uint64_t splats;               /* per slot: 46 bytes a Gaussian, 108 a chunk, 448 an object; with a budget or a
                                       detail also 6.3 MB, 18 bytes for each chunk and node of the scenes, 312 an
                                       object */
     uint64_t tiles;                /* per slot: 136 bytes a tile, 8.5 KB */
@@ -59,7 +59,8 @@ typedef struct fxs_cuda_stats {
     uint32_t unused;               /* 0: room for a field of a later version */
 } fxs_cuda_stats;
 
-/* One frame to render; the fields are the arguments of fxs_render. */
+/* One frame to render; the fields are the arguments of fxs_render. The frames of a call have the same options. A frame
+   shows moving scenes at another time than the options' by the times of its objects (fxs_object.time_q32). */
 typedef struct fxs_cuda_frame {
     fxs_camera camera;
     const fxs_object *objects;     /* the frame's objects (placed scenes); only fxs_cuda_render itself reads the
