@@ -1,5 +1,5 @@
 /* Frames that a back end on a GPU draws, compared with the CPU renderer byte for byte: random and wild frames, sizes,
-   real scenes, levels of detail, scenes in several buffers, frames larger than a buffer. The test program defines
+   real scenes, levels of detail, moving scenes, scenes in several buffers, frames larger than a buffer. The test program defines
    render_on_device and device_most. */
 #ifndef DEVICE_FRAMES_H
 #define DEVICE_FRAMES_H
@@ -9,6 +9,7 @@
 
 #include <fixsplat/camera.h>
 #include "check.h"
+#include "moving_scene.h"
 #include "one_scene.h"
 #include "random_tree.h"
 #include "random_world.h"
@@ -133,7 +134,23 @@ static void random_targets(picture *a, picture *b, uint32_t *read, const fxs_ima
     }
 }
 
-static int random_frame(int wild, uint32_t eyes)
+static void set_moving(packed_scene *packed, fxs_scene *scene)
+{
+    size_t bytes;
+    unsigned char *data = make_moving(scene, (uint32_t)between(0, 3), (uint32_t)between(0, 7), next(), &bytes);
+    free(packed->data);
+    packed->data = data;
+    CHECK(!fxs_scene_open(scene, data, bytes));
+}
+
+static int64_t random_time(void)
+{
+    return (int64_t)between(-65536, 9 << 16) * 65536;
+}
+
+enum { STILL, MOVING, WILD };
+
+static int random_frame(int kind, uint32_t eyes)
 {
     packed_scene packed[SCENES];
     fxs_scene scenes[SCENES];
@@ -144,18 +161,24 @@ static int random_frame(int wild, uint32_t eyes)
     for (int i = 0; i < SCENES; i++) {
         packed[i] = i || eyes == 1 ? random_scene((enum fxs_profile)between(0, 2), 1500)
                                    : random_tree((enum fxs_profile)between(0, 2), (uint32_t)between(2, 12), 0, 0);
-        if (wild)
+        if (kind == WILD)
             fill_wild(&packed[i]);
         if (!CHECK(!fxs_scene_open(&scenes[i], packed[i].data, packed[i].bytes)))
             return 0;
+        if (kind == MOVING && !scenes[i].nodes && between(0, 3))
+            set_moving(&packed[i], &scenes[i]);
     }
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         random_object(&objects[i], &scenes[between(0, SCENES - 1)], crops[i]);
+        objects[i].time_q32 = kind == MOVING && between(0, 1) ? random_time() : 0;
+    }
     fxs_request_init(&request, objects, count);
     random_view(request.cameras, &request.options);
     random_near(request.cameras);
     random_window(request.cameras);
-    if (wild)
+    if (kind == MOVING)
+        request.options.time_q32 = random_time();
+    if (kind == WILD)
         request.cameras->fx_q12 = between(1, INT32_MAX) >> between(0, 20), request.cameras->fx_q12 |= 1;
     if (eyes == 2) {
         request.eyes = 2;
@@ -189,7 +212,7 @@ static void random_frames(void)
 {
     state = 20261;
     for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(0, 1))) {
+        if (!CHECK(random_frame(STILL, 1))) {
             printf("  frame %d\n", i);
             return;
         }
@@ -199,7 +222,7 @@ static void random_eyes(void)
 {
     state = 20265;
     for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(0, 2))) {
+        if (!CHECK(random_frame(STILL, 2))) {
             printf("  frame %d\n", i);
             return;
         }
@@ -209,10 +232,24 @@ static void wild_frames(void)
 {
     state = 20262;
     for (int i = 0; i < 200; i++)
-        if (!CHECK(random_frame(1, 1))) {
+        if (!CHECK(random_frame(WILD, 1))) {
             printf("  frame %d\n", i);
             return;
         }
+}
+
+/* Moving scenes at random times, alone and in stereo beside scenes with a tree and a budget; and in several buffers. */
+static void moving_frames(void)
+{
+    state = 20267;
+    for (int i = 0; i < 240; i++) {
+        part_bytes = i % 4 == 3 ? 100000 : 0;
+        if (!CHECK(random_frame(MOVING, 1 + (i % 3 == 1)))) {
+            printf("  frame %d\n", i);
+            break;
+        }
+    }
+    part_bytes = 0;
 }
 
 static int look_at(fxs_camera *camera, int width, int height, double distance)
@@ -342,7 +379,7 @@ static void divided_frames(void)
     CHECK(divided == 0);
     *device_most() = 250000;       /* below the usual room for lists: random frames are divided into macro tiles */
     for (int i = 0; i < 40; i++)
-        if (!CHECK(random_frame(i % 3 == 2, i % 3 == 1 ? 2u : 1u))) {
+        if (!CHECK(random_frame(i % 3, i % 3 == 1 ? 2u : 1u))) {
             printf("  frame %d\n", i);
             break;
         }
@@ -364,6 +401,7 @@ static void device_frames(void)
     RUN(random_frames);
     RUN(random_eyes);
     RUN(wild_frames);
+    RUN(moving_frames);
     RUN(sizes);
     RUN(veils);
     RUN(captured_scenes);

@@ -12,7 +12,8 @@ typedef struct streamed {
     fxs_scene whole, part, shown;
     uint32_t *in_memory, *on_device, chunks, wanted[16], wanted_count;
     uint32_t objects, eyes, number;        /* objects and eyes of a frame, 1 or 2 each; number of the scene, 0 or 1 */
-    unsigned char *rows;
+    unsigned char *rows, *moving;          /* `moving`: bytes of a moving scene, or null */
+    int64_t time_q32;
     picture expected[2], drawn[2];
     const fxs_mirror *mirror;      /* set by stream_upload; null: no scene in parts is on the device */
 } streamed;
@@ -32,21 +33,21 @@ static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, 
         s->wanted[s->wanted_count++] = chunk;
 }
 
-static int streamed_make(streamed *s, enum fxs_profile profile)
+/* Begins with the root of the tree in memory, or with nothing. */
+static void streamed_begin(streamed *s)
 {
-    memset(s, 0, sizeof *s);
-    if (!CHECK(pack_tree("knot", profile, &s->packed, &s->whole)))
-        return 0;
     const uint32_t leaves = s->whole.chunk_count, bytes = s->whole.chunk_bytes;
     s->chunks = fxs_scene_chunks(&s->whole);
     s->in_memory = malloc(s->chunks * sizeof *s->in_memory);
     s->on_device = malloc(s->chunks * sizeof *s->on_device);
     memset(s->in_memory, 0xff, s->chunks * sizeof *s->in_memory);
     memset(s->on_device, 0xff, s->chunks * sizeof *s->on_device);
-    s->in_memory[leaves] = leaves;
+    if (s->whole.nodes)
+        s->in_memory[leaves] = leaves;
     s->rows = check_aligned((size_t)s->chunks * bytes);
     memcpy(s->rows, s->whole.rows, (size_t)leaves * bytes);
-    memcpy(s->rows + (size_t)leaves * bytes, s->whole.node_rows, (size_t)(leaves - 1) * bytes);
+    if (s->whole.nodes)
+        memcpy(s->rows + (size_t)leaves * bytes, s->whole.node_rows, (size_t)(leaves - 1) * bytes);
     s->part = s->shown = s->whole;
     s->part.rows = s->shown.rows = s->rows;
     s->part.places = s->in_memory;
@@ -56,6 +57,30 @@ static int streamed_make(streamed *s, enum fxs_profile profile)
         s->expected[eye] = picture_new(100, 75, FXS_FORMAT_RGBA8);
         s->drawn[eye] = picture_new(100, 75, FXS_FORMAT_RGBA8);
     }
+}
+
+static int streamed_make(streamed *s, enum fxs_profile profile)
+{
+    memset(s, 0, sizeof *s);
+    if (!CHECK(pack_tree("knot", profile, &s->packed, &s->whole)))
+        return 0;
+    streamed_begin(s);
+    return 1;
+}
+
+/* Makes a moving scene in parts, which has no tree. */
+static int streamed_make_moving(streamed *s)
+{
+    size_t bytes;
+    part p;
+    memset(s, 0, sizeof *s);
+    if (!part_make(&p, "knot", 10000))
+        return 0;
+    s->moving = make_moving(&p.scene, 3, FXS_MOTION_LOOPS | FXS_MOTION_TURNS | FXS_MOTION_FADES, 5, &bytes);
+    part_free(&p);
+    if (!CHECK(!fxs_scene_open(&s->whole, s->moving, bytes)))
+        return 0;
+    streamed_begin(s);
     return 1;
 }
 
@@ -66,6 +91,7 @@ static void streamed_free(streamed *s)
         picture_free(&s->expected[eye]);
         picture_free(&s->drawn[eye]);
     }
+    free(s->moving);
     free(s->in_memory);
     free(s->on_device);
     free(s->rows);
@@ -96,6 +122,7 @@ static fxs_request streamed_view(const streamed *s, fxs_object objects[2], const
     fxs_request request = request_of(objects, s->objects, camera, 9000, 0);
     objects[0] = objects[1] = one_object(scene);
     objects[1].translation_q32[0] += FXS_ONE_Q32;
+    request.options.time_q32 = s->time_q32;
     request.eyes = s->eyes;
     request.cameras->width = 100;
     request.cameras->height = 75;
@@ -168,6 +195,31 @@ static void fly(stream_device *d, enum fxs_profile profile, uint32_t objects, ui
                 s.in_memory[chunk] = FXS_NOTHING;
     }
     CHECK(most == UPLOADS && !stats.missing && !uploaded && s.mirror->pool.there == 100);
+    stream_drop(&s, d);
+    streamed_free(&s);
+    stream_set(d, 0, 0);
+}
+
+/* Frames of a moving scene in parts at times that pass, with a pool for a half of its chunks. */
+static void fly_in_time(stream_device *d)
+{
+    streamed s;
+    fxs_stats stats = {0};
+    uint32_t uploaded, came = 0;
+    if (!streamed_make_moving(&s))
+        return;
+    const uint64_t each = bytes_of_chunk(&s);
+    s.objects = s.eyes = 2;
+    part_bytes = 12 * each;
+    stream_set(d, s.chunks / 2 * each, 6 * each + 1);
+    CHECK(!stream_upload(&s, d, &s.part));
+    part_bytes = 0;
+    for (int frame = 0; frame < 60 && !check_faults; frame++) {
+        s.time_q32 = frame * (FXS_ONE_Q32 / 8);
+        CHECK(!streamed_draw(&s, d, 5, frame * 0.1, &stats, &uploaded));
+        came += uploaded;
+    }
+    CHECK(came > s.chunks / 2 && stats.drawn);
     stream_drop(&s, d);
     streamed_free(&s);
     stream_set(d, 0, 0);

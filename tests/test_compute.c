@@ -18,6 +18,7 @@ int main(void)
 #include <fixsplat/gl.h>
 #include <fixsplat/internal/gl_contexts.h>
 #include "kernels/compute/gl31.h"
+#include "src/core/animate.h"
 #include "losing_gl.h"
 typedef fxs_compute stream_device;
 #include "streamed.h"
@@ -97,6 +98,19 @@ static void *read_words(int buffer, uint64_t first, uint64_t count)
     return words;
 }
 
+/* Writes a chunk of a moving scene as it is at a time to `room`. Returns the scene of this chunk. */
+static fxs_scene at_time(const fxs_scene *scene, uint32_t chunk, int64_t time_q32, unsigned char *room)
+{
+    fxs_motion_header header;
+    fxs_moment moment;
+    CHECK(!fxs_motion_read(&header, scene));
+    CHECK(fxs_moment_of(&moment, scene, chunk, fxs_time_of(&header, time_q32)) == 1);
+    const fxs_motion_rows rows = fxs_motion_rows_of(scene, &header);
+    CHECK(!fxs_animate_chunk(&fxs_kernels_c, scene, &rows, chunk, &moment, room));
+    fxs_animate_sh(scene, chunk, room);
+    return fxs_animated_scene(scene, room);
+}
+
 /* Compares the splats (projected Gaussians) and depths of the n-th visible chunk with the CPU's. Returns the number
    of visible splats. */
 static uint32_t compare_chunk(const fxs_stage_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
@@ -152,6 +166,7 @@ static int compare_stages(const fxs_scene *scene)
     fxs_stage_view view;
     fxs_request_init(&request, &object, 1);
     random_view(request.cameras, &request.options);
+    request.options.time_q32 = random_time();
     random_near(request.cameras);
     picture p = picture_new(request.cameras->width, request.cameras->height, FXS_FORMAT_RGBA8);
     request.targets[0] = p.targets;
@@ -165,10 +180,16 @@ static int compare_stages(const fxs_scene *scene)
     uint32_t *places = read_words(FXS_COMPUTE_MEMORY, f->visible, chunks + 1);
     uint32_t *depths = read_words(FXS_COMPUTE_MEMORY, f->depths, FXS_CHUNK * (uint64_t)chunks + 1);
     fxs_splat *splats = read_words(FXS_COMPUTE_SPLATS, 0, 8 * FXS_CHUNK * (uint64_t)chunks + 1);
+    uint32_t *drawn = read_words(FXS_COMPUTE_MEMORY, f->drawn, FXS_COMPUTE_DRAWN * (uint64_t)f->places + 1);
+    unsigned char *room = check_aligned(fxs_animated_bytes(scene));
     for (uint32_t n = 0; n < chunks; n++) {
+        const uint32_t chunk = f->drawn ? drawn[FXS_COMPUTE_DRAWN * places[n] + 2] : places[n];
+        const fxs_scene there = scene->motion ? at_time(scene, chunk, request.options.time_q32, room) : *scene;
         CHECK(n == 0 || places[n] > places[n - 1]);
-        visible += compare_chunk(&view, scene, places[n], n, splats, depths);
+        visible += compare_chunk(&view, &there, scene->motion ? 0 : chunk, n, splats, depths);
     }
+    free(room);
+    free(drawn);
     const int same = CHECK(visible == stats.visible) && check_lists(depths);
     free(status);
     free(places);
@@ -181,12 +202,14 @@ static int compare_stages(const fxs_scene *scene)
 static void stages(void)
 {
     state = 20263;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 160; i++) {
         packed_scene packed = random_scene((enum fxs_profile)(i % 3), 3000);
         fxs_scene scene;
-        if (i % 2)
+        if (i % 4 == 1)
             fill_wild(&packed);
         CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        if (i % 4 > 1)
+            set_moving(&packed, &scene);
         const int same = compare_stages(&scene);
         free(packed.data);
         if (!same) {
@@ -217,7 +240,7 @@ static void frames_that_do_not_fit(void)
     for (int kind = 0; kind < 2; kind++) {
         *(kind ? &device->rooms.most_pages : &device->rooms.most_larges) = 1;
         for (int i = 0; i < 40 && !check_faults; i++) {
-            if (!CHECK(random_frame(i % 4 == 3, 1 + (i % 4 == 1))))
+            if (!CHECK(random_frame((int[]){STILL, MOVING, STILL, WILD}[i % 4], 1 + (i % 4 == 1))))
                 printf("  kind %d, frame %d\n", kind, i);
             late += is_finished_late();
         }
@@ -306,6 +329,7 @@ static void streams(void)
     for (int i = 0; i < 3; i++)
         fly(device, (enum fxs_profile)i, 1, 1, i != 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
+    fly_in_time(device);
     two_scenes(device);
     stopped_frames(device);
 }

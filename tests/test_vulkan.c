@@ -460,6 +460,42 @@ static void frames_in_flight(void)
     knot_free(&k);
 }
 
+/* Submits frames of a moving scene at two times each, which are in flight together. */
+static void moments_in_flight(void)
+{
+    knot k;
+    size_t bytes;
+    fxs_scene scene;
+    image colours[2];
+    state = 20268;
+    if (!knot_make(&k))
+        return;
+    unsigned char *data = make_moving(&k.part.scene, 3, FXS_MOTION_TURNS | FXS_MOTION_FADES, 1, &bytes);
+    if (!CHECK(!fxs_scene_open(&scene, data, bytes) && !fxs_vulkan_upload(device, &scene, &why)))
+        return;
+    k.object.scene = &scene;
+    for (int i = 0; i < 2; i++)
+        colours[i] = image_make(VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_TRANSFER_DST_BIT, 0, 1);
+    for (int i = 0; i < 6; i++) {
+        picture *const wanted[] = {&k.wanted, &k.drawn};
+        for (int n = 0; n < 2; n++) {
+            const fxs_vulkan_target target = {.colour = colours[n].of};
+            k.request.options.time_q32 = random_time();
+            k.request.targets[0] = wanted[n]->targets;
+            CHECK(!render_there(&k.request, 0));
+            CHECK(!fxs_vulkan_submit(device, &k.request, &target, 0, &why));
+        }
+        fxs_vulkan_idle(device);
+        CHECK(has_colours(&colours[0], &k.wanted) && has_colours(&colours[1], &k.drawn));
+    }
+    CHECK(memcmp(k.wanted.block, k.drawn.block, k.wanted.bytes) != 0);
+    image_free(&colours[0]);
+    image_free(&colours[1]);
+    fxs_vulkan_drop(device, &scene);
+    free(data);
+    knot_free(&k);
+}
+
 /* Submits a frame that must end, and waits for it. */
 static int submit_frame(const fxs_request *request, const image *to)
 {
@@ -629,6 +665,7 @@ static void streams(void)
     fly(device, FXS_PROFILE_DEFAULT, 1, 1, 0);
     fly(device, FXS_PROFILE_SMALL, 2, 2, 1);
     fly_divided();
+    fly_in_time(device);
     two_scenes(device);
     stopped_frames(device);
     pools(device, fxs_vulkan_limit);
@@ -786,6 +823,7 @@ int main(int count, char **arguments)
     RUN(refusals);
     RUN(images_refused);
     RUN(frames_in_flight);
+    RUN(moments_in_flight);
     RUN(image_formats);
     RUN(eyes_and_cache);
     RUN(streams);

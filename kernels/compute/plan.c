@@ -305,6 +305,14 @@ static void fill_view(fxs_compute_object *o, const fxs_stage_view *v)
     o->plane_exponent = v->plane_exponent;
 }
 
+static void fill_motion(fxs_compute_object *o, const fxs_motion_rows *motion)
+{
+    o->motion_at = motion->at / 4;
+    o->motion_degree = motion->degree;
+    o->motion_cut_q16 = motion->cut_q16;
+    o->motion_flags = (motion->turns ? FXS_COMPUTE_TURNS : 0u) | (motion->fades ? FXS_COMPUTE_FADES : 0u);
+}
+
 static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, const span *s, uint32_t number)
 {
     const fxs_object_view *view = &p->objects[eye * p->request->count + s->object];
@@ -329,6 +337,7 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, 
     o->part_chunk = s->part * p->part_chunks[s->object];
     o->part_chunks = p->part_chunks[s->object];
     o->rows_at = fxs_palette_bytes(scene) / 4;
+    fill_motion(o, &view->motion);
     for (uint32_t i = 0; i < view->crop_count; i++) {
         const fxs_crop *crop = &view->crops[i];
         for (int k = 0; k < 3; k++) {
@@ -337,6 +346,15 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, 
         }
         o->crops[i][12] = crop->outside != 0;
     }
+}
+
+/* A frame with a moving object has a list of drawn chunks. */
+static int moves(const fxs_plan *p)
+{
+    int moving = 0;
+    for (uint32_t i = 0; i < p->request->count; i++)
+        moving |= p->objects[i].scene.motion != 0;
+    return moving;
 }
 
 static uint32_t larger(uint64_t a, uint64_t b)
@@ -459,6 +477,7 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->finishes = r->finishes ? r->finishes : 1;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
     f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)r->chunks) : 0;
+    f->moments = moves(p) ? words_at(&words, FXS_COMPUTE_MOMENT * (uint64_t)r->chunks) : 0;
     for (uint32_t i = 0; i < p->request->eyes; i++) {      /* the table is the same in the memory of both eyes */
         const uint32_t rates = plane_at(&words, &p->request->targets[i].rates, macros_of(p));
         f->rates = i == eye ? rates : f->rates;
@@ -660,6 +679,12 @@ static void put_rates(const fxs_plan *p, uint32_t eye, uint32_t *shift)
                                                 p->first[1] + y);
 }
 
+static void put_moment(const fxs_moment *m, uint32_t words[FXS_COMPUTE_MOMENT])
+{
+    words[0] = (uint16_t)m->power_q15[0] | (uint32_t)(uint16_t)m->power_q15[1] << 16;
+    words[1] = (uint16_t)m->power_q15[2] | (uint32_t)(uint8_t)m->shift << 16;
+}
+
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = p->frames;
@@ -679,6 +704,8 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
         words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
         words[2] = p->drawn[i].chunk;
     }
+    for (uint32_t i = 0; i < p->places && f->moments; i++)
+        put_moment(&p->drawn[i].moment, to + (f->moments - f->spans_at) + FXS_COMPUTE_MOMENT * (size_t)i);
     for (uint32_t eye = 0; eye < p->request->eyes; eye++)
         if (p->frames[eye].rates != FXS_NOTHING)
             put_rates(p, eye, to + (p->frames[eye].rates - f->spans_at));
@@ -690,6 +717,7 @@ static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
     OF(clear_counts, NONE, NONE, FXS_COMPUTE_COUNTS, NONE)
     OF(locate_chunks, FXS_PLAN_HEADS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, NONE)
     OF(gather_chunks, FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, NONE)
+    OF(animate_chunk, FXS_PLAN_ROWS, FXS_COMPUTE_MEMORY, NONE, FXS_COMPUTE_SPLATS)
     OF(project_chunk, FXS_PLAN_ROWS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS)
     OF(start_lists, FXS_COMPUTE_ARGUMENTS, NONE, FXS_COMPUTE_COUNTS, NONE)
     OF(fill_lists, FXS_COMPUTE_LATER, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
@@ -761,7 +789,8 @@ static void do_spans(const steps *to, uint32_t program)
     uint32_t waits = 1;
     for (uint32_t i = 0; next_span(p, &s); i++) {
         const int repeats = s.part && is_in_parts(p, s.object);
-        if (!p->objects[s.object].visible || (program == FXS_COMPUTE_locate_chunks && repeats))
+        if (!p->objects[s.object].visible || (program == FXS_COMPUTE_locate_chunks && repeats) ||
+            (program == FXS_COMPUTE_animate_chunk && !p->objects[s.object].scene.motion))
             continue;
         fxs_step one = program == FXS_COMPUTE_locate_chunks
                            ? direct(program, groups_of(s.end_place - s.first_place / 32 * 32))
@@ -809,6 +838,7 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     do_both(&to, direct(FXS_COMPUTE_clear_counts, groups_of(f->cleared)));
     do_spans(&to, FXS_COMPUTE_locate_chunks);
     do_both(&to, direct(FXS_COMPUTE_gather_chunks, 1));
+    do_spans(&to, FXS_COMPUTE_animate_chunk);
     do_spans(&to, FXS_COMPUTE_project_chunk);
     do_both(&to, direct(FXS_COMPUTE_start_lists, (uint64_t)f->tiles[1]));
     do_both(&to, indirect(FXS_COMPUTE_fill_lists, FXS_COMPUTE_ARGUMENTS, f->spans));

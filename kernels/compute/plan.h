@@ -51,7 +51,7 @@ typedef struct fxs_plan {
 
 enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
 enum { FXS_PLAN_MERGES = 19, FXS_PLAN_FINISHES = 16,
-       FXS_PLAN_STEPS = 10 + FXS_PLAN_FINISHES + FXS_PLAN_MERGES };  /* most steps of an eye besides 2 a span */
+       FXS_PLAN_STEPS = 10 + FXS_PLAN_FINISHES + FXS_PLAN_MERGES };  /* most steps of an eye besides 3 a span */
 
 typedef struct fxs_step {
     uint32_t program;

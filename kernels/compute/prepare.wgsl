@@ -1,5 +1,5 @@
 // Projects and shades the Gaussians of visible chunks, and finds their tiles.
-// Needs pixel numbers records crop project shade bin
+// Needs pixel numbers records crop project shade animate bin
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
@@ -142,11 +142,16 @@ fn put_splat(slot: u32, s: ptr<function, Splat>, colour_q13: vec3<i32>)
                                        u32((*s).rows.x) | (u32((*s).rows.y) << 16u));
 }
 
-fn project_gaussian(index: u32, slot: u32) -> wide
+fn project_gaussian(rows: u32, slot: u32) -> wide
 {
     let g = slot % CHUNK;
-    let rows = object.rows_at + (index - object.part_chunk) * object.chunk_words;
-    let codes = codes_of(rows, g);
+    var codes = codes_of(rows, g);
+    if (object.motion_at != 0u) {
+        let moved = splats[2u * slot];
+        codes.position = vec3<u32>(half_of(moved.x, 0u), half_of(moved.x, 1u), half_of(moved.y, 0u));
+        codes.rotation = moved.z;
+        codes.colour = (codes.colour & 0xffffffu) | (half_of(moved.y, 1u) << 24u);
+    }
     let opacity = codes.colour >> 24u;
     var centre: Projected;
     var out: Placed;
@@ -175,34 +180,64 @@ fn project_gaussian(index: u32, slot: u32) -> wide
     return list_splat(slot, &out);
 }
 
-@compute @workgroup_size(128)
-fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+// Half a visible chunk of the span, which a workgroup works on.
+struct Half {
+    first_slot: u32,
+    place: u32,
+    index: u32,                    // of the chunk in the object's buffers
+    inside: bool,                  // false: there is no such chunk in these buffers
+}
+
+fn half_of_chunk(group: vec3<u32>) -> Half
 {
     let span = frame.spans_at + SPAN * object.span;
     let half = group.y * ROW_OF_GROUPS + group.x;
     let ordinal = memory[span + 2u] + half / 2u;
-    var inside = ordinal < memory[span + 3u];
-    var place = 0u;
-    var index = 0u;
-    if (inside) {
-        place = memory[frame.visible + ordinal];
-        index = place - object.first_chunk;
+    var here = Half(THREADS * (2u * ordinal + half % 2u), 0u, 0u, ordinal < memory[span + 3u]);
+    if (here.inside) {
+        here.place = memory[frame.visible + ordinal];
+        here.index = here.place - object.first_chunk;
         if (frame.drawn != 0u) {
-            index = memory[frame.drawn + DRAWN * place];
+            here.index = memory[frame.drawn + DRAWN * here.place];
         }
         // the other chunks of a scene in parts are in other buffers
-        inside = index - object.part_chunk < object.part_chunks;
+        here.inside = here.index - object.part_chunk < object.part_chunks;
     }
+    return here;
+}
+
+fn rows_at(index: u32) -> u32
+{
+    return object.rows_at + (index - object.part_chunk) * object.chunk_words;
+}
+
+// Writes the codes of the Gaussians of visible chunks at the time of the frame to their splats, which project_chunk
+// overwrites.
+@compute @workgroup_size(128)
+fn animate_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let here = half_of_chunk(group);
+    if (here.inside) {
+        let slot = here.first_slot + thread;
+        let scale_step_q24 = memory[frame.records + RECORD * here.place + 16u];
+        splats[2u * slot] = animated(rows_at(here.index), slot % CHUNK, moment_of(here.place), scale_step_q24);
+    }
+}
+
+@compute @workgroup_size(128)
+fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let here = half_of_chunk(group);
     if (thread == 0u) {
         atomicStore(&visible_here, 0u);
     }
     if (thread < RECORD) {
-        record[thread] = memory[frame.records + RECORD * place + thread];
+        record[thread] = memory[frame.records + RECORD * here.place + thread];
     }
     workgroupBarrier();
-    if (inside) {
-        let slot = ordinal * CHUNK + half % 2u * THREADS + thread;
-        let box = project_gaussian(index, slot);
+    if (here.inside) {
+        let slot = here.first_slot + thread;
+        let box = project_gaussian(rows_at(here.index), slot);
         memory[frame.boxes + 2u * slot] = box.x;
         memory[frame.boxes + 2u * slot + 1u] = box.y;
     }

@@ -129,11 +129,16 @@ fn axis_bits(falls_q16: vec3<i32>) -> u32
     return u32(min(select(11, 8, small) + ((5 * gap) >> 16u), select(14, 10, small)));
 }
 
-fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
+// Returns the falls of the axes of a scale word: the chunk's scale_q16 - log2(sigma).
+fn falls_of(scale_word: u32, step_q24: u32) -> vec3<i32>
 {
-    let x = bitcast<i32>(word) >> 16u;
-    let y = bitcast<i32>(word << bits) >> 16u;
-    let u = bitcast<i32>(word << (2u * bits)) >> 16u;
+    let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 19u)) & vec3<u32>(1023u, 1023u, 1022u);
+    return vec3<i32>((code * code * step_q24 + 128u) >> vec3<u32>(8u));
+}
+
+// Computes the first axis and its sides from its two numbers in Q15.
+fn axes_of(axes: ptr<function, Axes>, x: i32, y: i32) -> bool
+{
     let square_q30 = u32(x * x) + u32(y * y);
     if (square_q30 > 0x40000000u) {
         return false;
@@ -145,10 +150,19 @@ fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
     let xy_q15 = (x * y + 16384) >> 15u;
     let xs_q15 = (x * s_q15 + 16384) >> 15u;
     let ys_q15 = (y * s_q15 + 16384) >> 15u;
-    let uu_q15 = (u * u + 16384) >> 15u;
     (*axes).axis_q15 = vec3<i32>(xs_q15, ys_q15, i32((m + 16384u) >> 15u) - 32768);
     (*axes).side_x_q15 = vec3<i32>(32768 - xx_q15, -xy_q15, -xs_q15);
     (*axes).side_y_q15 = vec3<i32>(-xy_q15, 32768 - yy_q15, -ys_q15);
+    return true;
+}
+
+fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
+{
+    if (!axes_of(axes, bitcast<i32>(word) >> 16u, bitcast<i32>(word << bits) >> 16u)) {
+        return false;
+    }
+    let u = bitcast<i32>(word << (2u * bits)) >> 16u;
+    let uu_q15 = (u * u + 16384) >> 15u;
     (*axes).cos_q15 = 32768 - fxs_mul_q15(uu_q15, 40141 - fxs_mul_q15(uu_q15, 7373));
     (*axes).sin_q15 = fxs_mul_q15(u, 51317 - fxs_mul_q15(uu_q15, 20619 - fxs_mul_q15(uu_q15, 2066)));
     return true;
@@ -410,8 +424,7 @@ fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
 fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, scale_word: u32,
                  rotation_word: u32) -> bool
 {
-    let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 19u)) & vec3<u32>(1023u, 1023u, 1022u);
-    let falls_q16 = vec3<i32>((code * code * record[16] + 128u) >> vec3<u32>(8u));
+    let falls_q16 = falls_of(scale_word, record[16]);
     let least_q16 = min(min(falls_q16.x, falls_q16.y), falls_q16.z);
     var size_exponent: i32;
     let size_q32 = screen_size(centre, number_at(15u) - least_q16, &size_exponent);

@@ -7,8 +7,8 @@
 
 /* List of the shader programs in the order of a frame: F(name of the entry point). */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
-    F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
-    F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
+    F(clear_counts) F(locate_chunks) F(gather_chunks) F(animate_chunk) F(project_chunk) F(start_lists) F(fill_lists) \
+    F(fill_large) F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
     F(clear_pixels) F(bound_slots) F(finish_tiles) F(finish_traced) F(name_pixels)
 #define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
@@ -27,7 +27,8 @@ enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16, FXS_COMPUTE_EYES = 2 
 enum {
     FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,
     FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 512, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64,
-    FXS_COMPUTE_SPAN = 8, FXS_COMPUTE_LIST = 8, FXS_COMPUTE_DRAWN = 3
+    FXS_COMPUTE_SPAN = 8, FXS_COMPUTE_LIST = 8, FXS_COMPUTE_DRAWN = 3,
+    FXS_COMPUTE_MOMENT = 2, FXS_COMPUTE_TURNS = 1, FXS_COMPUTE_FADES = 2
 };
 enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_COMPUTE_DAMAGED, FXS_COMPUTE_VISIBLE,
        FXS_COMPUTE_ENTRY_COUNT, FXS_COMPUTE_LONGEST = 9 };
@@ -41,7 +42,7 @@ typedef struct fxs_compute_frame {
     uint32_t format;
     int32_t background_q13[4];
     int32_t depth_bits;
-    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop, scratch, squares, rates;
+    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop, scratch, squares, rates, moments;
 } fxs_compute_frame;
 
 typedef struct fxs_compute_object {
@@ -59,6 +60,7 @@ typedef struct fxs_compute_object {
     uint32_t scale_mantissa;
     int32_t scale_exponent, plain;
     uint32_t crop_count, keep_count, first_chunk, first_place, end_place, span, part_chunk, rows_at, part_chunks;
+    uint32_t motion_at, motion_degree, motion_cut_q16, motion_flags;
     uint32_t unused[2];
     uint32_t crops[FXS_MAX_CROPS][16];
 } fxs_compute_object;

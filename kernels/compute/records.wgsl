@@ -16,6 +16,8 @@ const CLASSES: u32 = 16u;          // number of classes of tiles by list length
 const CUT_OFF: u32 = 0x80000000u;
 const NOTHING: u32 = 0xffffffffu;
 const LARGE_BOX: u32 = 0x3fffffu;  // first tile in the box of a large splat
+const MOTION_TURNS: u32 = 1u;
+const MOTION_FADES: u32 = 2u;
 const FAR_Q3: i32 = -0x100000;
 
 const BOX_COLUMNS: i32 = 6;
@@ -80,6 +82,8 @@ struct Frame {
     scratch: u32,                  // length of `entries`, for the tiles of a frame that does not fit
     squares: u32,                  // of square splats: offset of the range of tiles of each slot
     rates: u32,                    // offset of log2 of each macro tile's rate; NOTHING: all rates are 1
+    // Offset of the moments of the drawn chunks in a frame with a moving object, two words each: u, u^2; u^3, shift.
+    moments: u32,
 }
 
 struct Object {
@@ -124,6 +128,10 @@ struct Object {
     part_chunk: u32,
     rows_at: u32,
     part_chunks: u32,
+    motion_at: u32,                // offset in a chunk's words of the rows of motion; 0: the scene is still
+    motion_degree: u32,
+    motion_cut_q16: u32,           // a Gaussian whose opacity has fallen by more octaves than this is not drawn
+    motion_flags: u32,             // MOTION_TURNS, MOTION_FADES
     // crop boxes, four vectors each: low corner, high corner, `outside` (1: keeps the outside)
     crops: array<vec4<u32>, 32>,
 }

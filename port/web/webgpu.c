@@ -236,7 +236,7 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
         return error;
     const size_t uniforms = (size_t)p->bytes[FXS_COMPUTE_UNIFORMS], places = fxs_plan_places_bytes(p);
     free(w->words);
-    w->words = fxs_web_allocate(uniforms + places + p->request->eyes * (FXS_PLAN_STEPS + 2 * p->frames->spans) *
+    w->words = fxs_web_allocate(uniforms + places + p->request->eyes * (FXS_PLAN_STEPS + 3 * p->frames->spans) *
                                                         sizeof *w->steps);
     if (!w->words)
         return FXS_ERR_MEMORY;

@@ -4,39 +4,40 @@ size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint
 uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
 classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
 background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
-backdrop;uint scratch;uint squares;uint rates;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4
-rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2
-f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;
-int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;
-int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint
-scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint
-end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint
-v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;
-int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};const int FXS_CUT_Q11_=18432;
-const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
+backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];
+ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;
+ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint
+focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int
+orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
+palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
+uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
+motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
+ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
+int half_width_q8_;uint square_radius;};struct Span{int first;int last;};const int FXS_CUT_Q11_=18432;const int
+FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
 FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
 ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
 DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const int
-BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint
-DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint
-LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;
-layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)readonly
-buffer type_13_block_1Compute{uvec4 _group_1_binding_0_cs[];};layout(std430,binding=1)readonly buffer
-type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_16_block_3Compute{uint
-_group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};shared
-ivec4 spans[8];int fxs_min(int a_1,int b_2){return((a_1<b_2)?a_1:b_2);}int fxs_limit_q11_(int offset_q11_1,int
-cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}uvec2 add_wide(uvec2 a_3,uvec2 b_4){
-uint low=(a_3.x + b_4.x);return uvec2(low,((a_3.y + b_4.y)+((low<a_3.x)?1u:0u)));}uvec2 negate(uvec2 a_6){uvec2
-_e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}bool less(uvec2 a_8,uvec2 b_6){
-return((a_8.y==b_6.y)?(a_8.x<b_6.x):(int(a_8.y)<int(b_6.y)));}uvec2 mul_wide(uint a_9,uint b_7){uint high;uint low;
-umulExtended(a_9,b_7,high,low);return uvec2(low,high);}uint mul_high(uint a_10,uint b_8){uvec2 _e2=mul_wide(a_10,b_8);
-return _e2.y;}uvec2 mul_mixed(int a_11,uint b_9){uvec2 _e3=mul_wide(uint(a_11),b_9);return uvec2(_e3.x,(_e3.y
--((a_11<0)?b_9:0u)));}uvec2 mul_signed(int a_12,int b_10){uvec2 _e3=mul_mixed(a_12,uint(b_10));return uvec2(_e3.x,
-(_e3.y -((b_10<0)?uint(a_12):0u)));}uvec2 shift_right(uvec2 a_15,uint n_1){if((n_1==0u)){return a_15;}if((n_1>=32u)){
-return uvec2((a_15.y>>(n_1 - 32u)),0u);}return uvec2(((a_15.x>>n_1)|(a_15.y<<(32u - n_1))),(a_15.y>>n_1));}uvec2
-shift_signed(uvec2 a_16,uint n_2){int high=int(a_16.y);if((n_2==0u)){return a_16;}if((n_2>=32u)){return
-uvec2(uint((high>>(n_2 - 32u))),uint((high>>31u)));}return uvec2(((a_16.x>>n_2)|(a_16.y<<(32u - n_2))),
+CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
+MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
+const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
+SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
+uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
+_group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_13_block_1Compute{uvec4 _group_1_binding_0_cs[];};
+layout(std430,binding=1)readonly buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
+binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
+type_14_block_4Compute{uint _group_1_binding_3_cs[];};shared ivec4 spans[8];int fxs_min(int a_1,int b_2){
+return((a_1<b_2)?a_1:b_2);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),
+FXS_FAINT_Q11_);return _e4;}uvec2 add_wide(uvec2 a_3,uvec2 b_4){uint low=(a_3.x + b_4.x);return uvec2(low,((a_3.y +
+b_4.y)+((low<a_3.x)?1u:0u)));}uvec2 negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}bool
+less(uvec2 a_8,uvec2 b_6){return((a_8.y==b_6.y)?(a_8.x<b_6.x):(int(a_8.y)<int(b_6.y)));}uvec2 mul_wide(uint a_9,uint
+b_7){uint high;uint low;umulExtended(a_9,b_7,high,low);return uvec2(low,high);}uint mul_high(uint a_10,uint b_8){uvec2
+_e2=mul_wide(a_10,b_8);return _e2.y;}uvec2 mul_mixed(int a_11,uint b_9){uvec2 _e3=mul_wide(uint(a_11),b_9);return
+uvec2(_e3.x,(_e3.y -((a_11<0)?b_9:0u)));}uvec2 mul_signed(int a_12,int b_10){uvec2 _e3=mul_mixed(a_12,uint(b_10));
+return uvec2(_e3.x,(_e3.y -((b_10<0)?uint(a_12):0u)));}uvec2 shift_right(uvec2 a_15,uint n_1){if((n_1==0u)){return a_15;
+}if((n_1>=32u)){return uvec2((a_15.y>>(n_1 - 32u)),0u);}return uvec2(((a_15.x>>n_1)|(a_15.y<<(32u - n_1))),
+(a_15.y>>n_1));}uvec2 shift_signed(uvec2 a_16,uint n_2){int high=int(a_16.y);if((n_2==0u)){return a_16;}if((n_2>=32u)){
+return uvec2(uint((high>>(n_2 - 32u))),uint((high>>31u)));}return uvec2(((a_16.x>>n_2)|(a_16.y<<(32u - n_2))),
 uint((high>>n_2)));}int low_of(uvec2 a_18){return int(a_18.x);}int zeros_of(uint x_2){return int(uint(31 -
 findMSB(x_2)));}uint rsqrt_step(uint m_1,uint y_q30_1){uint _e8=mul_high((2u*y_q30_1),y_q30_1);uint _e9=mul_high(m_1,
 _e8);uint _e12=mul_high((2u*y_q30_1),(2u*(1610612736u - _e9)));return _e12;}uint rsqrt(uint m_2){uint _e3=mul_high(m_2,

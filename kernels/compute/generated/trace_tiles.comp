@@ -4,72 +4,73 @@ size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint
 uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
 classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
 background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
-backdrop;uint scratch;uint squares;uint rates;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];ivec4
-rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;ivec2
-f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint focal_q32_;
-int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int orthographic;
-int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int palette_step_q19_;uint
-scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;uint first_place;uint
-end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uvec4 crops[32];};struct Splat{uint u0_q24_;uint
-v0_q24_;int ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;
-int shear_q8_;int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Pixel{int transmittance;
-ivec3 sum;};struct Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2 rows;uint list;uint
-count;};struct Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Share{uint tile;uint number;
-uvec2 rows;};struct Place{uint column;uint row;uvec2 at;bvec2 inside;};struct Traced{uint limit;int weight;uint largest;
-uint median;uvec2 sum;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;
-const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;
-const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int
-LARGE_ROWS=8;const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;
-const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;
-const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint
-LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;const uint SOME=32u;const uint APART=4u;const int
-HALF_Q15_=16384;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,
-binding=0)readonly buffer type_12_block_1Compute{uint _group_1_binding_0_cs[];};shared uvec4 shapes[32];shared uvec4
-shades[32];shared uint touching[2];shared uint open_round;shared uint open_pixels[2];shared uint shared_number;
-layout(std430,binding=1)readonly buffer type_12_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
-binding=2)readonly buffer type_16_block_3Compute{uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
-type_12_block_4Compute{uint _group_1_binding_3_cs[];};shared uvec2 own[32];int fxs_mul_q15_(int a,int b){return(((a*b)+
-16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int
-c=0;c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int
-fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int
-fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int
-level_q11_){int p=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p=_e3;int _e5=p;int _e7=fxs_mul_add_q15_(_e5,
-level_q11_,-32730);p=_e7;int _e8=p;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p=_e10;int _e11=p;int _e12=p;int
-_e13=fxs_mul_q15_(_e11,_e12);p=_e13;int _e14=p;int _e15=p;int _e16=fxs_mul_q15_(_e14,_e15);p=_e16;int _e17=p;int _e18=p;
-int _e19=fxs_mul_q15_(_e17,_e18);p=_e19;int _e20=p;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return _e22;}int
-fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}
-int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int
-_e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int
-background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int
-_e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){
-return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low=(a_3.x
-+ b_3.x);return uvec2(low,((a_3.y + b_3.y)+((low<a_3.x)?1u:0u)));}uvec2 shift_left(uvec2 a_14,uint n){if((n==0u)){
-return a_14;}if((n>=32u)){return uvec2(0u,(a_14.x<<(n - 32u)));}return uvec2((a_14.x<<n),((a_14.y<<n)|(a_14.x>>(32u -
-n))));}uvec2 shift_right(uvec2 a_15,uint n_1){if((n_1==0u)){return a_15;}if((n_1>=32u)){return uvec2((a_15.y>>(n_1 -
-32u)),0u);}return uvec2(((a_15.x>>n_1)|(a_15.y<<(32u - n_1))),(a_15.y>>n_1));}int zeros_of(uint x_2){return int(uint(31
-- findMSB(x_2)));}uint list_of(uint tile){return(TILES +(LIST*tile));}uint classes_before(uint number,uvec4 sizes,inout
-uint start,inout uint all_){uint _e4=all_;uint w=(_e4 + sizes.w);uint z=(w + sizes.z);uint y=(z + sizes.y);uint x_7=(y
-+ sizes.x);uvec4 ends=uvec4(x_7,y,z,w);uvec4 before_1=mix(uvec4(0u),uvec4(1u),greaterThanEqual(uvec4(number),ends));
-uvec4 last=(before_1*ends);all_=x_7;uint _e22=start;start=max(_e22,max(max(last.x,last.y),max(last.z,last.w)));
-return(((before_1.x + before_1.y)+ before_1.z)+ before_1.w);}uvec4 class_sizes(uint first){uint at_6=(CLASS_COUNTS +
-first);uint _e5=_group_1_binding_0_cs[at_6];uint _e10=_group_1_binding_0_cs[(at_6 + 1u)];uint
-_e15=_group_1_binding_0_cs[(at_6 + 2u)];uint _e20=_group_1_binding_0_cs[(at_6 + 3u)];return uvec4(_e5,_e10,_e15,_e20);}
-uint tile_at(uint number_1){uint start_1=0u;uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4 _e4=class_sizes(8u);uvec4
-_e6=class_sizes(4u);uvec4 _e8=class_sizes(0u);uint _e13=classes_before(number_1,_e2,start_1,all_1);uint
-_e14=classes_before(number_1,_e4,start_1,all_1);uint _e16=classes_before(number_1,_e6,start_1,all_1);uint
-_e18=classes_before(number_1,_e8,start_1,all_1);uint before_2=(((_e13 + _e14)+ _e16)+ _e18);if((before_2==CLASSES)){
-return NOTHING;}uint _e26=_group_0_binding_0_cs.classes;int _e32=_group_0_binding_0_cs.tiles.x;int
-_e36=_group_0_binding_0_cs.tiles.y;uint _e42=start_1;uint _e45=_group_1_binding_0_cs[(((_e26 +((15u -
-before_2)*uint((_e32*_e36))))+ number_1)- _e42)];return _e45;}uint lane_of(uint thread_1){
-return((thread_1<SOME)?thread_1:1073741824u);}uint fetch_entry(Patch here,uint i_1){if((i_1<here.count)){uint
-_e8=_group_1_binding_1_cs[(here.list + i_1)];return _e8;}return NOTHING;}Fetched fetch_splat(uint entry){Fetched
-f=Fetched(0u,uvec4(0u),uvec4(0u));f.entry=entry;if(((entry&CUT_OFF)==0u)){uvec4 _e12=_group_1_binding_2_cs[(2u*entry)];
-f.a=_e12;uvec4 _e20=_group_1_binding_2_cs[((2u*entry)+ 1u)];f.b=_e20;}Fetched _e21=f;return _e21;}Fetched
-relative(Fetched f_1,Patch here_1){Fetched g=Fetched(0u,uvec4(0u),uvec4(0u));g=f_1;uint first_2=((max((f_1.b.w&65535u),
-here_1.y)- here_1.y)>>here_1.shift);uint last_1=((max((f_1.b.w>>16u),here_1.y)- here_1.y)>>here_1.shift);
-g.a=uvec4(((f_1.a.x +(here_1.x*f_1.a.z))+(here_1.y*f_1.a.w)),(f_1.a.y +(here_1.y*f_1.b.x)),
+backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];
+ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;
+ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint
+focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int
+orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
+palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
+uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
+motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
+ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
+int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Pixel{int transmittance;ivec3 sum;};
+struct Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2 rows;uint list;uint count;};
+struct Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Share{uint tile;uint number;uvec2 rows;
+};struct Place{uint column;uint row;uvec2 at;bvec2 inside;};struct Traced{uint limit;int weight;uint largest;uint
+median;uvec2 sum;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const
+int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const
+uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;
+const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint
+CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint
+MOTION_TURNS=1u;const uint MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;
+const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const
+uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;
+const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint SIDE=8u;const uint SOME=32u;
+const uint APART=4u;const int HALF_Q15_=16384;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
+_group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_12_block_1Compute{uint _group_1_binding_0_cs[];};
+shared uvec4 shapes[32];shared uvec4 shades[32];shared uint touching[2];shared uint open_round;shared uint
+open_pixels[2];shared uint shared_number;layout(std430,binding=1)readonly buffer type_12_block_2Compute{uint
+_group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer type_16_block_3Compute{uvec4 _group_1_binding_2_cs[];}
+;layout(std430,binding=3)buffer type_12_block_4Compute{uint _group_1_binding_3_cs[];};shared uvec2 own[32];int
+fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int
+fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int
+_e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1
++ cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+
+16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p=_e3;int
+_e5=p;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);p=_e7;int _e8=p;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);
+p=_e10;int _e11=p;int _e12=p;int _e13=fxs_mul_q15_(_e11,_e12);p=_e13;int _e14=p;int _e15=p;int _e16=fxs_mul_q15_(_e14,
+_e15);p=_e16;int _e17=p;int _e18=p;int _e19=fxs_mul_q15_(_e17,_e18);p=_e19;int _e20=p;int _e22=fxs_min(_e20,
+FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int
+_e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int
+colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int
+fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,
+transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int
+fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uvec2
+add_wide(uvec2 a_3,uvec2 b_3){uint low=(a_3.x + b_3.x);return uvec2(low,((a_3.y + b_3.y)+((low<a_3.x)?1u:0u)));}uvec2
+shift_left(uvec2 a_14,uint n){if((n==0u)){return a_14;}if((n>=32u)){return uvec2(0u,(a_14.x<<(n - 32u)));}return
+uvec2((a_14.x<<n),((a_14.y<<n)|(a_14.x>>(32u - n))));}uvec2 shift_right(uvec2 a_15,uint n_1){if((n_1==0u)){return a_15;}
+if((n_1>=32u)){return uvec2((a_15.y>>(n_1 - 32u)),0u);}return uvec2(((a_15.x>>n_1)|(a_15.y<<(32u - n_1))),
+(a_15.y>>n_1));}int zeros_of(uint x_2){return int(uint(31 - findMSB(x_2)));}uint list_of(uint tile){return(TILES
++(LIST*tile));}uint classes_before(uint number,uvec4 sizes,inout uint start,inout uint all_){uint _e4=all_;uint w=(_e4
++ sizes.w);uint z=(w + sizes.z);uint y=(z + sizes.y);uint x_7=(y + sizes.x);uvec4 ends=uvec4(x_7,y,z,w);uvec4
+before_1=mix(uvec4(0u),uvec4(1u),greaterThanEqual(uvec4(number),ends));uvec4 last=(before_1*ends);all_=x_7;uint
+_e22=start;start=max(_e22,max(max(last.x,last.y),max(last.z,last.w)));return(((before_1.x + before_1.y)+ before_1.z)+
+before_1.w);}uvec4 class_sizes(uint first){uint at_6=(CLASS_COUNTS + first);uint _e5=_group_1_binding_0_cs[at_6];uint
+_e10=_group_1_binding_0_cs[(at_6 + 1u)];uint _e15=_group_1_binding_0_cs[(at_6 + 2u)];uint
+_e20=_group_1_binding_0_cs[(at_6 + 3u)];return uvec4(_e5,_e10,_e15,_e20);}uint tile_at(uint number_1){uint start_1=0u;
+uint all_1=0u;uvec4 _e2=class_sizes(12u);uvec4 _e4=class_sizes(8u);uvec4 _e6=class_sizes(4u);uvec4 _e8=class_sizes(0u);
+uint _e13=classes_before(number_1,_e2,start_1,all_1);uint _e14=classes_before(number_1,_e4,start_1,all_1);uint
+_e16=classes_before(number_1,_e6,start_1,all_1);uint _e18=classes_before(number_1,_e8,start_1,all_1);uint
+before_2=(((_e13 + _e14)+ _e16)+ _e18);if((before_2==CLASSES)){return NOTHING;}uint _e26=_group_0_binding_0_cs.classes;
+int _e32=_group_0_binding_0_cs.tiles.x;int _e36=_group_0_binding_0_cs.tiles.y;uint _e42=start_1;uint
+_e45=_group_1_binding_0_cs[(((_e26 +((15u - before_2)*uint((_e32*_e36))))+ number_1)- _e42)];return _e45;}uint
+lane_of(uint thread_1){return((thread_1<SOME)?thread_1:1073741824u);}uint fetch_entry(Patch here,uint i_1){
+if((i_1<here.count)){uint _e8=_group_1_binding_1_cs[(here.list + i_1)];return _e8;}return NOTHING;}Fetched
+fetch_splat(uint entry){Fetched f=Fetched(0u,uvec4(0u),uvec4(0u));f.entry=entry;if(((entry&CUT_OFF)==0u)){uvec4
+_e12=_group_1_binding_2_cs[(2u*entry)];f.a=_e12;uvec4 _e20=_group_1_binding_2_cs[((2u*entry)+ 1u)];f.b=_e20;}Fetched
+_e21=f;return _e21;}Fetched relative(Fetched f_1,Patch here_1){Fetched g=Fetched(0u,uvec4(0u),uvec4(0u));g=f_1;uint
+first_2=((max((f_1.b.w&65535u),here_1.y)- here_1.y)>>here_1.shift);uint last_1=((max((f_1.b.w>>16u),here_1.y)-
+here_1.y)>>here_1.shift);g.a=uvec4(((f_1.a.x +(here_1.x*f_1.a.z))+(here_1.y*f_1.a.w)),(f_1.a.y +(here_1.y*f_1.b.x)),
 (f_1.a.zw<<uvec2(here_1.shift)));g.b.x=(f_1.b.x<<here_1.shift);g.b.w=(first_2|(last_1<<16u));Fetched _e60=g;return _e60;
 }uint open_of(uint row){uint _e5=open_pixels[(row/4u)];return((_e5>>(8u*(row%4u)))&255u);}bool touch(Fetched f_2,Patch
 here_2){uint u=0u;uint v=0u;bool touches=false;uint row_1=0u;bool local=false;int offset_q11_2=int((f_2.b.y&65535u));
