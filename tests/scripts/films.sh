@@ -388,7 +388,7 @@ for backend in gles gles-compute vulkan; do
     [ $status = 0 ] || { skip "--aperture --backend $backend" "$(cat logs/err)"; continue; }
     check "--aperture --backend $backend" equal "$(cat logs/out)" "$(hash_of $lens)"
 done
-fails "--shutter of one view" 2 "--shutter needs --orbit or --path: a film" render knot.ply --shutter 180 --hash
+fails "--shutter of one view" 2 "--shutter needs --orbit, --path or --times: a film" render knot.ply --shutter 180 --hash
 fails "--aperture of nothing" 1 "nothing is in the middle: give --focus DEPTH" render $lens $away --hash
 fails "--aperture beyond the camera's range" 1 "out of range" render $lens --aperture 1e30 --hash
 for bad in 'shutter 361' 'samples 1' 'samples 1025' 'focus 0' 'focus near' 'aperture 0'; do

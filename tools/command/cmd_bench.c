@@ -2,6 +2,7 @@
 #include <fixsplat/internal/view_more.h>
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,6 +38,12 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"orbit", "N", INT(orbit, 2, 10000), .basic = 1, .help =
      "fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum"},
+    {"times", "A..B|all", TIMES(frame.times), .help =
+     "measure frames of scenes that move: one at A seconds, and --fps frames a second until before B; all: from 0 to "
+     "their end. Prints minimum, median, maximum and mean, and the time of the slowest frame"},
+    {"fps", "RATE", RATE(frame.rate), .help =
+     "frames per second of --times, 1 to 1000, also as a fraction: 24000/1001 (default: the rate of the scene, else "
+     "30)"},
     {"frames", "N", INT(frames, 10, 10000), .help =
      "frames to measure, after two warm-up frames, 10 to 10000 (default 10)"},
     {"draw", "KIND", take_draw, FIELD(int, draws), .choices = WORDS("mean-depth", "median-depth", "ids"), .help =
@@ -51,7 +58,9 @@ static const option_row own_rows[] = {
 static const option_rule rules[] = {
     {"json", "compare", 0, "it prints a table"},
     {"view", 0, "cameras", 0},
-    {"frames", "orbit", 0, "it has a number of frames"},
+    {"frames", "orbit times", 0, "it has a number of frames"},
+    {"orbit time", "times", 0, "give one"},
+    {"fps", 0, "times", 0},
     {"up auto-up", "cameras", "orbit", "its views have their own up direction"},
     {0}
 };
@@ -77,13 +86,22 @@ static int compare_doubles(const void *a, const void *b)
 }
 
 typedef struct spread {
-    double least, median, most;
+    double least, median, most, mean;
+    int slowest;                            /* number of the frame with the largest value */
 } spread;
 
 static spread spread_of(double *values, int count)
 {
+    spread s = {.slowest = 0};
+    for (int i = 0; i < count; i++) {
+        s.mean += values[i] / count;
+        s.slowest = values[i] > values[s.slowest] ? i : s.slowest;
+    }
     qsort(values, (size_t)count, sizeof *values, compare_doubles);
-    return (spread){values[0], (values[(count - 1) / 2] + values[count / 2]) / 2, values[count - 1]};
+    s.least = values[0];
+    s.median = (values[(count - 1) / 2] + values[count / 2]) / 2;
+    s.most = values[count - 1];
+    return s;
 }
 
 static fxs_view view_of_frame(const bench_options *o, const world *w, const fxs_view *view, int i)
@@ -108,8 +126,11 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
     picture pixels = {.pixels = 0};
     for (int i = -WARM_UP; i < frames && !status; i++) {
         fxs_stats stats;
+        fxs_options options = o->frame.render;
         fxs_view turned = view_of_frame(o, w, view, i);
-        status = renderer_render(r, w, &turned, &o->frame.render, &pixels, &stats);
+        if (o->frame.times.given)
+            options.time_q32 = seconds_q32(times_at(&o->frame.times, o->frame.rate, fmax(i, 0)));
+        status = renderer_render(r, w, &turned, &options, &pixels, &stats);
         for (int s = 0; s < FXS_STAGES && i >= 0; s++)
             times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
         if (i >= 0) {
@@ -131,7 +152,7 @@ static const char *column_name(int column)
 
 #define SCENES_ROOM 4096
 #define CAMERA_ROOM 640
-#define FACTS 18
+#define FACTS 21
 
 typedef struct bench_facts {
     bench_fact facts[FACTS];
@@ -166,12 +187,15 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
         {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
         {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
         {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_MARKED},
-        {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->orbit ? FACT_SAME : FACT_ASIDE},
+        {"backend", r->backend->name, 0, FACT_MARKED},
+        {"frames", 0, o->frames, o->orbit || o->frame.times.given ? FACT_SAME : FACT_ASIDE},
         {"orbit", 0, o->orbit, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
         {"stereo", 0, o->frame.stereo, FACT_SAME}, {"draws", 0, o->draws, FACT_SAME},
         {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME}, {"budget", 0, o->frame.render.budget, FACT_MARKED},
         {"detail", 0, o->frame.render.detail_q8 / 256.0, FACT_MARKED},
-        {"max_memory", 0, (double)o->frame.max_memory, FACT_MARKED}, {"processor", f->processor, 0, FACT_MARKED}};
+        {"max_memory", 0, (double)o->frame.max_memory, FACT_MARKED}, {"processor", f->processor, 0, FACT_MARKED},
+        {"time", 0, ldexp((double)o->frame.render.time_q32, -32), FACT_SAME},
+        {"times_from", 0, o->frame.times.from, FACT_SAME}, {"times_to", 0, o->frame.times.to, FACT_SAME}};
     memcpy(f->facts, facts, sizeof facts);
 }
 
@@ -193,20 +217,28 @@ static void print_ratios(const spread columns[COLUMNS], const bench_earlier *ear
 
 /* ---- Printed ----------------------------------------------------------------------------------------------------- */
 
+static double time_of_slowest(const spread columns[COLUMNS], const bench_options *o)
+{
+    return times_at(&o->frame.times, o->frame.rate, columns[FRAME].slowest);
+}
+
 static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o, const world *w,
                        const fxs_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
            w->gaussians, view->width, view->height, o->frame.threads, cutoff_names[o->frame.render.cutoff], o->frames,
-           o->orbit ? " around the scene" : "");
+           o->orbit ? " around the scene" : o->frame.times.given ? " over its times" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
     for (int s = 0; s < (columns[DEVICE].most > 0 ? DEVICE + 1 : DEVICE); s++)
         printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
                columns[s].most, 100 * columns[s].median / columns[FRAME].median,
                s < FXS_STAGES ? r->backend->version(r->self, (enum fxs_stage)s) : "");
+    if (o->frame.times.given)
+        printf("  mean %.3f; the slowest is at %.4g seconds\n", columns[FRAME].mean, time_of_slowest(columns, o));
 }
 
-static void print_json(const spread columns[COLUMNS], const bench_fact facts[FACTS], const world *w)
+static void print_json(const spread columns[COLUMNS], const bench_fact facts[FACTS], const bench_options *o,
+                       const world *w)
 {
     for (int i = 0; i < FACTS; i++) {
         printf("%s\"%s\": ", i ? ", " : "{", facts[i].name);
@@ -215,6 +247,8 @@ static void print_json(const spread columns[COLUMNS], const bench_fact facts[FAC
         else
             printf("%.15g", facts[i].number);
     }
+    if (o->frame.times.given)
+        printf(", \"frame_ms_mean\": %.3f, \"slowest_at\": %.6g", columns[FRAME].mean, time_of_slowest(columns, o));
     printf(", \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, \"frame_ms_max\": %.3f, \"device_ms\": %.3f, "
            "\"load_ms\": %.3f, \"stages\": {", columns[FRAME].median, columns[FRAME].least, columns[FRAME].most,
            columns[DEVICE].median, (double)w->load_nanoseconds * 1e-6);
@@ -234,12 +268,22 @@ static int bench(renderer *r, const bench_options *o, const world *w, const fxs_
     if (status)
         return status;
     if (o->json)
-        print_json(columns, f.facts, w);
+        print_json(columns, f.facts, o, w);
     else
         print_text(columns, r, o, w, view);
     if (o->compare)
         print_ratios(columns, &earlier, o->compare);
     return 0;
+}
+
+/* Counts the frames of --times. */
+static int settle_times(bench_options *o, const world *w)
+{
+    const fxs_time time = world_time(w);
+    const long frames = o->frame.times.given ? times_settle(&o->frame.times, o->frame.rate, &time, w->placed.files[0])
+                                             : o->frames;
+    o->frames = (int)frames;
+    return frames < 0 ? EXIT_FAILED : 0;
 }
 
 static int run(int argc, char **argv)
@@ -258,7 +302,8 @@ static int run(int argc, char **argv)
     r.draws = o.draws;
     o.frame.load.budget = !status && renderer_pages(&r) ? o.frame.render.budget : 0;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
-        status = choose_views(&o.frame, &w, &views, 0) < 0 ? EXIT_FAILED : bench(&r, &o, &w, views);
+        status = settle_times(&o, &w) || choose_views(&o.frame, &w, &views, 0) < 0 ? EXIT_FAILED
+                                                                                  : bench(&r, &o, &w, views);
         free(views);
         renderer_close(&r);
         world_close(&w);
@@ -280,6 +325,7 @@ const command command_bench = {
     "  $ fixsplat bench scene.ply --draw median-depth --draw ids\n"
     "  $ fixsplat bench scene.ply --orbit 120\n"
     "  $ fixsplat bench scene.fxs --budget 500000 --orbit 120\n"
+    "  $ fixsplat bench dance.fxs --times all --fps 30\n"
     "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",
     {{own_rows, 0}, {gaze_rows, offsetof(bench_options, frame)},
      {camera_rows, offsetof(bench_options, frame)}, {world_rows, offsetof(bench_options, frame.world)},

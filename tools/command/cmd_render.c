@@ -37,20 +37,6 @@ static int take_pick(const option_row *row, void *field, const char *value)
     return o->has_pick ? 0 : wrong_value(row, value);
 }
 
-/* Parses a whole number or a fraction of 1 to 1000 frames per second. */
-static int take_rate(const option_row *row, void *field, const char *value)
-{
-    int *rate = field;
-    char comma[32];
-    const char *slash = strchr(value, '/');
-    rate[1] = 1;
-    snprintf(comma, sizeof comma, "%s", value);
-    if (slash && slash - value < (ptrdiff_t)sizeof comma)
-        comma[slash - value] = ',';
-    return strlen(value) < sizeof comma && parse_counts(comma, slash ? 2 : 1, 1, 1000000, rate) &&
-           rate[0] >= rate[1] && rate[0] <= 1000 * rate[1] ? 0 : wrong_value(row, value);
-}
-
 static int take_focus(const option_row *row, void *field, const char *value)
 {
     double *focus = &((render_options *)field)->frame.focus;
@@ -110,9 +96,13 @@ static const option_row own_rows[] = {
     {"quality", "Q", INT(quality, 1, 100), .help =
      "quality of a .jpg, 1 to 100 (default 95), or of a .webp (default: lossless). A .png is compressed at level 1, "
      "for speed"},
-    {"fps", "RATE", take_rate, offsetof(OPTIONS, frame.rate),
-     .expected = "1 to 1000 frames per second, as 25 or 24000/1001", .help =
-     "frames per second of a film, 1 to 1000 (default 30), also as a fraction: 24000/1001"},
+    {"fps", "RATE", RATE(frame.rate), .help =
+     "frames per second of a film, 1 to 1000, also as a fraction: 24000/1001 (default 30; with --times, the rate of "
+     "the scene)"},
+    {"times", "A..B|all", TIMES(frame.times), .help =
+     "render a film of scenes that move: a frame at A seconds, and --fps frames a second until before B; all: from 0 "
+     "to their end. One view serves all frames. Several views (--orbit, --path, --view) share them evenly: frame i of "
+     "n shows view i / n of the way through them"},
     {"orbit", "N", INT(frame.orbit, 2, FRAMES_MOST), .basic = 1, .help =
      "render N views, 2 to 100000: a turn about the middle of the scene and the axis --up, starting at the camera. "
      "A camera that render chooses is far enough away to see the whole scene from all sides"},
@@ -193,8 +183,10 @@ static const option_rule rules[] = {
     {"depth-kind depth-range", 0, "depth", 0},
     {"json", 0, "pick", 0},
     {"depth ids pick stats", "panorama shutter aperture", 0, "it has colours only"},
-    {"shutter", 0, "orbit path", "a film"},
+    {"shutter", 0, "orbit path times", "a film"},
     {"write-cameras", "shutter", 0, "each of its frames has several cameras"},
+    {"write-cameras", "times", 0, "its frames share cameras"},
+    {"time", "times", 0, "give one"},
     {"focus", 0, "aperture", 0},
     {"samples", 0, "shutter aperture", 0},
     {"aperture", "panorama stereo ortho", 0, 0},
@@ -288,11 +280,11 @@ static int read_options(render_options *o, int argc, char **argv)
     return frame_options_check(&o->frame);
 }
 
-/* Returns about how many pictures are drawn, with the samples of each. Frames along a path and views of a list count as
-   many. */
+/* Returns about how many pictures are drawn, with the samples of each. Frames along a path or over times, and views of
+   a list, count as many. */
 static double pictures_of(const frame_options *f)
 {
-    const double views = f->path || names_several(f->view) ? AUTO_PIXELS : f->orbit ? f->orbit : 1;
+    const double views = f->path || f->times.given || names_several(f->view) ? AUTO_PIXELS : f->orbit ? f->orbit : 1;
     return f->shutter > 0 || f->aperture > 0 ? views * f->samples : views;
 }
 
@@ -320,6 +312,8 @@ const command command_render = {
     "  $ fixsplat render https://example.org/city.fxs --budget 2000000 --pool 512M -o city.png\n"
     "  $ fixsplat render scene.ply --path settings.json --seconds 10 --fps 24000/1001 -o film.mp4\n"
     "  $ fixsplat render scene.ply --path cameras.json --view 8..40 --seconds 4 -o film.y4m\n"
+    "  $ fixsplat render dance.fxs --times all -o dance.mp4\n"
+    "  $ fixsplat render dance.splatv --times 0.5..2 --fps 60 --orbit 90 -o out/%04d.png\n"
     "  $ fixsplat render scene.ply --size 640x480 -o got.png --expect golden.png --diff diff.png\n"
     "  $ fixsplat render scene.ply --size 16000x9000 --scissor 8000,0,8000,4500 -o quarter.png\n"
     "  $ gunzip -c scene.ply.gz | fixsplat render - -o scene.png\n"

@@ -26,8 +26,9 @@ int render_draws(const render_options *o);
 /* Renders all views and writes, compares or prints them. Returns the exit status. */
 int render_views(const render_options *o);
 
+/* The options are those of the picture, with its moment. */
 int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_view *view,
-                const fxs_stats *stats);
-int print_pick(renderer *r, const render_options *o, const world *w, const fxs_view *view);
+                const fxs_options *options, const fxs_stats *stats);
+int print_pick(renderer *r, const render_options *o, const world *w, const fxs_view *view, const fxs_options *options);
 
 #endif

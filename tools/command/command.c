@@ -172,6 +172,24 @@ int ends_with(const char *name, const char *ending)
     return fxs_ends_in(name, ending);
 }
 
+int is_pattern(const char *name)
+{
+    const char *percent = strchr(name, '%');
+    if (!percent || strchr(percent + 1, '%'))
+        return 0;
+    return percent[1 + strspn(percent + 1, "0123456789")] == 'd' && strspn(percent + 1, "0123456789") <= 2;
+}
+
+void name_numbered(char *name, size_t size, const char *pattern, long index)
+{
+    const char *percent = strchr(pattern, '%');
+    if (is_pattern(pattern))
+        snprintf(name, size, "%.*s%0*ld%s", (int)(percent - pattern), pattern, atoi(percent + 1), index,
+                 strchr(percent, 'd') + 1);
+    else
+        snprintf(name, size, "%s", pattern);
+}
+
 static int percent_shown = -1;   /* percentage that the progress bar last printed; -1: no bar */
 
 int progress_bar(void *label, double done)

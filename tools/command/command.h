@@ -51,6 +51,12 @@ void write_shell_word(FILE *file, const char *word);
 /* True if a file name has the ending, in upper or lower case. */
 int ends_with(const char *name, const char *ending);
 
+/* True if a file name has exactly one % conversion, %d with an optional zero-padded width. */
+int is_pattern(const char *name);
+
+/* Writes the file name of number `index`; a name that is no pattern stays as it is. */
+void name_numbered(char *name, size_t size, const char *pattern, long index);
+
 /* Draws a progress bar if stderr is a terminal. Call progress_end before other output and before a new label. */
 int progress_bar(void *label, double done);
 void progress_end(void);

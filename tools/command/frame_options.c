@@ -71,15 +71,6 @@ static int take_detail(const option_row *row, void *field, const char *value)
     return 0;
 }
 
-static int take_time(const option_row *row, void *field, const char *value)
-{
-    double seconds = 0;
-    if (!parse_vector(value, 1, &seconds) || !(fabs(seconds) <= 1e6))
-        return wrong_value(row, value);
-    *(int64_t *)field = (int64_t)llrint(ldexp(seconds, 32));
-    return 0;
-}
-
 static int take_tangents(const option_row *row, void *field, const char *value)
 {
     frame_options *options = field;
@@ -151,7 +142,7 @@ const option_row frame_rows[] = {
     {.help = "Rendering:"},
     {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help =
      "where a Gaussian ends: mahalanobis (default) or square"},
-    {"time", "SECONDS", take_time, FIELD(int64_t, render.time_q32), .expected = "seconds, within 1000000", .help =
+    {"time", "SECONDS", TIME(render.time_q32), .help =
      "moment of a scene that moves (default 0). A scene that loops starts again after its duration"},
     {"sh-degree", "D", INT(render.sh_degree, 0, 3), .help = "highest SH degree used, 0 to 3 (default 3)"},
     {"threads", "N", take_threads, 0, 1, 64, .help =

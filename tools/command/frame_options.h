@@ -6,6 +6,7 @@
 #include <fixsplat/backend.h>
 #include "command_line.h"
 #include "load_world.h"
+#include "times.h"
 
 #define DEVICES_MOST 16
 
@@ -14,7 +15,8 @@ typedef struct frame_options {
     int orbit, frames;                      /* number of frames of an orbit, and of a path */
     const char *path, *track;               /* file of a path's keys, and the track in it */
     double seconds;                         /* length of a path's film; 0: by `frames`, or by the times of its keys */
-    int rate[2];                            /* frames per second of a film: rate[0] / rate[1] */
+    rate_option rate;                       /* frames per second of a film */
+    times_option times;                     /* the times of a film of scenes that move */
     double shutter;                         /* degrees of 360 that the shutter of a film is open; 0: no motion blur */
     double aperture, focus;                 /* diameter and focus of the lens, scene units; 0: pinhole; 0: automatic */
     int samples;                            /* renderings of which each picture is the mean; 1: no mean */

@@ -6,14 +6,14 @@
 #include <stdlib.h>
 
 /* Counts the pairs of a pixel and a Gaussian that a picture evaluates and blends. Ignores the option --max-memory. */
-static int count_pairs(const render_options *o, const world *w, const fxs_camera *camera, uint64_t *evaluated,
+static int count_pairs(const fxs_options *options, const world *w, const fxs_camera *camera, uint64_t *evaluated,
                        uint64_t *blended)
 {
     fxs_context context;
     fxs_request request;
     fxs_context_init(&context, 0);
     fxs_request_init(&request, w->objects, w->count);
-    request.options = o->frame.render;
+    request.options = *options;
     request.cameras[0] = *camera;
     const size_t bytes = fxs_frame_bytes(&context, w->objects, w->count, camera->width, camera->height, 0);
     void *allocation = malloc(bytes + 63), *memory = (void *)(((uintptr_t)allocation + 63) / 64 * 64);
@@ -22,18 +22,18 @@ static int count_pairs(const render_options *o, const world *w, const fxs_camera
     return error ? fail(EXIT_FAILED, "%s", fxs_strerror(error)) : 0;
 }
 
-static int print_pairs(const renderer *r, const render_options *o, const world *w, const fxs_view *view)
+static int print_pairs(const renderer *r, const fxs_options *options, const world *w, const fxs_view *view)
 {
     fxs_camera camera;
     uint64_t evaluated, blended;
-    if (renderer_camera(r, view, &camera) || count_pairs(o, w, &camera, &evaluated, &blended))
+    if (renderer_camera(r, view, &camera) || count_pairs(options, w, &camera, &evaluated, &blended))
         return EXIT_FAILED;
     printf(", \"pairs_evaluated\": %" PRIu64 ", \"pairs_blended\": %" PRIu64, evaluated, blended);
     return 0;
 }
 
 int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_view *view,
-                const fxs_stats *stats)
+                const fxs_options *options, const fxs_stats *stats)
 {
     const fxs_frame_memory *memory = &stats->memory;
     uint64_t gaussians = 0;
@@ -45,7 +45,7 @@ int print_stats(const renderer *r, const render_options *o, const world *w, cons
     printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"drawn\": %" PRIu32 ", \"visible\": %" PRIu32
            ", \"entries\": %" PRIu64 ", \"bands\": %" PRIu32 ", \"slices\": %" PRIu32 ", \"runs\": %" PRIu32, gaussians,
            stats->gaussians, stats->drawn, stats->visible, stats->entries, stats->bands, stats->slices, stats->runs);
-    if (o->pairs && print_pairs(r, o, w, view))
+    if (o->pairs && print_pairs(r, options, w, view))
         return EXIT_FAILED;
     printf(", \"frame_ms\": %.3f, \"stages_ms\": {", (double)stats->frame_nanoseconds * 1e-6);
     for (int i = 0; i < FXS_STAGES; i++)
@@ -66,13 +66,13 @@ static double units(int64_t q32)
     return (double)q32 / 4294967296.0;
 }
 
-int print_pick(renderer *r, const render_options *o, const world *w, const fxs_view *view)
+int print_pick(renderer *r, const render_options *o, const world *w, const fxs_view *view, const fxs_options *options)
 {
     fxs_pick_result p;
     const int x = o->pick[0], y = o->pick[1];
     if (x >= view->width || y >= view->height)
         return fail(EXIT_FAILED, "--pick %d,%d: the picture is %dx%d", x, y, view->width, view->height);
-    const int found = renderer_pick(r, w, view, &o->frame.render, x, y, &p);
+    const int found = renderer_pick(r, w, view, options, x, y, &p);
     if (found < 0)
         return EXIT_FAILED;
     progress_end();

@@ -19,30 +19,6 @@
 #include "views.h"
 #include "walls.h"
 
-/* True if a file name has exactly one % conversion, %d with an optional zero-padded width. */
-static int is_pattern(const char *name)
-{
-    const char *percent = strchr(name, '%');
-    if (!percent || strchr(percent + 1, '%'))
-        return 0;
-    return percent[1 + strspn(percent + 1, "0123456789")] == 'd' && strspn(percent + 1, "0123456789") <= 2;
-}
-
-static void output_name(char *name, size_t size, const char *pattern, long index)
-{
-    const char *percent = strchr(pattern, '%');
-    int width = atoi(percent + 1);
-    snprintf(name, size, "%.*s%0*ld%s", (int)(percent - pattern), pattern, width, index, strchr(percent, 'd') + 1);
-}
-
-static void name_file(char *name, size_t size, const char *pattern, long index)
-{
-    if (is_pattern(pattern))
-        output_name(name, size, pattern, index);
-    else
-        snprintf(name, size, "%s", pattern);
-}
-
 typedef struct drawn_view {
     picture picture;
     int status, unwritten, unexpected;
@@ -70,8 +46,11 @@ typedef struct batch {
     const world *world;
     const fxs_view *views;
     const fxs_lens *lenses;                 /* lenses of the views; null: pinhole cameras */
-    long view_count;
-    int moments;                            /* views of each picture, with motion blur */
+    long picture_count;
+    long view_count;                        /* views that the pictures share */
+    int moments;                            /* views of each of them, with motion blur; else 1 */
+    times_option times;
+    rate_option rate;
     renderer renderers[DEVICES_MOST];
     picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* for each device, pictures of the cube faces of a panorama */
     picture samples[DEVICES_MOST];
@@ -92,6 +71,27 @@ typedef struct round_of_batch {
     batch *batch;
     drawn_round *round;
 } round_of_batch;
+
+/* A picture to draw, or one sample of it. */
+typedef struct shot {
+    long number;                            /* of the picture */
+    long view_number;
+    fxs_view view;
+    fxs_options options;
+} shot;
+
+/* Makes a sample of a picture. Its view is that of the picture's share of the views, its moment that of the frame. */
+static shot shot_of(const batch *b, long number, int sample)
+{
+    const frame_options *f = &b->o->frame;
+    const double open = f->shutter / 360 * ((sample + 0.5) / f->samples - 0.5);
+    shot s = {.number = number, .options = f->render};
+    s.view_number = number * b->view_count / b->picture_count;
+    s.view = b->views[s.view_number * b->moments + sample % b->moments];
+    if (b->times.given)
+        s.options.time_q32 = seconds_q32(times_at(&b->times, b->rate, (double)number + open));
+    return s;
+}
 
 /* A panorama, or a strip of it, that jobs of 16 rows assemble from its cube faces. */
 typedef struct panorama {
@@ -129,7 +129,7 @@ static int make_pixels(picture *out, int width, int height)
 }
 
 /* Draws the parts of cube faces that a panorama or strip needs, and its pixels. */
-static int draw_strip(batch *b, int device, const fxs_view *view, panorama *p)
+static int draw_strip(batch *b, int device, const shot *s, const fxs_view *view, panorama *p)
 {
     renderer *r = &b->renderers[device];
     fxs_panorama_parts(p->width, p->height, p->strip, p->strips, p->parts);
@@ -142,7 +142,7 @@ static int draw_strip(batch *b, int device, const fxs_view *view, panorama *p)
         if (r->has_scissor)
             memcpy(r->scissor, (int[4]){part->x, part->y, part->width, part->height}, sizeof r->scissor);
         fxs_panorama_face(view, i, p->width, &face);
-        if (renderer_render(r, b->world, &face, &b->o->frame.render, &b->faces[device][i], 0))
+        if (renderer_render(r, b->world, &face, &s->options, &b->faces[device][i], 0))
             return EXIT_FAILED;
         part->rgba = b->faces[device][i].pixels;
     }
@@ -151,8 +151,9 @@ static int draw_strip(batch *b, int device, const fxs_view *view, panorama *p)
 }
 
 /* Draws a panorama: whole, or of two eyes, the left one above the right one, in strips. */
-static int draw_panorama(batch *b, int device, long number, const fxs_view *view, picture *out)
+static int draw_panorama(batch *b, int device, const shot *s, picture *out)
 {
+    const fxs_view *view = &s->view;
     const double stereo = b->o->frame.stereo;
     const int eyes = stereo > 0 ? 2 : 1, strips = stereo > 0 ? FXS_PANORAMA_STRIPS : 1;
     panorama p = {.width = view->width, .height = view->height, .strips = strips};
@@ -165,10 +166,10 @@ static int draw_panorama(batch *b, int device, long number, const fxs_view *view
         p.pixels = out->pixels + (size_t)eye * bytes_of(out) / 2;
         if (strips > 1)
             fxs_panorama_aside(view, p.strip, strips, (eye - 0.5) * stereo, &moved);
-        if (draw_strip(b, device, &moved, &p))
+        if (draw_strip(b, device, s, &moved, &p))
             return EXIT_FAILED;
         if (device == 0)
-            progress_bar("rendering", ((double)number + (i + 1.0) / (eyes * strips)) / (double)b->view_count);
+            progress_bar("rendering", ((double)s->number + (i + 1.0) / (eyes * strips)) / (double)b->picture_count);
     }
     return 0;
 }
@@ -189,15 +190,15 @@ static void bend_rows(void *argument, uint32_t job)
                        first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
-static int draw_bent(batch *b, int device, long number, picture *out)
+static int draw_bent(batch *b, int device, const shot *s, picture *out)
 {
-    const fxs_view *view = &b->views[number];
-    const fxs_options *options = &b->o->frame.render;
+    const fxs_view *view = &s->view;
+    const fxs_options *options = &s->options;
     picture *straight = &b->faces[device][0];
     bent *d = calloc(1, sizeof *d);
     int status = d ? 0 : fail(EXIT_FAILED, "out of memory: a lens");
     if (!status) {
-        fxs_lens_warp_make(&d->warp, &b->lenses[number], view);
+        fxs_lens_warp_make(&d->warp, &b->lenses[s->view_number], view);
         if (b->o->format != FXS_FORMAT_RGBA8_COVERAGE) {
             memcpy(d->outside, options->background, 3);
             d->outside[3] = 255;
@@ -215,13 +216,13 @@ static int draw_bent(batch *b, int device, long number, picture *out)
 }
 
 /* Draws one sample of a picture, or the whole picture if it has one only. */
-static int draw_sample(batch *b, int device, long number, const fxs_view *view, picture *out, fxs_stats *stats)
+static int draw_sample(batch *b, int device, const shot *s, picture *out, fxs_stats *stats)
 {
     if (b->o->frame.panorama)
-        return draw_panorama(b, device, number, view, out);
-    if (b->lenses && !fxs_lens_is_pinhole(&b->lenses[number]))
-        return draw_bent(b, device, number, out);
-    return renderer_render(&b->renderers[device], b->world, view, &b->o->frame.render, out, stats);
+        return draw_panorama(b, device, s, out);
+    if (b->lenses && !fxs_lens_is_pinhole(&b->lenses[s->view_number]))
+        return draw_bent(b, device, s, out);
+    return renderer_render(&b->renderers[device], b->world, &s->view, &s->options, out, stats);
 }
 
 /* The sums of a picture's samples, which jobs add to. */
@@ -260,12 +261,13 @@ static int sum(summing *s)
     return 0;
 }
 
-/* Finds the depth in the middle of a view. A scene that is only partly in memory is drawn first, to load what is
+/* Finds the depth in the middle of a picture. A scene that is only partly in memory is drawn first, to load what is
    there. Returns 0 on failure. */
-static double focus_on(batch *b, int device, const fxs_view *view)
+static double focus_on(batch *b, int device, const shot *s)
 {
     renderer *r = &b->renderers[device];
-    const fxs_options *options = &b->o->frame.render;
+    const fxs_view *view = &s->view;
+    const fxs_options *options = &s->options;
     fxs_pick_result p;
     if (b->o->frame.focus > 0)
         return b->o->frame.focus;
@@ -281,20 +283,20 @@ static double focus_on(batch *b, int device, const fxs_view *view)
 static int draw_mean(batch *b, int device, long number, picture *out)
 {
     const frame_options *f = &b->o->frame;
-    const fxs_view *views = &b->views[number * b->moments];
+    const shot first = shot_of(b, number, 0);
     picture *sample = &b->samples[device];
     summing s = {.b = b, .device = device};
-    const double focus = f->aperture > 0 && !(b->focus > 0) ? focus_on(b, device, views) : b->focus;
+    const double focus = f->aperture > 0 && !(b->focus > 0) ? focus_on(b, device, &first) : b->focus;
     if (f->aperture > 0 && !(focus > 0))
         return EXIT_FAILED;
     for (; s.sample < f->samples; s.sample++) {
-        fxs_view view = views[s.sample % b->moments];
+        shot part = shot_of(b, number, s.sample);
         if (f->aperture > 0)
-            lens_move(&view, f->aperture, focus, s.sample, f->samples);
-        if (draw_sample(b, device, number, &view, sample, 0) || sum(&s))
+            lens_move(&part.view, f->aperture, focus, s.sample, f->samples);
+        if (draw_sample(b, device, &part, sample, 0) || sum(&s))
             return EXIT_FAILED;
         if (device == 0)
-            progress_bar("rendering", ((double)number + (s.sample + 1.0) / f->samples) / (double)b->view_count);
+            progress_bar("rendering", ((double)number + (s.sample + 1.0) / f->samples) / (double)b->picture_count);
     }
     s.out = out;
     return make_pixels(out, sample->width, sample->height) || sum(&s) ? EXIT_FAILED : 0;
@@ -307,13 +309,14 @@ static void draw_views(void *argument, uint32_t device)
     for (long i = (long)device; i < r->round->count; i += b->devices) {
         drawn_view *d = &r->round->drawn[i];
         const long number = r->round->first + i;
+        const shot s = shot_of(b, number, 0);
         d->status = b->o->frame.shutter > 0 || b->o->frame.aperture > 0
                         ? draw_mean(b, (int)device, number, &d->picture)
-                        : draw_sample(b, (int)device, number, &b->views[number], &d->picture, &d->stats);
+                        : draw_sample(b, (int)device, &s, &d->picture, &d->stats);
         if (d->status)
             break;
-        if (device == 0 && b->view_count > 1)
-            progress_bar("rendering", (double)(number + 1) / (double)b->view_count);
+        if (device == 0 && b->picture_count > 1)
+            progress_bar("rendering", (double)(number + 1) / (double)b->picture_count);
     }
 }
 
@@ -346,7 +349,7 @@ static void compare_with_file(const render_options *o, drawn_view *d, long index
     char name[4096], difference[4096];
     uint8_t *expected;
     int width, height;
-    name_file(name, sizeof name, o->expect, index);
+    name_numbered(name, sizeof name, o->expect, index);
     d->unexpected = fxs_image_file_read(name, &expected, &width, &height, &d->why) != 0;
     if (d->unexpected)
         return;
@@ -356,7 +359,7 @@ static void compare_with_file(const render_options *o, drawn_view *d, long index
     } else if (d->unexpected) {
         say_difference(d, name, expected);
         if (o->diff) {
-            name_file(difference, sizeof difference, o->diff, index);
+            name_numbered(difference, sizeof difference, o->diff, index);
             d->unwritten = fxs_metrics_difference(difference, expected, p->pixels, p->width, p->height, &d->why);
         }
     }
@@ -376,7 +379,7 @@ static int write_depths(const render_options *o, drawn_view *d, long index)
     const fxs_depths depths = {d->picture.depths, d->picture.width, d->picture.height, d->picture.depth_bits};
     d->range = o->depth_range > 0 ? o->depth_range : fxs_depths_farthest(&depths);
     d->range = d->range > 0 ? d->range : 1;
-    name_file(d->depth_name, sizeof d->depth_name, o->depth, index);
+    name_numbered(d->depth_name, sizeof d->depth_name, o->depth, index);
     return fxs_depth_file_write(d->depth_name, &depths, d->range, &d->why);
 }
 
@@ -385,7 +388,7 @@ static int write_picture(const batch *b, drawn_view *d, long index)
     const picture *p = &d->picture;
     char name[4096];
     fxs_message why;
-    name_file(name, sizeof name, b->o->output, index);
+    name_numbered(name, sizeof name, b->o->output, index);
     int error = fxs_image_encode(b->encoding, b->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
     if (!error && b->o->frame.panorama && !(b->o->frame.stereo > 0) && b->encoding == FXS_IMAGE_JPG &&
         fxs_panorama_mark(&d->encoded, p->width, p->height))
@@ -413,7 +416,7 @@ static void write_view(void *argument, uint32_t i)
     if (o->depth && !d->unwritten)
         d->unwritten = write_depths(o, d, index);
     if (o->ids && !d->unwritten) {
-        name_file(name, sizeof name, o->ids, index);
+        name_numbered(name, sizeof name, o->ids, index);
         d->unwritten = fxs_id_file_write(name, p->ids, p->width, p->height, r->batch->world->count > 1, &d->why);
     }
     if (o->expect && !d->unwritten)
@@ -439,7 +442,7 @@ static void *write_round(void *argument)
 }
 
 /* Prints the results of a rendered view. Call in ascending order of views. */
-static int report_view(batch *b, const drawn_view *d, const fxs_view *view)
+static int report_view(batch *b, const drawn_view *d, const shot *s)
 {
     const render_options *o = b->o;
     if (d->status)
@@ -454,16 +457,16 @@ static int report_view(batch *b, const drawn_view *d, const fxs_view *view)
         printf("%016" PRIx64 "\n", d->hash);
     if (o->depth && !(o->depth_range > 0) && ends_with(o->depth, ".png"))
         printf("%s: 65535 is a depth of %.9g\n", d->depth_name, d->range);
-    if (o->has_pick && print_pick(&b->renderers[0], o, b->world, view))
+    if (o->has_pick && print_pick(&b->renderers[0], o, b->world, &s->view, &s->options))
         return EXIT_FAILED;
-    return o->stats ? print_stats(&b->renderers[0], o, b->world, view, &d->stats) : 0;
+    return o->stats ? print_stats(&b->renderers[0], o, b->world, &s->view, &s->options, &d->stats) : 0;
 }
 
 static void draw_round(batch *b, drawn_round *round, long first)
 {
     round_of_batch argument = {b, round};
     round->first = first;
-    round->count = b->view_count - first < b->round_most ? b->view_count - first : b->round_most;
+    round->count = b->picture_count - first < b->round_most ? b->picture_count - first : b->round_most;
     for (long i = 0; i < round->count; i++)
         round->drawn[i].status = EXIT_FAILED;
     if (b->devices == 1)
@@ -480,8 +483,10 @@ static int finish_round(batch *b, drawn_round *round)
     if (round->writing)
         pthread_join(round->writer, 0);
     round->writing = 0;
-    for (long i = 0; i < round->count && !status; i++)
-        status = report_view(b, &round->drawn[i], &b->views[round->first + i]);
+    for (long i = 0; i < round->count && !status; i++) {
+        const shot s = shot_of(b, round->first + i, 0);
+        status = report_view(b, &round->drawn[i], &s);
+    }
     round->count = 0;
     return status;
 }
@@ -490,12 +495,12 @@ static int render_rounds(batch *b)
 {
     round_of_batch arguments[2] = {{b, &b->rounds[0]}, {b, &b->rounds[1]}};
     int status = 0, now = 1;
-    for (long first = 0; first < b->view_count && !b->failed && !status;) {
+    for (long first = 0; first < b->picture_count && !b->failed && !status;) {
         now = !now;
         draw_round(b, &b->rounds[now], first);
         first += b->rounds[now].count;
         status = finish_round(b, &b->rounds[!now]);
-        b->rounds[now].writing = !status && !b->failed && first < b->view_count &&
+        b->rounds[now].writing = !status && !b->failed && first < b->picture_count &&
                                  !pthread_create(&b->rounds[now].writer, 0, write_round, &arguments[now]);
         if (!status && !b->rounds[now].writing)
             write_round(&arguments[now]);
@@ -510,11 +515,11 @@ static int check_patterns(const batch *b, int film)
     if (film && is_pattern(o->output))
         return fail(EXIT_USAGE, "%s: a film is one file, expected a name without %%", o->output);
     for (int i = 0; i < 5; i++)
-        if (names[i] && b->view_count > 1 && !is_pattern(names[i]))
+        if (names[i] && b->picture_count > 1 && !is_pattern(names[i]))
             return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", names[i],
-                        b->view_count);
-    if (o->has_expected_hash && b->view_count > 1)
-        return fail(EXIT_USAGE, "--expect: a hash is of one view, not of %ld", b->view_count);
+                        b->picture_count);
+    if (o->has_expected_hash && b->picture_count > 1)
+        return fail(EXIT_USAGE, "--expect: a hash is of one view, not of %ld", b->picture_count);
     return 0;
 }
 
@@ -525,11 +530,11 @@ static void tell_files(const batch *b, int film, long index)
     char name[4096];
     for (int i = 0; i < 5; i++)
         if (outputs[i]) {
-            name_file(name, sizeof name, outputs[i], index);
+            name_numbered(name, sizeof name, outputs[i], index);
             files_write(name);
         }
     if (o->expect) {
-        name_file(name, sizeof name, o->expect, index);
+        name_numbered(name, sizeof name, o->expect, index);
         files_read(name);
     }
 }
@@ -547,31 +552,37 @@ static int open_film(batch *b)
                         b->views[i].width, b->views[i].height);
     const int width = o->has_scissor ? o->scissor[2] : across * first->width;
     const int height = o->has_scissor ? o->scissor[3] : eyes / across * first->height;
-    return fxs_film_open_rate(&b->film, o->output, b->encoding, width, height, o->frame.rate, &why)
+    return fxs_film_open_rate(&b->film, o->output, b->encoding, width, height, b->rate, &why)
                ? fail_for(&why) : 0;
+}
+
+static int focus_film(batch *b)
+{
+    const shot first = shot_of(b, 0, views_per_frame(&b->o->frame) / 2);
+    b->focus = focus_on(b, 0, &first);
+    return b->focus > 0 ? 0 : EXIT_FAILED;
 }
 
 static int render_all(batch *b)
 {
     const render_options *o = b->o;
     fxs_message why;
-    b->encoding = o->encoding ? o->encoding : b->view_count > 1 ? FXS_IMAGE_Y4M : FXS_IMAGE_PNG;
+    b->encoding = o->encoding ? o->encoding : b->picture_count > 1 ? FXS_IMAGE_Y4M : FXS_IMAGE_PNG;
     const int film = o->output && (!strcmp(o->output, "-") || b->encoding >= FXS_IMAGE_Y4M);
     int status = check_patterns(b, film);
-    for (long i = 0; i < b->view_count && !status; i++)
+    for (long i = 0; i < b->picture_count && !status; i++)
         tell_files(b, film, i);
     if (!status)
         status = files_check();
     const int has_rate = b->encoding == FXS_IMAGE_Y4M || b->encoding > FXS_IMAGE_RGBA;
-    if (!status && is_given("fps") && !o->frame.path && (!film || !has_rate))
-        status = fail(EXIT_USAGE, "--fps is for .y4m, .mp4, .webm and .gif, and for --path");
+    if (!status && is_given("fps") && !o->frame.path && !b->times.given && (!film || !has_rate))
+        status = fail(EXIT_USAGE, "--fps is for .y4m, .mp4, .webm and .gif, and for --path and --times");
     if (!status && o->cameras && fxs_camera_file_write(o->cameras, b->views, (size_t)b->view_count, &why))
         status = fail_for(&why);
     if (!status && film)
         status = open_film(b);
-    if (!status && o->frame.aperture > 0 && (o->frame.orbit || o->frame.path) &&
-        !((b->focus = focus_on(b, 0, &b->views[b->moments / 2])) > 0))
-        status = EXIT_FAILED;
+    if (!status && o->frame.aperture > 0 && (o->frame.orbit || o->frame.path || b->times.given))
+        status = focus_film(b);
     if (!status && render_draws(o))
         status = render_rounds(b);
     progress_end();
@@ -626,6 +637,19 @@ static void close_renderers(batch *b)
     fxs_pool_destroy(b->writers);
 }
 
+/* Counts the pictures: a frame for each time, else one of each view. */
+static int count_pictures(batch *b, const frame_options *frame)
+{
+    const fxs_time time = world_time(b->world);
+    b->moments = frame->orbit || frame->path ? views_per_frame(frame) : 1;
+    b->view_count /= b->moments;
+    b->times = frame->times;
+    memcpy(b->rate, frame->rate, sizeof b->rate);
+    b->picture_count = b->times.given ? times_settle(&b->times, b->rate, &time, b->world->placed.files[0])
+                                      : b->view_count;
+    return b->picture_count < 0 ? EXIT_FAILED : 0;
+}
+
 int render_views(const render_options *o)
 {
     static batch b;
@@ -642,14 +666,15 @@ int render_views(const render_options *o)
         status = fail(EXIT_USAGE, "a scene in a pool, or from a server, is drawn by one device: --device 0");
     if (!status) {
         b.view_count = choose_views(&frame, &w, &views, &lenses);
-        b.moments = views_per_frame(&frame);
-        b.view_count = b.view_count < 0 ? -1 : b.view_count / b.moments;
+        status = b.view_count < 0 ? EXIT_FAILED : count_pictures(&b, &frame);
+    }
+    if (!status) {
         b.views = views;
         light_codes_make(&b.codes, o->format != FXS_FORMAT_RGBA8_COVERAGE);
         b.lenses = frame.lens ? lenses : 0;
-        if (frame.path && b.view_count > 0)
+        if (frame.path)
             say_walls(&b.renderers[0], &w, &frame, views, b.view_count);
-        status = b.view_count < 0 ? EXIT_FAILED : render_all(&b);
+        status = render_all(&b);
     }
     close_renderers(&b);
     free(views);
