@@ -6,7 +6,7 @@
 #include <fixsplat/backend.h>
 #include "command_line.h"
 #include "load_world.h"
-#include "times.h"
+#include "frame_times.h"
 
 #define DEVICES_MOST 16
 

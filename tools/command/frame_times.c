@@ -1,5 +1,5 @@
 /* Frames of scenes that move: parses --time, --times and --fps, and counts the frames. */
-#include "times.h"
+#include "frame_times.h"
 
 #include <math.h>
 #include <string.h>

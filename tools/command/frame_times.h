@@ -1,6 +1,6 @@
 /* Frames of scenes that move: options --time, --times and --fps, and the moment of each frame. */
-#ifndef TIMES_H
-#define TIMES_H
+#ifndef FRAME_TIMES_H
+#define FRAME_TIMES_H
 
 #include "command_line.h"
 #include "load_world.h"
