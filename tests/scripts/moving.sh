@@ -106,4 +106,57 @@ fails "bench --compare: other times" 1 'cannot be compared: times_from: 0 there,
     bench $moving --times 0.5..1.5 --fps 8 --compare times.json
 fails "bench --fps without --times" 2 'fps needs --times' bench $moving --fps 8
 
+# ---- Convert ---------------------------------------------------------------------------------------------------------
+
+run convert moving.splatv again.fxs
+check "convert: no note about the quality" equal "$status $(cat logs/err)" "0 "
+succeeds "convert --time" convert moving.splatv moment.ply --time 0.5
+run render moment.ply $small -o moment.png
+run render $moving --time 0.5 -o packed.png
+check "convert --time: as the scene then" at_least "$("$fixsplat" compare moment.png packed.png | awk '/PSNR/ { print $2 }')" 45
+succeeds "convert --time of an .fxs" convert moving.fxs moment.spz --time 0.5
+run convert moving.splatv part.ply --time 0.5 --crop 0,-9,-9,9,9,9
+check "convert --time with a filter" grep -q '^fixsplat: moving.splatv: kept [1-9][0-9]* of ' logs/err
+succeeds "convert --time, placed" convert moving.splatv still.ply both.ply --time 0.5 --place 0:1,0,0
+succeeds "convert --time to an .fxs with levels" convert moving.splatv moment.fxs --time 0.5 --levels
+check "convert --time to an .fxs: it is still" sh -c "! '$fixsplat' info moment.fxs | grep -q ^moves"
+mkdir frames
+succeeds "convert --times" convert moving.fxs frames/%04d.splat --times all --fps 4
+check "convert --times: its files" equal "$(ls frames | tr '\n' ' ')" "0000.splat 0001.splat 0002.splat 0003.splat "
+run convert moving.fxs one.splat --time 0.75
+check "convert --times: the bytes of --time" cmp one.splat frames/0003.splat
+for ending in ply spz sog splat glb csv compressed.ply; do
+    fails "convert to .$ending without a time" 1 \
+        "moving.fxs: a scene that moves is not kept by a \\.[a-z]*: give --time SECONDS, or --times A\\.\\.B for numbered" \
+        convert moving.fxs whole.$ending
+done
+fails "convert: a filter of a scene that moves" 1 'moves is not filtered or reduced: give --time' \
+    convert moving.fxs part.fxs --prune 0.1
+fails "convert: merging scenes that move" 1 'moves is not placed or merged: give --time' convert moving.fxs still.ply two.fxs
+fails "convert: levels of a scene that moves" 1 'moves has no levels of detail: give --time' convert moving.fxs l.fxs --levels
+fails "convert: a block of a scene that moves" 1 'moves is not written in blocks: give --time' \
+    convert moving.fxs b.fxs --block 1/2
+fails "convert --time of a still scene" 1 'still.ply: does not move: no --time' convert still.ply a.spz --time 1
+fails "convert --times of a still scene" 1 'still.ply: does not move: no --times' convert still.ply %d.spz --times all
+fails "convert --times to one name" 2 'a.ply: for --times, expected a name with one %d' convert moving.fxs a.ply --times all
+fails "convert --fps alone" 2 'fps needs --times' convert moving.fxs a.ply --fps 3
+fails "convert --times that replace an input" 2 'frames/0001.splat: is read and cannot be written too' \
+    convert moving.fxs frames/0001.splat frames/%04d.splat --times all --fps 4
+
+# ---- Info ------------------------------------------------------------------------------------------------------------
+
+run info moving.fxs
+check "info: the duration" grep -q '^moves         1 seconds, again and again$' logs/out
+check "info: live Gaussians" grep -Eq '^live          [0-9]+ Gaussians at the least, [0-9]+ on average, 1024 at most$' logs/out
+check "info: bytes a second" grep -Eq '^stream        [0-9]+ bytes from the start on, then [0-9]+ a second, at most [0-9]+' logs/out
+run info moving.fxs --json
+check "info --json: the motion" grep -Eq '"motion": \{"duration": 1, "rate": null, "loops": true, "live": \{"least": [0-9]+, "mean": [0-9.]+, "most": [0-9]+\}, "start_bytes": [0-9]+, "bytes_per_second": [0-9]+, "most_bytes_in_a_second": [0-9]+\}, ' logs/out
+run info still.ply --json
+check "info --json of a still scene: no motion" sh -c '! grep -q motion logs/out'
+check "info --compare: at half of the duration" at_least "$(psnr_of moving.fxs moving.splatv)" 52
+check "info --compare --compare-time" at_least "$(psnr_of moving.fxs moving.splatv --compare-time 0.2)" 52
+check "info --compare: a moment" at_least "$(psnr_of moment.fxs moving.splatv --compare-time 0.5)" 52
+fails "info --compare: a still scene with one that moves" 1 'moves is not compared with a still one: give --compare-time' \
+    info moment.fxs --compare moving.splatv
+
 finish

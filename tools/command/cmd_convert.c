@@ -38,6 +38,9 @@ typedef struct convert_options {
     fxs_scene_filter filter;
     fxs_filter_shape shapes[SHAPES_MOST];
     load_options load;
+    times_option times;
+    rate_option rate;
+    int64_t time_q32;                       /* --time */
     int spz_version;
     int spz_fine;
     start_option start;
@@ -284,6 +287,16 @@ static const option_row own_rows[] = {
      "store 8 bits of SH and 24 bits of positions in an .spz: nearly twice the size at SH degree 3, and 53 instead of "
      "37 dB on a captured scene (default, as Niantic's encoder: 5 bits for SH degree 1, 4 above, and about 12 bits of "
      "positions after the point)"},
+    {.help = "Scenes that move (an .fxs keeps their motion, if nothing above is changed but how it is packed):"},
+    {"time", "SECONDS", TIME(time_q32), .help =
+     "convert the scene as it is at one moment. A scene that loops starts again after its duration"},
+    {"times", "A..B|all", TIMES(times), .help =
+     "write numbered files, OUT has one %d, as out/%04d.ply: the moment A, and --fps moments a second until before B; "
+     "all: from 0 to the end of the scene"},
+    {"fps", "RATE", RATE(rate), .help =
+     "moments per second of --times, 1 to 1000, also as a fraction: 24000/1001 (default: the rate of the scene, else "
+     "30)"},
+    {.help = "Replacing files:"},
     {"force", 0, take_force, 0, .help =
      "allow OUT to replace a file of IN, when OUT is complete; never an .fxs, and never a file that only belongs to a "
      "file of IN, as a tile of a tileset"},
@@ -297,9 +310,29 @@ static int is_filtered(void)
            is_given("decimate") || is_given("edits");
 }
 
+static const option_rule rules[] = {
+    {"time", "times", 0, "give one"},
+    {"fps", 0, "times", 0},
+    {"times", "block", 0, 0},
+    {0}
+};
+
+static int check_moments(convert_options *o)
+{
+    if (check_rules(rules))
+        return EXIT_USAGE;
+    if (o->times.given && !is_pattern(o->out))
+        return fail(EXIT_USAGE, "%s: for --times, expected a name with one %%d, as out/%%04d.ply", o->out);
+    o->load.has_moment = is_given("time");
+    o->load.moment = ldexp((double)o->time_q32, -32);
+    return 0;
+}
+
 static int read_options(convert_options *o, int argc, char **argv)
 {
     memset(o, 0, sizeof *o);
+    o->rate[0] = 30;
+    o->rate[1] = 1;
     files_force(FILES_REFUSE_UNFORCED);
     fxs_scene_filter_init(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
@@ -341,7 +374,7 @@ static int read_options(convert_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "--start-view is for .fxs");
     if ((o->spz_version || o->spz_fine) && !ends_with(o->out, ".spz"))
         return fail(EXIT_USAGE, "--spz-%s: %s is no .spz", o->spz_version ? "version" : "fine", o->out);
-    return 0;
+    return check_moments(o);
 }
 
 /* Quality that each compression profile promises. */
@@ -443,6 +476,7 @@ static int to_fxs(const convert_options *o)
     fxs_message message;
     load_options load = o->load;
     load.filter = is_filtered() ? &o->filter : 0;
+    load.still = load.tree ? "has no levels of detail: give --time SECONDS" : 0;
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
@@ -495,6 +529,7 @@ static int to_part(const convert_options *o)
     fxs_packed_scene part;
     fxs_message message;
     load.filter = is_filtered() ? &o->filter : 0;
+    load.still = "is not written in blocks: give --time SECONDS";
     if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
     int status = pack_part(o, &load, file, &info, &part);
@@ -650,8 +685,12 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
     fxs_scene_file_info info;
     fxs_scene_filter filter = *how->filter;
     load_options load = *how;
+    char still[128];
     filter.drawable = 1;
     load.filter = &filter;
+    snprintf(still, sizeof still, "is not kept by a %.30s: give --time SECONDS, or --times A..B for numbered files",
+             strrchr(out, '.'));
+    load.still = still;
     if (open_merged(placed, name, &load, &file, &info))
         return EXIT_FAILED;
     int status = files_check();
@@ -753,6 +792,75 @@ static int place_whole(convert_options *o)
     return 0;
 }
 
+/* Writes one file. */
+static int write_out(const convert_options *o)
+{
+    return o->blocks                   ? to_part(o)
+           : ends_with(o->out, ".fxs") ? to_fxs(o)
+                                       : convert_merged(o->out, o->spz_version, o->spz_fine, &o->placed, o->in,
+                                                        &o->load);
+}
+
+/* Finds the time of the scenes in files: the longest duration, the highest rate. */
+static int find_time(const convert_options *o, fxs_time *time)
+{
+    load_options load = o->load;
+    *time = (fxs_time){.duration = 0};
+    load.again = 1;
+    load.has_moment = 0;
+    load.filter = 0;
+    load.decimate_count = 0;
+    load.decimate_share = 0;
+    for (uint32_t i = 0; i < o->placed.file_count; i++) {
+        fxs_scene_file *file;
+        fxs_scene_file_info info;
+        load_options own;
+        if (options_of_file(&own, &load, i, o->placed.file_count) ||
+            open_unfiltered(o->placed.files[i], &own, &file, &info))
+            return EXIT_FAILED;
+        fxs_scene_file_close(file);
+        time->duration = fmax(time->duration, info.time.duration);
+        time->rate = fmax(time->rate, info.time.rate);
+    }
+    return 0;
+}
+
+static int check_time(const convert_options *o)
+{
+    fxs_time time;
+    if (!o->load.has_moment)
+        return 0;
+    if (find_time(o, &time))
+        return EXIT_FAILED;
+    return time.duration > 0 ? 0 : fail(EXIT_FAILED, "%s: does not move: no --time", o->in);
+}
+
+/* Writes a file for each time. */
+static int write_times(const convert_options *given)
+{
+    convert_options o = *given;
+    fxs_time time;
+    char name[4096];
+    int status = find_time(given, &time);
+    const long count = status ? 0 : times_settle(&o.times, o.rate, &time, o.in);
+    for (long i = 0; i < count && !status; i++) {
+        name_numbered(name, sizeof name, given->out, i);
+        files_write(name);
+    }
+    status = status || count < 0 ? EXIT_FAILED : files_check();
+    o.load.has_moment = 1;
+    for (long i = 0; i < count && !status; i++) {
+        name_numbered(name, sizeof name, given->out, i);
+        o.out = name;
+        o.load.moment = times_at(&o.times, o.rate, (double)i);
+        status = write_out(&o);
+        o.load.again = 1;
+        progress_bar("converting", (double)(i + 1) / (double)count);
+    }
+    progress_end();
+    return status;
+}
+
 static int check_files(const convert_options *o)
 {
     const fxs_world *placed = &o->placed;
@@ -760,7 +868,8 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     if (o->edits)
         files_read(o->edits);
-    files_write(o->out);
+    if (!o->times.given)
+        files_write(o->out);
     if (ends_with(o->out, ".fxs"))
         files_force(FILES_REFUSE);          /* no input may be replaced, since the comparison of views reads it again */
     return files_check();
@@ -772,7 +881,6 @@ static int run(int argc, char **argv)
     int status = read_options(&o, argc, argv);
     if (status)
         return status;
-    const int packed = ends_with(o.out, ".fxs");
     char endings[256];
     fxs_scene_format_endings(endings, sizeof endings, 1);
     if (!fxs_scene_format_of(o.out, 1))
@@ -782,8 +890,10 @@ static int run(int argc, char **argv)
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;
+    status = check_time(&o);
     const int looks = o.auto_up || (o.filter.thing && !o.has_level && !is_given("up"));
-    status = o.has_level ? turn_level(&o) : looks ? look_for_up(&o) : 0;
+    if (!status)
+        status = o.has_level ? turn_level(&o) : looks ? look_for_up(&o) : 0;
     if (!status && looks && o.filter.thing)
         status = look_for_ground(&o);
     if (!status)
@@ -795,9 +905,7 @@ static int run(int argc, char **argv)
     o.filter.deleted = o.deleted;
     o.load.filter = &o.filter;
     if (!status)
-        status = o.blocks ? to_part(&o)
-                 : packed ? to_fxs(&o)
-                          : convert_merged(o.out, o.spz_version, o.spz_fine, &o.placed, o.in, &o.load);
+        status = o.times.given ? write_times(&o) : write_out(&o);
     fxs_world_free(&o.placed);
     free(o.deleted);
     return status;
@@ -822,7 +930,10 @@ const command command_convert = {
     "  $ fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
     "  $ fixsplat convert --scene world.json all.fxs\n"
     "  $ fixsplat convert city.ply part-3.fxs --levels --block 3/8\n"
-    "  $ fixsplat convert part-*.fxs city.fxs\n",
+    "  $ fixsplat convert part-*.fxs city.fxs\n"
+    "  $ fixsplat convert dance.splatv dance.fxs\n"
+    "  $ fixsplat convert dance.fxs pose.ply --time 1.5\n"
+    "  $ fixsplat convert dance.fxs out/%04d.ply --times all --fps 24\n",
     {{own_rows, 0}, {world_rows, offsetof(convert_options, world)},
      {load_rows, offsetof(convert_options, load)}, COMMON_TABLE}
 };

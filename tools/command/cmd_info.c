@@ -14,6 +14,7 @@
 #include <fixsplat/internal/parts.h>
 #include <fixsplat/internal/placements.h>
 #include <fixsplat/internal/stage.h>
+#include "live_chunks.h"
 #include "tree_levels.h"
 #include "quality.h"
 #include "start_option.h"
@@ -52,6 +53,7 @@ typedef struct findings {
     scene_stats stats;
     board board;
     scene_levels *levels;
+    live_chunks *live;
 } findings;
 
 static int is_one(const world *w)
@@ -123,7 +125,7 @@ static void print_start_json(const loaded_scene *scene)
     }
 }
 
-static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
+static void print_scene_json(const loaded_scene *s, const scene_levels *levels, const live_chunks *live)
 {
     const fxs_scene_file_info *info = s->opened->info;
     const fxs_pack_report *r = s->opened->report;
@@ -152,6 +154,7 @@ static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
         levels_print_json(levels);
         printf(", ");
     }
+    live_print_json(live);
 }
 
 static void print_object_json(const world *w, uint32_t i)
@@ -269,10 +272,10 @@ static void print_json(const findings *f)
     const fxs_frame_memory *m = &f->memory;
     printf("{");
     if (is_one(w))
-        print_scene_json(&w->scenes[0], &f->levels[0]);
+        print_scene_json(&w->scenes[0], &f->levels[0], &f->live[0]);
     for (uint32_t i = 0; i < w->placed.file_count && !is_one(w); i++) {
         printf(i ? ", {" : "\"scenes\": [{");
-        print_scene_json(&w->scenes[i], &f->levels[i]);
+        print_scene_json(&w->scenes[i], &f->levels[i], &f->live[i]);
         printf("\"file\": ");
         print_json_string(w->placed.files[i]);
         printf("}");
@@ -347,7 +350,7 @@ static void print_start_text(const loaded_scene *scene)
     }
 }
 
-static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
+static void print_scene_text(const loaded_scene *s, const scene_levels *levels, const live_chunks *live)
 {
     const fxs_pack_report *r = s->opened->report;
     printf("format        %s%s\n", s->opened->info->format, s->opened->info->antialiased ? ", anti-aliased" : "");
@@ -365,6 +368,7 @@ static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
         print_error_text("largest error", &r->largest);
         print_error_text("rms error", &r->rms);
     }
+    live_print_text(live);
     if (levels->count)
         levels_print_text(levels);
 }
@@ -399,7 +403,7 @@ static void print_text(const findings *f)
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         if (!is_one(w))
             printf("file          %s\n", w->placed.files[i]);
-        print_scene_text(&w->scenes[i], &f->levels[i]);
+        print_scene_text(&w->scenes[i], &f->levels[i], &f->live[i]);
         if (!is_one(w))
             puts("");
     }
@@ -509,6 +513,8 @@ static const option_row own_rows[] = {
      "camera file to --compare from, with evenly spaced views (default: around the scene, in turn framed as by render, "
      "close, so that it exceeds the picture, and far)"},
     {"views", "N", INT(views, 1, 1000), .basic = 1, .help = "number of views to --compare, 1 to 1000 (default 8)"},
+    {"compare-time", "SECONDS", TIME(frame.render.time_q32), .help =
+     "moment at which scenes that move are compared (default: half of the duration of SCENE)"},
     {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help =
      "cut-off of the compared pictures: mahalanobis (default) or square"},
     {"compare-cutoff", "NAME", CHOICE(original_cutoff, cutoff_names), .help =
@@ -540,7 +546,7 @@ static const option_row own_rows[] = {
 };
 
 static const option_rule rules[] = {
-    {"cameras views cutoff compare-cutoff budget detail", 0, "compare", 0},
+    {"cameras views compare-time cutoff compare-cutoff budget detail", 0, "compare", 0},
     {0}
 };
 
@@ -641,10 +647,12 @@ static int find_levels(findings *f)
 {
     int status = 0;
     f->levels = calloc(f->world.placed.file_count, sizeof *f->levels);
-    if (!f->levels)
+    f->live = calloc(f->world.placed.file_count, sizeof *f->live);
+    if (!f->levels || !f->live)
         return fail(EXIT_FAILED, "out of memory");
     for (uint32_t i = 0; i < f->world.placed.file_count && !status; i++)
-        status = levels_measure(&f->levels[i], f->world.scenes[i].opened->scene);
+        status = levels_measure(&f->levels[i], f->world.scenes[i].opened->scene) ||
+                 live_measure(&f->live[i], f->world.scenes[i].opened->scene) ? EXIT_FAILED : 0;
     return status;
 }
 
@@ -703,6 +711,7 @@ static int run(int argc, char **argv)
         if (f.compared)
             quality_free(&f.quality);
         free(f.levels);
+        free(f.live);
         world_close(&f.world);
     }
     return status;
@@ -716,6 +725,8 @@ const command command_info = {
     "largest change of each attribute by packing (for an .fxs, every checksum is verified instead), and the memory of\n"
     "a frame: enough for any view, and the minimum. Several or placed scenes: also the objects and their boxes in the\n"
     "world.\n\n"
+    "A scene that moves: its duration, the Gaussians of the chunks (256 Gaussians) that are drawn at a time, and the\n"
+    "bytes of those that begin to be drawn in a second.\n\n"
     "An .fxs with levels of detail: a line per level. A level holds the nodes with at most this many leaves, and more\n"
     "than the next line's. Then follow their Gaussians and bytes, the squared error (colours^2 units^2) that their\n"
     "children remove, and the geometric mean size of the detail that they lack, in scene units.\n",
@@ -728,7 +739,8 @@ const command command_info = {
     "  $ fixsplat info toy.fxs --board ssd1306\n"
     "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n"
     "  $ fixsplat info scene.ply --compare scene.ply --cutoff square --compare-cutoff mahalanobis\n"
-    "  $ fixsplat info scene.fxs --compare scene.ply --budget 200000\n",
+    "  $ fixsplat info scene.fxs --compare scene.ply --budget 200000\n"
+    "  $ fixsplat info dance.fxs --compare dance.splatv --compare-time 0.8\n",
     {{own_rows, 0}, {level_rows, offsetof(info_options, frame)}, {world_rows, offsetof(info_options, frame.world)},
      {load_rows, offsetof(info_options, frame.load)}, COMMON_TABLE}
 };

@@ -160,6 +160,19 @@ static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *in
     return apply_filter(p, file, info, message);
 }
 
+/* Chooses the moment of a moving scene, or refuses the scene. */
+static int take_moment(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
+{
+    const int filters = o->filter || o->decimate_count || o->decimate_share > 0;
+    const char *still = o->still ? o->still : filters ? "is not filtered or reduced: give --time SECONDS" : 0;
+    fxs_message message;
+    if (!(info->time.duration > 0))
+        return 0;
+    if (o->has_moment)
+        return fxs_scene_file_at(file, o->moment, info, &message) ? fail_scene(path, &message) : 0;
+    return still ? fail(EXIT_FAILED, "%s: a scene that moves %s", shown(path), still) : 0;
+}
+
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
 {
     fxs_message message;
@@ -270,7 +283,10 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
     if (open_file(path, &options, file, info, &message))
         return fail_for(&message);
     look_at(path, o, info);
-    return 0;
+    const int status = take_moment(path, o, *file, info);
+    if (status)
+        fxs_scene_file_close(*file);
+    return status;
 }
 
 int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)

@@ -33,6 +33,10 @@ typedef struct load_options {
     uint64_t decimate_count;                /* number of Gaussians to reduce a scene to; 0: no reduction */
     double decimate_share;                  /* share of Gaussians to reduce a scene to; 0: no reduction */
     double rate;
+    int has_moment;                         /* 1: a moving scene is read as it is at the time `moment`, seconds */
+    double moment;
+    const char *still;                      /* why a scene that moves is refused without a moment, the end of the error
+                                               "a scene that moves ..."; null: it is read */
     uint64_t max_gaussians;
     size_t import_memory;
     int again;

@@ -19,6 +19,8 @@ typedef struct pair {
     fxs_float_scene *floats[2];             /* scene and original as floats; null: it is rendered packed */
     enum fxs_cutoff original_cutoff;
     double nudge_below;
+    int has_moment;                         /* 1: scenes that move are compared at the time `moment`, seconds */
+    double moment;
     picture pictures[3];
 } pair;
 
@@ -27,7 +29,13 @@ static int read_floats(fxs_float_scene **floats, const pair *p, const float_file
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_message message;
-    if (open_merged(files->placed, files->name, files->load, &file, &info))
+    load_options load = *files->load;
+    if (p->has_moment && !load.has_moment) {
+        load.has_moment = 1;
+        load.moment = p->moment;
+    }
+    load.still = "is not compared with a still one: give --compare-time SECONDS";
+    if (open_merged(files->placed, files->name, &load, &file, &info))
         return EXIT_FAILED;
     const int error = fxs_float_scene_read(floats, file, &info, p->pool ? fxs_pool_run : 0, p->pool, threads, &message);
     fxs_scene_file_close(file);
@@ -200,6 +208,15 @@ static int measure(quality *q, pair *p, const fxs_view *views, long given, const
     return status;
 }
 
+/* Chooses the moment of scenes that move: that of --compare-time, else half of the duration. */
+static void choose_moment(pair *p, frame_options *options)
+{
+    const double duration = world_time(p->scene).duration;
+    p->has_moment = is_given("compare-time") || duration > 0;
+    p->moment = is_given("compare-time") ? ldexp((double)options->render.time_q32, -32) : duration / 2;
+    options->render.time_q32 = seconds_q32(p->moment);
+}
+
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
                     enum fxs_cutoff original_cutoff, const frame_options *options, long wanted, double nudge_below)
 {
@@ -208,6 +225,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     fxs_view *views = 0;
     all.view = "all";
     all.framed = 1;
+    choose_moment(&p, &all);
     memset(q, 0, sizeof *q);
     long given = choose_views(&all, scene, &views, 0);
     if (given < 0)

@@ -34,7 +34,8 @@ typedef struct float_files {
 
 /* Compares pictures of a scene and of its original from up to `wanted` views of the camera file or around the scene.
    Scenes of `files` are drawn from floats, others packed. In views below `nudge_below` dB, the original is also
-   compared with a nudged copy. Nudging moves Gaussians at random by up to 1e-6 of the camera's distance. Free *q with
+   compared with a nudged copy. Nudging moves Gaussians at random by up to 1e-6 of the camera's distance. Scenes that
+   move are compared at the moment of --compare-time, else at half of the duration of `scene`. Free *q with
    quality_free. */
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
                     enum fxs_cutoff original_cutoff, const frame_options *options, long wanted, double nudge_below);

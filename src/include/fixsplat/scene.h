@@ -39,6 +39,7 @@ typedef struct fxs_scene_format {
                               beyond the precision of floats */
     int far;               /* 1: the format keeps positions beyond the precision of floats
                               (fxs_scene_write_options.origin) */
+    int moves;             /* 1: the format keeps how Gaussians move */
 } fxs_scene_format;
 
 /* Returns a scene file format by its number in the list, from 0 on; null beyond the last. */
