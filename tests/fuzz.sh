@@ -251,6 +251,12 @@ seeds_of_sog() {
         \"shN\":{\"count\":9,\"bands\":1,$codebook,\"files\":[\"5\",\"6\"]}}" \
         "{\"version\":1,\"lodLevels\":2,\"environment\":\"meta.json\",\"filenames\":[\"meta.json\"],
         \"tree\":{\"children\":[{$leaf},{}]}}" '' >second
+    sog '' "{\"version\":4,\"count\":1,$means,\"scales\":{\"codebook\":[1],\"files\":[\"2\"]},
+        \"sh0\":{\"codebook\":[0,1],\"files\":[\"4\"]},\"playback\":{\"duration\":2,\"fps\":9,\"loop\":false},
+        \"timeline\":{\"type\":1,\"mins\":[0,0.1],\"maxs\":[1,2],\"files\":[\"5\",\"6\"]}}" '' '' >moving
+    sog '' "{\"version\":4,\"count\":1,$means,\"scales\":{\"codebook\":[1],\"files\":[\"2\"]},
+        \"sh0\":{\"codebook\":[0],\"files\":[\"4\"]},\"fps\":9,
+        \"timeline\":{\"type\":0,\"N\":3,\"delta\":21845,\"files\":[\"5\",\"6\"]}}" '' '' >frames
     zip='PK\3\4\24\0\0\0\0\0\0\0!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0meta.json{}PK\1\2\24\3\24\0\0\0\0\0\0\0'\
 '!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0\0\0\0\0\0\0\0\0\200\1\0\0\0\0meta.json'\
 'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0'

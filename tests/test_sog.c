@@ -55,18 +55,19 @@ static void check_fails(const char *name, const char *words)
 #include <zip.h>
 
 enum { COUNT = 37, WIDTH = 7, HEIGHT = 6, PALETTE = 300, PALETTE_ROWS = 5 };
-enum { LOW, HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
+enum { LOW, HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, TIMES_LOW, TIMES_HIGH, VELOCITIES_LOW, VELOCITIES_HIGH,
+       IMAGES };
 enum { SCALE_VALUES, COLOUR_VALUES, SH_VALUES };
 
 static const char *const image_names[IMAGES] = {"low.webp", "high.webp", "scales.webp", "quats.webp", "sh0.webp",
-                                                "centroids.webp", "labels.webp"};
+                                                "centroids.webp", "labels.webp", "tl", "th", "vl", "vh"};
 
 typedef struct made_scene {
     int version, degree;
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];
+static struct made_file { char name[32]; void *data; size_t size; } files[IMAGES + 3];
 static int file_count;
 
 static void forget_files(void)
@@ -221,7 +222,7 @@ static void put_folder(const char *name)
     char path[512];
     mkdir(in_folder(name), 0700);
     for (int i = 0; i < file_count; i++) {
-        snprintf(path, sizeof path, "%s/%s", name, files[i].name);
+        snprintf(path, sizeof path, "%s/%.31s", name, files[i].name);
         put_file(path, files[i].data, files[i].size);
     }
 }
@@ -235,7 +236,7 @@ static void put_zip_in(const char *name, const char *folder_of_zip, int method)
         return;
     for (int i = 0; i < file_count; i++) {
         zip_source_t *source = zip_source_buffer(zip, files[i].data, files[i].size, 0);
-        snprintf(path, sizeof path, "%s%s", folder_of_zip, files[i].name);
+        snprintf(path, sizeof path, "%s%.31s", folder_of_zip, files[i].name);
         zip_int64_t index = zip_file_add(zip, path, source, 0);
         CHECK(index >= 0 && zip_set_file_compression(zip, (zip_uint64_t)index, method, 0) == 0);
     }
@@ -463,14 +464,265 @@ static void empty_scene(void)
     CHECK(read_level("a.sog", 0, &none, 1) == 0 && info.count == 0);
 }
 
+/* ---- Moving scenes: .tsog ---- */
+
+#define PROFILE "\"version\":4,\"profile\":{\"id\":\"org.opsiclear.tsog-playback\",\"version\":1}"
+#define VELOCITIES "\"temporal\":{\"means\":{\"mins\":[[-2,0.5,1]],\"maxs\":[[2,0.75,9]],\"files\":[\"vl\",\"vh\"]}}"
+#define CONTINUOUS_1 "\"timeline\":{\"type\":1,\"mins\":[-0.5,0.125],\"maxs\":[1.5,0.5],\"files\":[\"tl\",\"th\"]}"
+#define CONTINUOUS CONTINUOUS_1 "," VELOCITIES
+#define DISCRETE "\"timeline\":{\"type\":0,\"N\":5,\"delta\":13107,\"files\":[\"tl\",\"th\"]}"
+
+/* Makes plain a .tsog with more members in its JSON. */
+static void make_moving(const char *more)
+{
+    static const made_scene m = {2, 1, 9};
+    char text_of_version[2048];
+    make(&m);
+    for (int image = TIMES_LOW; image < IMAGES; image++)
+        add_image(&m, image, WIDTH, HEIGHT);
+    struct made_file meta = files[file_count - 5];
+    memmove(&files[file_count - 5], &files[file_count - 4], 4 * sizeof files[0]);
+    files[file_count - 1] = meta;
+    snprintf(text_of_version, sizeof text_of_version, PROFILE "%s%s", *more ? "," : "", more);
+    edit("\"version\":2", text_of_version);
+    put_zip("a.tsog", ZIP_CM_DEFLATE);
+}
+
+/* Reads the scene and its motions. Returns the number of Gaussians, or an error. */
+static long read_motions(const char *name, fxs_gaussian *gaussians, fxs_motion *motions, long capacity)
+{
+    fxs_scene_file *file;
+    long count, total = 0;
+    const int error = fxs_scene_file_open(in_folder(name), NULL, &file, &info, &message);
+    if (error)
+        return error;
+    while ((count = fxs_scene_file_read(file, gaussians + total,
+                                        (size_t)(capacity - total < 10 ? capacity - total : 10), &message)) > 0) {
+        const fxs_motion *given = fxs_scene_file_motions(file);
+        if (CHECK((given != NULL) == (info.time.duration > 0)) && given)
+            memcpy(motions + total, given, (size_t)count * sizeof *given);
+        total += count;
+    }
+    CHECK(!strcmp(info.format, strstr(name, ".tsog") ? "tsog" : "sog"));
+    fxs_scene_file_close(file);
+    return count < 0 ? count : total;
+}
+
+static double code_16(const made_scene *m, int low, int i, int channel)
+{
+    return byte_of(m, low, i, channel) + 256 * byte_of(m, low + 1, i, channel);
+}
+
+static void continuous(void)
+{
+    static const struct { const char *playback; double duration, rate; int loops; } cases[] = {
+        {"", 299 / 30.0, 0, 1}, {",\"fps\":25", 299 / 25.0, 25, 1}, {",\"playback\":{\"duration\":4}", 4, 0, 1},
+        {",\"playback\":{\"duration\":0.5,\"fps\":60,\"rate\":2,\"loop\":false},\"fps\":25", 0.5, 60, 0}
+    };
+    static const made_scene m = {2, 1, 9};
+    static const double lows[3] = {-2, 0.5, 1}, highs[3] = {2, 0.75, 9};
+    fxs_gaussian gaussians[COUNT + 1];
+    fxs_motion motions[COUNT + 1];
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        char more[1024];
+        snprintf(more, sizeof more, CONTINUOUS "%s", cases[n].playback);
+        make_moving(more);
+        if (!CHECK(read_motions("a.tsog", gaussians, motions, COUNT + 1) == COUNT)) {
+            printf("  %s\n", message.text);
+            continue;
+        }
+        all_same(&m, gaussians, 0, COUNT);
+        const double d = cases[n].duration;
+        CHECK(fabs(info.time.duration - d) < 1e-12 && info.time.rate == cases[n].rate &&
+              info.time.loops == cases[n].loops && info.time.degree == 1 && info.time.fades && !info.time.turns);
+        for (int i = 0; i < COUNT; i++) {
+            const double centre = -0.5 + 2 * code_16(&m, TIMES_LOW, i, 0) / 65535;
+            const double sigma = 0.125 + 0.375 * code_16(&m, TIMES_LOW, i, 1) / 65535;
+            CHECK(fabs((double)motions[i].centre - centre * d) < 1e-5 &&
+                  fabs((double)motions[i].fade - sqrt(2) * sigma * d) < 1e-5);
+            CHECK(motions[i].from == -INFINITY && motions[i].to == INFINITY && motions[i].drift[1][0] == 0);
+            for (int c = 0; c < 3; c++) {
+                const double v = lows[c] + (highs[c] - lows[c]) * code_16(&m, VELOCITIES_LOW, i, c) / 65535;
+                CHECK(fabs((double)motions[i].drift[0][c] - v / d) < 1e-5);
+            }
+        }
+    }
+}
+
+static void velocities_of_8_bits(void)
+{
+    static const made_scene m = {2, 1, 9};
+    fxs_gaussian gaussians[COUNT + 1];
+    fxs_motion motions[COUNT + 1];
+    make_moving(CONTINUOUS ",\"playback\":{\"duration\":1}");
+    edit("[\"vl\",\"vh\"]", "[\"vl\"]");
+    put_zip("a.tsog", ZIP_CM_STORE);
+    if (CHECK(read_motions("a.tsog", gaussians, motions, COUNT + 1) == COUNT))
+        for (int i = 0; i < COUNT; i++)
+            CHECK(fabs((double)motions[i].drift[0][0] - (-2 + 4 * byte_of(&m, VELOCITIES_LOW, i, 0) / 255.0)) < 1e-6);
+    make_moving(CONTINUOUS_1);
+    CHECK(read_motions("a.tsog", gaussians, motions, COUNT + 1) == COUNT && info.time.degree == 0);
+    for (int i = 0; i < COUNT; i++)
+        CHECK(motions[i].drift[0][0] == 0 && motions[i].fade > 0);
+}
+
+static void discrete(void)
+{
+    static const made_scene m = {2, 1, 9};
+    static const char *const playbacks[] = {"", ",\"fps\":12", ",\"playback\":{\"duration\":2.5}",
+                                            "," VELOCITIES ",\"playback\":{\"duration\":0.25,\"fps\":20}"};
+    static const double durations[] = {5 / 30.0, 5 / 12.0, 2.5, 0.25};
+    fxs_gaussian gaussians[COUNT + 1];
+    fxs_motion motions[COUNT + 1];
+    for (int n = 0; n < 4; n++) {
+        char more[1024];
+        snprintf(more, sizeof more, DISCRETE "%s", playbacks[n]);
+        make_moving(more);
+        if (!CHECK(read_motions("a.tsog", gaussians, motions, COUNT + 1) == COUNT)) {
+            printf("  %s\n", message.text);
+            continue;
+        }
+        all_same(&m, gaussians, 0, COUNT);
+        CHECK(fabs(info.time.duration - durations[n]) < 1e-12 && fabs(info.time.rate - 5 / durations[n]) < 1e-9 &&
+              info.time.degree == 0 && !info.time.fades);
+        for (int i = 0; i < COUNT; i++) {
+            const int frame = (int)fmin(4, floor(code_16(&m, TIMES_LOW, i, 0) / 13107));
+            for (int f = 0; f < 5; f++) {
+                const double t = (f + 0.5) * durations[n] / 5;
+                CHECK((t >= (double)motions[i].from && t < (double)motions[i].to) == (f == frame));
+            }
+            CHECK(motions[i].fade == INFINITY && motions[i].drift[0][2] == 0);
+        }
+    }
+}
+
+/* A .tsog without a timeline does not move; without a profile it is of an older program. */
+static void still_tsog(void)
+{
+    static const made_scene m = {2, 1, 9};
+    fxs_gaussian gaussians[COUNT + 1];
+    make_moving("");
+    CHECK(read_motions("a.tsog", gaussians, NULL, COUNT + 1) == COUNT && info.time.duration == 0);
+    all_same(&m, gaussians, 0, COUNT);
+    make_moving(DISCRETE);
+    edit("\"profile\":{\"id\":\"org.opsiclear.tsog-playback\",\"version\":1},", "");
+    put_folder("moving");
+    fxs_motion motions[COUNT + 1];
+    CHECK(read_motions("moving", gaussians, motions, COUNT + 1) == COUNT && info.time.duration > 0);
+}
+
+/* The example of the specification: tests/fixtures/tsog/decode-vector.json of OpsiClear-4DGS/ftgs-player. */
+static void example_of_specification(void)
+{
+    static const struct { const char *name; uint8_t pixels[8]; } images[] = {
+        {"pl", {0, 0, 0, 255, 255, 0, 0, 255}}, {"ph", {0, 0, 0, 255, 255, 0, 0, 255}},
+        {"s", {0, 0, 0, 255, 0, 0, 0, 255}}, {"q", {128, 128, 128, 252, 128, 128, 128, 255}},
+        {"dc", {0, 1, 2, 128, 2, 0, 1, 255}}, {"tl", {0, 0, 0, 255, 255, 0, 0, 255}},
+        {"th", {0, 0, 0, 255, 255, 0, 0, 255}}, {"vl", {0, 0, 1, 255, 255, 0, 2, 255}},
+        {"vh", {0, 0, 2, 255, 255, 0, 1, 255}}
+    };
+    static const float positions[2][3] = {{-1, 0, 1}, {1, 0, 1}}, velocities[2][3] = {{-2, 0, 513}, {2, 0, 258}};
+    static const float colours[2][3] = {{0, 1, -1}, {-1, 0, 1}};
+    static const double at_zero[2][4] = {{-3, 0, 514, 0.0679330049187703}, {-1, 0, -257, 0.1353352832366127}};
+    fxs_gaussian g[3];
+    fxs_motion m[3];
+    WebPMemoryWriter out;
+    forget_files();
+    for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
+        encode(images[i].pixels, 2, 1, &out);
+        add_file(images[i].name, out.mem, out.size);
+        WebPMemoryWriterClear(&out);
+    }
+    length = 0;
+    say("{" PROFILE ",\"count\":2,\"means\":{\"mins\":[-0.6931471805599453,0,0.6931471805599453],\"maxs\":"
+        "[0.6931471805599453,0,0.6931471805599453],\"files\":[\"pl\",\"ph\"]},\"scales\":{\"codebook\":[0],\"files\":"
+        "[\"s\"]},\"quats\":{\"files\":[\"q\"]},\"sh0\":{\"codebook\":[0,1,-1],\"files\":[\"dc\"]},\"timeline\":{"
+        "\"type\":1,\"mins\":[-1,0.5],\"maxs\":[1,0.5],\"files\":[\"tl\",\"th\"]},\"temporal\":{\"means\":{\"mins\":"
+        "[[-2,0,0]],\"maxs\":[[2,0,65535]],\"files\":[\"vl\",\"vh\"]}},\"playback\":{\"duration\":2,\"fps\":2,"
+        "\"rate\":2,\"loop\":false}}");
+    add_file("meta.json", text, length);
+    put_zip("a.tsog", ZIP_CM_STORE);
+    if (!CHECK(read_motions("a.tsog", g, m, 3) == 2)) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    CHECK(info.time.duration == 2 && info.time.rate == 2 && info.time.loops == 0);
+    for (int i = 0; i < 2; i++) {
+        const double d = 0 - (double)m[i].centre, opacity = 1 / (1 + exp(-(double)g[i].opacity));
+        CHECK(fabsf(m[i].centre - (i ? 2 : -2)) < 1e-6f && fabs(opacity - (i ? 1 : 128 / 255.0)) < 1e-6);
+        CHECK(fabs(opacity * exp(-pow(d / (double)m[i].fade, 2)) - at_zero[i][3]) < 1e-6);
+        for (int c = 0; c < 3; c++) {
+            CHECK(fabsf(g[i].position[c] - positions[i][c]) < 1e-6f && g[i].scale[c] == 0 &&
+                  g[i].dc[c] == colours[i][c] && fabsf(2 * m[i].drift[0][c] - velocities[i][c]) < 1e-3f);
+            CHECK(fabs((double)g[i].position[c] + d * (double)m[i].drift[0][c] - at_zero[i][c]) < 1e-3);
+        }
+    }
+}
+
+static void faulty_tsog(void)
+{
+    static const struct { const char *more, *old, *new, *words; } cases[] = {
+        {"", "playback\",\"version\":1", "playback\",\"version\":2", "TSOG of a profile that is not known"},
+        {"", "org.opsiclear", "com.opsiclear", "TSOG of a profile that is not known"},
+        {VELOCITIES, "", "", "\"temporal\" without a \"timeline\""},
+        {CONTINUOUS, "\"type\":1", "\"type\":2", "a \"timeline\" of a type that is not read: 0 and 1 are"},
+        {CONTINUOUS, "\"type\":1", "\"kind\":1", "a \"timeline\" of a type that is not read"},
+        {CONTINUOUS, "[-0.5,0.125]", "[-0.5,0]", "no valid \"mins\" and \"maxs\" of \"timeline\""},
+        {CONTINUOUS, "[-0.5,0.125]", "[-0.5,1e-100]", "no valid \"mins\" and \"maxs\" of \"timeline\""},
+        {CONTINUOUS, "[-0.5,0.125]", "[-0.5]", "no valid \"mins\" and \"maxs\" of \"timeline\""},
+        {CONTINUOUS, "[1.5,0.5]", "[1.5,0.1]", "no valid \"mins\" and \"maxs\" of \"timeline\""},
+        {CONTINUOUS, "\"temporal\":{", "\"temporal\":{\"scales\":{},", "\"temporal\" has more than \"means\""},
+        {CONTINUOUS, "[[-2,0.5,1]]", "[-2,0.5,1]", "no valid \"mins\" and \"maxs\" of \"temporal\""},
+        {CONTINUOUS, "[[2,0.75,9]]", "[[2,0.75,9],[1,1,1]]", "no valid \"mins\" and \"maxs\" of \"temporal\""},
+        {CONTINUOUS, "[\"vl\",\"vh\"]", "[]", "too few \"files\" of \"temporal\""},
+        {CONTINUOUS, "[\"vl\",\"vh\"]", "[\"vl\",\"vl\"]", "vl: the file of two images"},
+        {CONTINUOUS, "\"vh\"", "\"no\"", "a .zip archive without no"},
+        {CONTINUOUS, "[\"tl\",\"th\"]", "[\"tl\"]", "too few \"files\" of \"timeline\""},
+        {DISCRETE, "\"N\":5", "\"N\":0", "no valid \"N\" and \"delta\" of \"timeline\""},
+        {DISCRETE, "\"N\":5", "\"N\":10000000", "no valid \"N\" and \"delta\" of \"timeline\""},
+        {DISCRETE, "13107", "13108", "no valid \"N\" and \"delta\" of \"timeline\""},
+        {DISCRETE ",\"fps\":0", "", "", "no valid \"playback\" or \"fps\""},
+        {DISCRETE ",\"playback\":7", "", "", "no valid \"playback\" or \"fps\""},
+        {DISCRETE ",\"playback\":{\"duration\":-1}", "", "", "no valid \"playback\" or \"fps\""},
+        {DISCRETE ",\"playback\":{\"duration\":1e300}", "", "", "no valid \"playback\" or \"fps\""},
+        {DISCRETE ",\"playback\":{\"loop\":1}", "", "", "no valid \"playback\" or \"fps\""},
+        {DISCRETE ",\"playback\":{\"duration\":2,\"fps\":3}", "", "", "\"duration\" and \"fps\" of \"playback\" are"},
+        {DISCRETE, "\"codebook\":[-3.125", "\"codebook\":[],\"other\":[-3.125", "no valid values of \"scales\""}
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make_moving(cases[i].more);
+        if (*cases[i].old)
+            edit(cases[i].old, cases[i].new);
+        put_zip("a.tsog", ZIP_CM_STORE);
+        check_fails("a.tsog", cases[i].words);
+    }
+}
+
+/* Codes beyond a short codebook give no number, so that the Gaussian is left out. */
+static void short_codebook(void)
+{
+    static const made_scene m = {2, 1, 9};
+    fxs_gaussian gaussians[COUNT + 1];
+    make_moving("");
+    edit("\"codebook\":[-3.125", "\"codebook\":[0.5,0.25],\"other\":[-3.125");
+    put_zip("a.tsog", ZIP_CM_STORE);
+    CHECK(read_motions("a.tsog", gaussians, NULL, COUNT + 1) == COUNT);
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++) {
+            const int code = byte_of(&m, SCALES, i, c);
+            CHECK(code > 1 ? isnan(gaussians[i].scale[c]) : gaussians[i].scale[c] == (code ? 0.25f : 0.5f));
+        }
+}
+
 static void faulty_meta(void)
 {
     static const struct { const char *old, *new, *words; } cases[] = {
         {"{", "x{", "not a scene file of a known format"},
         {"}}", "}", "meta.json: bad JSON at byte"},
-        {"\"version\":2", "\"version\":3", "meta.json: SOG of version 3, which is not read: 1 and 2 are"},
-        {"\"version\":2", "\"version\":4,\"profile\":\"a\"", "TSOG, a moving scene (SOG of version 4 with a profile)"},
-        {"\"version\":2", "\"version\":4", "SOG of a version that is not known: not 1 or 2"},
+        {"\"version\":2", "\"version\":3", "SOG of version 3, which is not read: 1 and 2 are, and 4 (TSOG)"},
+        {"\"version\":2", "\"version\":4,\"profile\":\"a\"", "TSOG of a profile that is not known: not org.opsiclear"},
+        {"\"version\":2", "\"version\":1", "SOG of a version that is not known: not 1, 2 or 4"},
+        {"\"version\":2", "\"version\":5", "SOG of a version that is not known: not 1, 2 or 4"},
         {"\"version\":2", "\"version\":\"2\"", "a version that is not known"},
         {"\"version\":2,", "", "no valid \"shape\" of \"means\""},
         {"\"means\"", "\"mean\"", "not a SOG scene: no \"means\""},
@@ -938,6 +1190,13 @@ static void run_tests(void)
     RUN(zip_of_a_folder);
     RUN(empty_scene);
     RUN(faulty_meta);
+    RUN(continuous);
+    RUN(velocities_of_8_bits);
+    RUN(discrete);
+    RUN(still_tsog);
+    RUN(example_of_specification);
+    RUN(faulty_tsog);
+    RUN(short_codebook);
     RUN(faulty_images);
     RUN(absurd_sizes);
     RUN(damaged_zip);

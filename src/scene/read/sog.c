@@ -1,16 +1,23 @@
 /* Reads .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and
-   "The Streamed SOG Format". If PlayCanvas's code differs from these (order of quaternions, logarithms of scales, width
+   "The Streamed SOG Format". Reads the moving scenes of .tsog too, which are version 4: OpsiClear-4DGS, "TSOG Playback
+   Profile 1". If PlayCanvas's code differs from these (order of quaternions, logarithms of scales, width
    of a degree 1 palette), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, like PlayCanvas's
    splat-transform. */
 #include <fixsplat/internal/allocator.h>
 
 #include <string.h>
 
+#include "src/base/os_calls.h"
 #include "src/scene/formats_internal.h"
 
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
     return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
+}
+
+static int is_tsog(const fxs_head *head, fxs_message *message)
+{
+    return fxs_ends_in(head->source->path, ".tsog") && is_sog(head, message);
 }
 
 static int is_lcc2(const fxs_head *head, fxs_message *message)
@@ -32,7 +39,6 @@ static int is_lcc2(const fxs_head *head, fxs_message *message)
 
 #include "src/base/exponential.h"
 #include "src/base/fail_list.h"
-#include "src/base/os_calls.h"
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"
 #include "src/base/zip_internal.h"
@@ -44,11 +50,19 @@ enum {
     PALETTE_ROW = 64        /* number of SH palette entries in a row of pixels */
 };
 
-enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
+enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, TIMES_LOW, TIMES_HIGH, VELOCITIES_LOW,
+       VELOCITIES_HIGH, IMAGES };
 
 static const struct { const char *name; int first, count; } properties[] = {
-    {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
+    {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2},
+    {"timeline", TIMES_LOW, 2}, {"temporal", VELOCITIES_LOW, 2}
 };
+
+#define PROFILE "org.opsiclear.tsog-playback"
+#define SQRT_2 1.4142135623730951
+
+/* How the Gaussians of a .tsog exist: always, in one frame each, or about a time each. */
+typedef enum timeline { NO_TIMELINE, FRAMES, CONTINUOUS } timeline;
 
 typedef float table[256];
 
@@ -63,6 +77,12 @@ typedef struct sog_scene {
     fxs_text files[IMAGES];
     int widths[IMAGES], heights[IMAGES];
     uint8_t *pixels[IMAGES];   /* decoded images as RGBA; pixel i belongs to Gaussian i */
+    timeline timeline;
+    size_t frames;             /* number of frames of the timeline FRAMES */
+    double time_mins[2], time_maxs[2];           /* of centres and standard deviations, in durations of the scene */
+    double velocity_mins[3], velocity_maxs[3];   /* scene units per duration */
+    int velocity_images;
+    fxs_time time;
 } sog_scene;
 
 /* A range of Gaussians in a file: Gaussians `begin` to `end` - 1. */
@@ -79,6 +99,8 @@ typedef struct file_name {
 
 #define TO_THE_LAST SIZE_MAX
 
+enum { BATCH = 512 };          /* most Gaussians of a moving scene that are read at once */
+
 typedef struct sog_reader {
     const fxs_scene_source *source;
     cJSON *files;
@@ -94,6 +116,7 @@ typedef struct sog_reader {
     size_t *held;         /* indices of the files whose scenes are in memory, oldest first */
     size_t held_count;
     sog_scene *scene;
+    fxs_motion motions[BATCH];
 } sog_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -167,17 +190,52 @@ static int read_bounds(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-static const char *check_version(const cJSON *root)
+/* Reads a codebook of a .tsog, of 1 to 256 values. A Gaussian with a code beyond has no valid number. */
+static int read_short_codebook(const cJSON *property, table *tables, int count)
+{
+    const cJSON *codebook = member(property, "codebook"), *value;
+    const int size = cJSON_IsArray(codebook) ? cJSON_GetArraySize(codebook) : 0;
+    int at = 0;
+    if (size < 1 || size > 256)
+        return 0;
+    cJSON_ArrayForEach(value, codebook) {
+        if (!cJSON_IsNumber(value))
+            return 0;
+        tables[0][at++] = (float)value->valuedouble;
+    }
+    for (; at < 256; at++)
+        tables[0][at] = NAN;
+    for (int i = 1; i < count; i++)
+        memcpy(tables[i], tables[0], sizeof(table));
+    return 1;
+}
+
+static double version_of(const cJSON *root)
 {
     const cJSON *version = member(root, "version");
-    const double number = !version ? 1 : cJSON_IsNumber(version) ? version->valuedouble : 0;
+    return !version ? 1 : cJSON_IsNumber(version) ? version->valuedouble : 0;
+}
+
+static int is_moving_version(const cJSON *root)
+{
+    return version_of(root) == 4;
+}
+
+static const char *check_version(const cJSON *root)
+{
+    const double number = version_of(root);
+    const cJSON *profile = member(root, "profile");
+    const char *id = fxs_json_string(profile, "id");
+    size_t version;
     if (number == 3)
-        return "SOG of version 3, which is not read: 1 and 2 are";
-    if (number == 4 && member(root, "profile"))
-        return "TSOG, a moving scene (SOG of version 4 with a profile), which is not read: SOG of versions 1 and 2 is";
+        return "SOG of version 3, which is not read: 1 and 2 are, and 4 (TSOG)";
+    if (number == 4 && profile &&
+        !(id && !strcmp(id, PROFILE) && fxs_json_whole(member(profile, "version"), 1, &version) && version == 1))
+        return "TSOG of a profile that is not known: not " PROFILE " 1";
     if (!member(root, "means"))
         return "not a SOG scene: no \"means\"";
-    return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
+    return !member(root, "version") || number == 2 || number == 4 ? NULL
+                                                                  : "SOG of a version that is not known: not 1, 2 or 4";
 }
 
 /* Applies the string "model" of a SOG file, which states anti-aliasing or 2D Gaussians. "default" or null changes
@@ -189,10 +247,86 @@ static void take_model(sog_scene *s, const char *model)
         s->scale[2][code] = FXS_FLAT_SCALE;
 }
 
+/* Reads a positive number. Returns 1, 0 if there is none, or -1 for anything else. */
+static int read_positive(const cJSON *object, const char *name, double most, double *out)
+{
+    const cJSON *item = member(object, name);
+    if (!item)
+        return 0;
+    if (!(cJSON_IsNumber(item) && item->valuedouble > 1 / most && item->valuedouble < most))
+        return -1;
+    *out = item->valuedouble;
+    return 1;
+}
+
+/* Reads how long the scene lasts. What the file does not state is as the profile says: 30 frames a second; 300 frames
+   of a continuous timeline, of which the last one is at the end. */
+static const char *read_playback(sog_scene *s, const cJSON *root)
+{
+    const cJSON *playback = member(root, "playback"), *loop = member(playback, "loop");
+    double rate = 30, duration = 0;
+    const int has_rate = read_positive(playback, "fps", 1e6, &rate);
+    const int has_any_rate = has_rate ? has_rate : read_positive(root, "fps", 1e6, &rate);
+    const int has_duration = read_positive(playback, "duration", 1e9, &duration);
+    if (has_any_rate < 0 || has_duration < 0 || (playback && !cJSON_IsObject(playback)) ||
+        (loop && !cJSON_IsBool(loop)))
+        return "no valid \"playback\" or \"fps\"";
+    const double frames = s->timeline == FRAMES ? (double)s->frames : 299;
+    if (s->timeline == FRAMES && has_rate && has_duration && fabs(duration * rate - frames) > 1e-6 * frames)
+        return "\"duration\" and \"fps\" of \"playback\" are not those of the frames";
+    s->time = (fxs_time){.duration = has_duration ? duration : frames / rate, .rate = has_any_rate ? rate : 0,
+                         .loops = !loop || cJSON_IsTrue(loop), .degree = s->velocity_images > 0,
+                         .fades = s->timeline == CONTINUOUS};
+    if (s->timeline == FRAMES)
+        s->time.rate = frames / s->time.duration;
+    return NULL;
+}
+
+static const char *read_velocities(sog_scene *s, const cJSON *temporal)
+{
+    const cJSON *means = member(temporal, "means"), *item;
+    cJSON_ArrayForEach(item, temporal)
+        if (!item->string || strcmp(item->string, "means"))
+            return "\"temporal\" has more than \"means\", which is not read";
+    if (!means)
+        return cJSON_IsObject(temporal) ? NULL : "\"temporal\" is not an object";
+    s->velocity_images = cJSON_GetArraySize(member(means, "files")) == 1 ? 1 : 2;
+    if (cJSON_GetArraySize(member(means, "mins")) != 1 || cJSON_GetArraySize(member(means, "maxs")) != 1 ||
+        !fxs_json_numbers(cJSON_GetArrayItem(member(means, "mins"), 0), s->velocity_mins, 3) ||
+        !fxs_json_numbers(cJSON_GetArrayItem(member(means, "maxs"), 0), s->velocity_maxs, 3))
+        return "no valid \"mins\" and \"maxs\" of \"temporal\"";
+    return NULL;
+}
+
+/* A scene without a timeline is still. */
+static const char *read_timeline(sog_scene *s, const cJSON *root)
+{
+    const cJSON *line = member(root, "timeline"), *temporal = member(root, "temporal");
+    size_t type = 2, step;
+    if (!line)
+        return temporal ? "\"temporal\" without a \"timeline\"" : NULL;
+    if (!fxs_json_whole(member(line, "type"), 1, &type))
+        return "a \"timeline\" of a type that is not read: 0 and 1 are";
+    s->timeline = type ? CONTINUOUS : FRAMES;
+    if (s->timeline == FRAMES) {
+        if (!fxs_json_whole(member(line, "N"), 65536, &s->frames) || s->frames == 0 ||
+            !fxs_json_whole(member(line, "delta"), 65536, &step) || step != 65536 / s->frames)
+            return "no valid \"N\" and \"delta\" of \"timeline\"";
+        return read_playback(s, root);
+    }
+    if (!fxs_json_numbers(member(line, "mins"), s->time_mins, 2) ||
+        !fxs_json_numbers(member(line, "maxs"), s->time_maxs, 2) || !((float)s->time_mins[1] > 0) ||
+        !(s->time_maxs[1] >= s->time_mins[1]))
+        return "no valid \"mins\" and \"maxs\" of \"timeline\"";
+    const char *fault = temporal ? read_velocities(s, temporal) : NULL;
+    return fault ? fault : read_playback(s, root);
+}
+
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
-    int (*read)(const cJSON *, table *, int) = version ? read_codebook : read_bounds;
+    int (*read)(const cJSON *, table *, int) = is_moving_version(root) ? read_short_codebook
+                                               : version ? read_codebook : read_bounds;
     const char *fault = check_version(root);
     size_t degree = 0;
     if (fault)
@@ -217,7 +351,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (shn && version && !fxs_json_whole(member(shn, "count"), 65536, &s->palette))
         return "no valid \"count\" of \"shN\"";
     s->sh_degree = (int)degree;
-    return NULL;
+    return is_moving_version(root) ? read_timeline(s, root) : NULL;
 }
 
 static int coefficients(int degree)
@@ -277,16 +411,29 @@ static int load_named_image(sog_scene *s, const container *c, int image, const c
     return load_image(s, c, image, name);
 }
 
+/* Returns the number of images of a property; 0: the scene lacks it. */
+static int images_of(const sog_scene *s, size_t property, const cJSON *root)
+{
+    switch (properties[property].first) {
+    case CENTROIDS:      return member(root, "shN") ? properties[property].count : 0;
+    case TIMES_LOW:      return s->timeline != NO_TIMELINE ? properties[property].count : 0;
+    case VELOCITIES_LOW: return s->velocity_images;
+    default:             return properties[property].count;
+    }
+}
+
 static int load_images(sog_scene *s, const container *c, const cJSON *root)
 {
     const char *loaded[IMAGES] = {NULL};
     for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
-        const cJSON *property = member(root, properties[i].name), *names = member(property, "files");
-        if (properties[i].first == CENTROIDS && !property)
-            continue;
-        if (cJSON_GetArraySize(names) < properties[i].count)
+        const cJSON *property = member(root, properties[i].name);
+        if (properties[i].first == VELOCITIES_LOW)
+            property = member(property, "means");
+        const cJSON *names = member(property, "files");
+        const int count = images_of(s, i, root);
+        if (cJSON_GetArraySize(names) < count)
             return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->source->path, properties[i].name);
-        for (int k = 0; k < properties[i].count; k++)
+        for (int k = 0; k < count; k++)
             FXS_TRY(load_named_image(s, c, properties[i].first + k, loaded,
                                      cJSON_GetStringValue(cJSON_GetArrayItem(names, k))));
     }
@@ -375,6 +522,42 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
             sh[3 * k + c] = s->sh[s->pixels[CENTROIDS][4 * (label * count + k) + c]];
+}
+
+static int code_of(const sog_scene *s, int low, int images, size_t index, int channel)
+{
+    const int code = s->pixels[low][4 * index + (size_t)channel];
+    return images > 1 ? code | s->pixels[low + 1][4 * index + (size_t)channel] << 8 : code;
+}
+
+/* The last frame of the timeline FRAMES lasts until the end, and later codes mean it too. */
+static void decode_frame(const sog_scene *s, size_t index, fxs_motion *m)
+{
+    const size_t code = (size_t)code_of(s, TIMES_LOW, 2, index, 0) / (65536 / s->frames);
+    const size_t frame = code < s->frames ? code : s->frames - 1;
+    m->fade = INFINITY;
+    m->from = frame ? (float)((double)frame / s->time.rate) : -INFINITY;
+    m->to = frame + 1 < s->frames ? (float)((double)(frame + 1) / s->time.rate) : INFINITY;
+}
+
+static void decode_motion(const sog_scene *s, size_t index, fxs_motion *m)
+{
+    double times[2];
+    memset(m, 0, sizeof *m);
+    if (s->timeline == FRAMES) {
+        decode_frame(s, index, m);
+        return;
+    }
+    for (int c = 0; c < 2; c++)
+        times[c] = lerp(s->time_mins[c], s->time_maxs[c], code_of(s, TIMES_LOW, 2, index, c) / 65535.0);
+    m->centre = (float)(times[0] * s->time.duration);
+    m->fade = (float)(SQRT_2 * times[1] * s->time.duration);
+    for (int c = 0; c < 3 && s->velocity_images; c++)
+        m->drift[0][c] = (float)(lerp(s->velocity_mins[c], s->velocity_maxs[c],
+                                      code_of(s, VELOCITIES_LOW, s->velocity_images, index, c) /
+                                          (s->velocity_images > 1 ? 65535.0 : 255.0)) / s->time.duration);
+    m->from = -INFINITY;
+    m->to = INFINITY;
 }
 
 static void decode_gaussian(const sog_scene *s, size_t index, fxs_gaussian *g)
@@ -747,6 +930,9 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
         FXS_TRY(open_range(r, of, message));
         if (i > 0 && of[-1].file == of->file && of[-1].end > of->begin)
             return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene->source->path, of->begin);
+        if (r->scene->timeline != NO_TIMELINE && r->files)
+            return fxs_fail(message, "%s: a moving scene as a part of another", r->scene->source->path);
+        info->time = r->scene->time;
         info->count += of->end - of->begin;
         info->antialiased |= r->scene->antialiased;
         info->sh_degree = r->scene->sh_degree > info->sh_degree ? r->scene->sh_degree : info->sh_degree;
@@ -794,12 +980,16 @@ static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
 {
     sog_reader *r = handle;
     size_t count = 0;
+    if (r->scene && r->scene->timeline != NO_TIMELINE)
+        capacity = capacity < BATCH ? capacity : BATCH;
     while (count < capacity && r->at < r->range_count) {
         range *of = &r->ranges[r->at];
         FXS_TRY(open_range(r, of, message));
         FXS_TRY(decode_images(r->scene, message));
         for (; count < capacity && r->done < of->end - of->begin; r->done++, count++) {
             decode_gaussian(r->scene, of->begin + r->done, &gaussians[count]);
+            if (r->scene->timeline != NO_TIMELINE)
+                decode_motion(r->scene, of->begin + r->done, &r->motions[count]);
             if (r->is_turned)
                 fxs_transform_apply(&r->transform, &gaussians[count], r->scene->sh_degree);
         }
@@ -833,7 +1023,14 @@ static void sog_close(void *handle)
     fxs_release(allocator, r->ranges);
 }
 
-const fxs_reader fxs_read_sog = {is_sog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close, NULL};
+static const fxs_motion *sog_motions(const void *handle)
+{
+    const sog_reader *r = handle;
+    return r->scene && r->scene->timeline != NO_TIMELINE ? r->motions : NULL;
+}
+
+const fxs_reader fxs_read_sog = {is_sog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close, sog_motions};
+const fxs_reader fxs_read_tsog = {is_tsog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close, sog_motions};
 const fxs_reader fxs_read_lcc2 = {is_lcc2, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close, NULL};
 
 #else
@@ -846,6 +1043,7 @@ static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file
 }
 
 const fxs_reader fxs_read_sog = {is_sog, 0, sog_open, NULL, NULL, NULL, NULL};
+const fxs_reader fxs_read_tsog = {is_tsog, 0, sog_open, NULL, NULL, NULL, NULL};
 const fxs_reader fxs_read_lcc2 = {is_lcc2, 0, sog_open, NULL, NULL, NULL, NULL};
 
 #endif

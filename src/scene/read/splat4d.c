@@ -3,21 +3,17 @@
    others have numbers in every frame: those of the first frame of a group, then differences between frames.
 
    Gaussians that are still in all attributes are read as they are. The frames of the others become tracks. */
-#include <strings.h>
-
 #include "src/base/byte_reader.h"
+#include "src/base/os_calls.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 #define MAGIC "SP4D"
-#define OTHER_ENDING ".splat4d"
 
 static int is_splat4d(const fxs_head *head, fxs_message *message)
 {
-    const char *path = head->source->path;
-    const size_t length = strlen(path), ending = strlen(OTHER_ENDING);
     (void)message;
-    return !memcmp(head->bytes, MAGIC, 4) || (length > ending && !strcasecmp(path + length - ending, OTHER_ENDING));
+    return !memcmp(head->bytes, MAGIC, 4) || fxs_ends_in(head->source->path, ".splat4d");
 }
 
 #if defined(FXS_WITH_ZSTD) && defined(FXS_WITH_CJSON)
