@@ -78,8 +78,46 @@ seed_of_splat4d() {
     rm still group
 }
 
+record4d() {
+    cat >content
+    size=$(wc -c <content)
+    printf "\\$1\\$(printf %o $((size % 256)))\\$(printf %o $((size / 256)))\\0\\0\\0\\0\\0\\0"
+    cat content
+    rm content
+}
+
+numbers4d() {
+    n=$(printf %o $2)
+    printf "\\$1\\1\\2\\0\\$n\\1\\0\\0\\0\\$(printf %o $(($2 + 11)))\\0\\0\\0\\0\\0\\0\\0\\170\\1\\1"
+    printf "\\$n\\0\\$(printf %o $((255 - $2)))\\377"
+    head -c $(($2 + 4)) /dev/zero
+}
+
+seed_of_fourdgs() {
+    one='\0\0\0\0\0\0\360\77' zero='\0\0\0\0\0\0\0\0'
+    {
+        printf '\2114DGS1\r\n'
+        printf "\0\0\0\0\0\0\0\0$one\1\0\0\0\0\0\0\0$one\16\0\0\0gaussian-birth$(
+            )$zero$zero$zero$zero$zero$zero\1\2\0\0\0\0" | record4d 1
+        printf "\12\0\0\0uniform-v1$zero$zero$zero$one$one$one$one$one$one$one$one\1\0\0\0\0" | record4d 3
+        printf "\1\0\0\0$zero$one" | record4d 4
+        {
+            printf "$zero$one\0\0\0\0\1\0\0\0\0\0\0\0\111\1\0\0\0\0\0\0\111\1\0\0\0\0\0\0"
+            for stream in 0:3 1:3 2:1 3:3 4:3 5:1 6:3 7:1 10:1 11:1 12:1; do
+                numbers4d ${stream%:*} ${stream#*:}
+            done
+        } | record4d 5
+        {
+            printf '\1'
+            numbers4d 7 9
+        } | record4d 7
+        head -c 20 /dev/zero | record4d 2
+    } >4dgs
+}
+
 seeds_of_scene() {
     seed_of_splat4d
+    seed_of_fourdgs
     seed_of_rad >rad
     for scene in knot needles fog layers; do
         "$fixsplat" make-scene $scene --count 3 -o $scene.ply

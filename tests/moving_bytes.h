@@ -1,4 +1,5 @@
-/* Reads moving scenes that a test builds in memory, and moves their Gaussians by the formulas in scene.h, in doubles. */
+/* Reads moving scenes that a test builds in memory, and moves their Gaussians by the formulas of scene.h, in
+   doubles. */
 #ifndef MOVING_BYTES_H
 #define MOVING_BYTES_H
 
