@@ -23,7 +23,7 @@ uint32_t fxs_most_alive(const fxs_scene *scene);
 FXS_STAGE fxs_motion_rows fxs_motion_rows_of(const fxs_scene *scene, const fxs_motion_header *motion);
 
 /* Moves the codes of one Gaussian to a moment: to the codes that the chunk has as fxs_animate_chunk writes it.
-   `scale_step_q24` is the chunk's. */
+   `scale_step_q24` is the chunk's. A Gaussian whose opacity code becomes 0 is not turned, because it is never drawn. */
 static inline void fxs_animate_codes(fxs_codes *codes, const fxs_motion_rows *motion, const unsigned char *rows,
                                      uint32_t g, const fxs_moment *moment, enum fxs_profile profile,
                                      uint32_t scale_step_q24);
@@ -132,24 +132,23 @@ static inline void fxs_animate_codes(fxs_codes *codes, const fxs_motion_rows *mo
                                      uint32_t g, const fxs_moment *moment, enum fxs_profile profile,
                                      uint32_t scale_step_q24)
 {
-    const unsigned char *row = rows + motion->at;
+    const unsigned char *drifts = rows + motion->at, *turns = drifts + 6 * FXS_CHUNK * motion->degree;
+    const unsigned char *fades = turns + (motion->turns ? 8 * FXS_CHUNK : 0);
     for (uint32_t i = 0; i < 3; i++) {
-        const uint16_t drifted = fxs_drifted(codes->position[i], motion, row + 2 * FXS_CHUNK * i, g, moment);
+        const uint16_t drifted = fxs_drifted(codes->position[i], motion, drifts + 2 * FXS_CHUNK * i, g, moment);
         codes->position[i] = profile == FXS_PROFILE_SMALL ? fxs_spread_11(drifted >> 5) : drifted;
-    }
-    row += 6 * FXS_CHUNK * motion->degree;
-    if (motion->turns) {
-        int32_t fall_q16[3], turn_q15[4];
-        for (int i = 0; i < 3; i++)
-            fall_q16[i] = fxs_fall_q16(fxs_scale_code(codes->scale, i), scale_step_q24);
-        fxs_turn_at(turn_q15, row, g, moment->power_q15[0]);
-        codes->rotation = fxs_turned_word(codes->rotation, fxs_axis_bits(profile, fall_q16),
-                                          FXS_ROTATION_BITS(profile), turn_q15);
-        row += 8 * FXS_CHUNK;
     }
     if (motion->fades)
         codes->colour = (codes->colour & 0xffffff) |
-                        fxs_faded(codes->colour >> 24, motion, row, g, moment->power_q15[0]) << 24;
+                        fxs_faded(codes->colour >> 24, motion, fades, g, moment->power_q15[0]) << 24;
+    if (motion->turns && codes->colour >> 24) {
+        int32_t fall_q16[3], turn_q15[4];
+        for (int i = 0; i < 3; i++)
+            fall_q16[i] = fxs_fall_q16(fxs_scale_code(codes->scale, i), scale_step_q24);
+        fxs_turn_at(turn_q15, turns, g, moment->power_q15[0]);
+        codes->rotation = fxs_turned_word(codes->rotation, fxs_axis_bits(profile, fall_q16),
+                                          FXS_ROTATION_BITS(profile), turn_q15);
+    }
 }
 
 #endif

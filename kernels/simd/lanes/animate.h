@@ -8,7 +8,7 @@ static inline vi moved_position(vi code, const fxs_motion_rows *motion, const un
     vi sum = all(0);
     for (uint32_t k = 0; k < motion->degree; k++, row += 6 * FXS_CHUNK)
         sum += mul_q15(load_i16((const int16_t *)(const void *)row), all(moment->power_q15[k]));
-    return clamp(code + ((sum * (1 << up) + (1 << down >> 1)) >> down), all(0), all(65535));
+    return clamp(code + ((sum * all(1 << up) + all(1 << down >> 1)) >> down), all(0), all(65535));
 }
 
 /* With q a part in Q13 and the square of the length times 2^zeros below 2^32, q 2^(zeros / 2) is at most 2^16, and the
@@ -97,21 +97,21 @@ FXS_ANIMATE(ISA)
     const enum fxs_profile profile = scene->profile;
     const int32_t u_q15 = moment->power_q15[0];
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES) {
-        const unsigned char *row = rows + motion->at + 2 * i;
+        const unsigned char *drifts = rows + motion->at + 2 * i, *turns = drifts + 6 * FXS_CHUNK * motion->degree;
         vi position[3], rotation = load_rotations(scene, rows, i), opacity = load_opacities(scene, rows, i);
         load_positions(position, scene, rows, i);
         for (uint32_t k = 0; k < 3; k++)
-            position[k] = moved_position(position[k], motion, row + 2 * FXS_CHUNK * k, moment);
-        row += 6 * FXS_CHUNK * motion->degree;
-        if (motion->turns) {
+            position[k] = moved_position(position[k], motion, drifts + 2 * FXS_CHUNK * k, moment);
+        if (motion->fades)
+            opacity = faded(opacity, motion, turns + (motion->turns ? 8 * FXS_CHUNK : 0), u_q15);
+        const mask seen = greater(opacity, all(0));
+        if (motion->turns && any(seen)) {
             vi fall_q16[3], turn_q15[4];
             falls_of(fall_q16, load_scales(scene, rows, i), scale_step_q24);
-            turns_at(turn_q15, row, u_q15);
-            rotation = turned_words(rotation, axis_bits(profile, fall_q16), FXS_ROTATION_BITS(profile), turn_q15);
-            row += 8 * FXS_CHUNK;
+            turns_at(turn_q15, turns, u_q15);
+            rotation = choose(seen, turned_words(rotation, axis_bits(profile, fall_q16), FXS_ROTATION_BITS(profile),
+                                                 turn_q15), rotation);
         }
-        if (motion->fades)
-            opacity = faded(opacity, motion, row, u_q15);
         (profile == FXS_PROFILE_SMALL ? store_small : store_codes)(out, rows, i, position, rotation, opacity);
     }
 }

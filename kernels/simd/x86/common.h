@@ -21,6 +21,16 @@ static inline vi most(vi a, vi b)
     return (vi)MM(max_epi32)((V)a, (V)b);
 }
 
+#if LANES < 16                     /* AVX-512 has an instruction for this */
+/* Counts leading zeros with the exponent of x as a float. Clearing the 8th bit below the highest bit stops rounding
+   from carrying into the exponent. From 2^31 on, the float is negative. */
+static inline vi clz(vu x)
+{
+    const vu exponent = (vu)MM(cvtepi32_ps)((V)(x & ~(x >> 8))) >> 23;
+    return least(most((vi)(158 - exponent), all(0)), all(32));
+}
+#endif
+
 static inline vh all_h(int x)
 {
     return (vh)MM(set1_epi16)((int16_t)x);

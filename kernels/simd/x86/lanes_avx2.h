@@ -90,24 +90,6 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)which);
 }
 
-/* Counts the leading zeros of 32-bit words, with a table for half bytes. */
-static inline vi clz(vu x)
-{
-    const __m128i table = _mm_setr_epi8(4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
-    const __m256i zeros_of = _mm256_broadcastsi128_si256(table);
-    const __m256i nibble = _mm256_set1_epi8(15);
-    __m256i low = _mm256_shuffle_epi8(zeros_of, _mm256_and_si256((__m256i)x, nibble));
-    __m256i high = _mm256_shuffle_epi8(zeros_of, _mm256_and_si256((__m256i)(x >> 4), nibble));
-    __m256i n = _mm256_add_epi8(high, _mm256_and_si256(low, _mm256_cmpeq_epi8(high, _mm256_set1_epi8(4))));
-    low = _mm256_and_si256(n, _mm256_set1_epi16(255));
-    high = _mm256_srli_epi16(n, 8);
-    n = _mm256_add_epi16(high, _mm256_and_si256(low, _mm256_cmpeq_epi16(high, _mm256_set1_epi16(8))));
-    low = _mm256_and_si256(n, _mm256_set1_epi32(65535));
-    high = _mm256_srli_epi32(n, 16);
-    low = _mm256_and_si256(low, _mm256_cmpeq_epi32(high, _mm256_set1_epi32(16)));
-    return (vi)_mm256_add_epi32(high, low);
-}
-
 /* Returns the even lanes of a and the odd lanes of b. */
 static inline vu interleave(vw a, vw b)
 {

@@ -83,15 +83,6 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
 }
 
-/* Counts leading zeros with the exponent of x as a float. Clearing the 8th bit below the highest bit stops rounding
-   from carrying into the exponent. From 2^31 on, the float is negative. */
-static inline vi clz(vu x)
-{
-    const __m128i kept = _mm_andnot_si128((__m128i)(x >> 8), (__m128i)x);
-    const vu exponent = (vu)_mm_castps_si128(_mm_cvtepi32_ps(kept)) >> 23;
-    return least(most((vi)(158 - exponent), all(0)), all(32));
-}
-
 static inline vu interleave(vw a, vw b)
 {
     return (vu)_mm_blend_epi16((__m128i)a, (__m128i)b, 0xcc);
