@@ -117,7 +117,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint
     }
     for (uint32_t i = 0; i < end - first; i++) {
         if (first + i + 1 < end)
-            fetch_rows(f, objects[i + 1], chunks[i + 1], 0, FXS_ROW_SH);
+            fetch_rows(f, objects[i + 1], chunks[i + 1], 0, moves(f, first + i + 1) ? UINT32_MAX : FXS_ROW_SH);
         int32_t count = fxs_prepare_project(f, objects[i], first + i, starts[i], end_slot, block);
         if (count > 0 && moves(f, first + i)) {
             const int error = fxs_prepare_shade(f, objects[i], first + i, starts[i], (uint32_t)count, block);
