@@ -68,6 +68,7 @@ int fxs_turntable_open(fxs_turntable *t, const void *data, size_t bytes, int32_t
     }
     frame_box(t, half_q32, width, height);
     fxs_object_init(&t->object, &t->scene);
+    t->duration_q32 = fxs_scene_motion(&t->scene).duration_q32;
     return 0;
 }
 
@@ -77,6 +78,7 @@ void fxs_turntable_turn(fxs_turntable *t, uint32_t step)
     const int32_t sine = sine_q30(step), cosine = sine_q30(step + QUARTER);
     const int32_t rotation_q30[9] = {cosine, 0, sine, 0, 1 << 30, 0, -sine, 0, cosine};
     const int64_t *m = t->middle_q32;
+    t->object.time_q32 = t->duration_q32 / FXS_TURNTABLE_STEPS * step;
     for (int i = 0; i < 9; i++)
         t->object.rotation_q30[i] = rotation_q30[i];
     t->object.translation_q32[0] = m[0] - times_q30(m[0], cosine) - times_q30(m[2], sine);

@@ -2,6 +2,7 @@
 # Tests the firmware for microcontroller boards under qemu. Frames drawn in strips of rows must have the same bytes as
 # on the host, and damaged flash memory must give an error message. FXS_PROCESSORS=all adds all boards and a screen.
 . tests/scripts/lib/check.sh
+. tests/scripts/lib/splatv.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -143,6 +144,17 @@ if [ "$FXS_PROCESSORS" = all ]; then
     check "vexpress-a9 builds" firmware "$scene" vexpress-a9
     check "vexpress-a9 shows the picture of the host" screen_is_golden
 fi
+
+# ---- A scene that moves ----------------------------------------------------------------------------------------------
+
+scene=$work/moving.fxs
+splatv "$work/moving.splatv" 20000
+check "makes a scene that moves" "$B/fixsplat" convert "$work/moving.splatv" "$scene"
+check "builds with a scene that moves" firmware "$scene"
+for board in $boards; do
+    check "$board: 20,000 moving Gaussians have the bytes of the host" same_hashes "$board" 160 120 4
+    check "$board: a scene that moves in the least memory, and a byte less" one_byte_short "$board"
+done
 
 # ---- A scene with levels of detail ------------------------------------------------------------------------------------
 
