@@ -1035,10 +1035,11 @@ static void bench(const char *label, enum fxs_profile profile)
     bench_load = calloc(1, sizeof *bench_load);
     bench_init(bench_load, profile);
     bench_project(bench_load, &kernels);
-    printf("%s: %s a Gaussian (animate, project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve,\n"
-           "also as RGB565 and RGBA16); %u of %u Gaussians visible\n", label, TICK,
+    printf("%s: %s a Gaussian (animate, project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel\n"
+           "(resolve, also as RGB565 and RGBA16); %u of %u Gaussians visible\n", label, TICK,
            (unsigned)bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
-    printf("%-8s %9s %9s %9s %9s %9s %9s %9s %9s\n", "", "animate", "project", "shade", "sparse", "blend", "resolve", "565", "16");
+    printf("%-8s %9s %9s %9s %9s %9s %9s %9s %9s\n", "", "animate", "project", "shade", "sparse", "blend",
+           "resolve", "565", "16");
     bench_version("c", &kernels);
     for (size_t i = 0; i < VERSIONS; i++)
         if (fxs_cpu_detect() & versions[i].cpu) {

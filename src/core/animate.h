@@ -28,8 +28,8 @@ static inline void fxs_animate_codes(fxs_codes *codes, const fxs_motion_rows *mo
                                      uint32_t g, const fxs_moment *moment, enum fxs_profile profile,
                                      uint32_t scale_step_q24);
 
-/* Writes a chunk of a moving scene as it is at a moment to `room`, fxs_animated_bytes, aligned to 64: its header and its
-   rows without SH. Returns 0 or FXS_ERR_SCENE. */
+/* Writes a chunk of a moving scene as it is at a moment to `room`, fxs_animated_bytes, aligned to 64: its header and
+   its rows without SH. Returns 0 or FXS_ERR_SCENE. */
 int fxs_animate_chunk(const fxs_kernels *kernels, const fxs_scene *scene, const fxs_motion_rows *motion, uint32_t chunk,
                       const fxs_moment *moment, unsigned char *room);
 

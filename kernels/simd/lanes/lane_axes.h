@@ -83,7 +83,8 @@ static inline vi roll_of(vi c_q15, vi d_q15)
 /* Joins X, Y and U to words of `width` bits. A number's code is kept where it reads as 16 bits: with zeros below it. */
 static inline vi axes_word(vi x_q15, vi y_q15, vi u_q15, vi bits, int width)
 {
-    const vi unit = (vi)shift_left((vu)all(1), 16 - bits), roll_unit = (vi)shift_left((vu)all(1), 2 * bits + (16 - width));
+    const vi unit = (vi)shift_left((vu)all(1), 16 - bits);
+    const vi roll_unit = (vi)shift_left((vu)all(1), 2 * bits + (16 - width));
     const vi roll = (u_q15 + (roll_unit >> 1)) & -roll_unit;
     const vu behind_y = shift_right((vu)roll << 16, bits);
     vi y = axis_code(y_q15, (vi)(behind_y >> 16), unit);
