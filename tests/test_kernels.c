@@ -936,7 +936,7 @@ static void bench_init(workload *w, enum fxs_profile profile)
     made = w->packed;
     w->moving = make_motion(FXS_MOTION_DEGREE, 1, 1);
     memset(w->moving.rows + made.header->chunk_bytes + fxs_motion_bytes(FXS_MOTION_DEGREE, FXS_MOTION_TURNS) +
-           2 * FXS_CHUNK, 0xff, 2 * FXS_CHUNK);        /* widths of fades; so none is invisible */
+           2 * FXS_CHUNK, 0xff, 2 * FXS_CHUNK);        /* widths of fades that hide no Gaussian */
     for (uint32_t i = 0; i < MAX_SPLATS; i++) {
         make_splat(&w->tile_splats[i], 0, 0, 1);
         w->entries[i] = i;

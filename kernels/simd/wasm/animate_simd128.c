@@ -1,2 +1,2 @@
 #include "lanes_simd128.h"
-#include "kernels/simd/lanes/animate.h"
+#include "kernels/simd/lanes/lane_animate.h"

@@ -1,2 +1,2 @@
 #include "lanes_sse41.h"
-#include "kernels/simd/lanes/animate.h"
+#include "kernels/simd/lanes/lane_animate.h"
