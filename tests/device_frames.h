@@ -1,6 +1,6 @@
-/* Frames that a back end on a GPU draws, compared with the CPU renderer byte for byte: random and wild frames, sizes,
-   real scenes, levels of detail, moving scenes, scenes in several buffers, frames larger than a buffer. The test program defines
-   render_on_device and device_most. */
+/* Frames that a back end on a GPU draws, compared with the CPU renderer byte for byte: random, wild and moving frames,
+   sizes, real scenes, levels of detail, scenes in several buffers, frames larger than a buffer. The test program
+   defines render_on_device and device_most. */
 #ifndef DEVICE_FRAMES_H
 #define DEVICE_FRAMES_H
 
@@ -134,6 +134,25 @@ static void random_targets(picture *a, picture *b, uint32_t *read, const fxs_ima
     }
 }
 
+/* Gives a moving scene many codes whose products are halves or whose sums are ends of a range. */
+static void fill_edges(const fxs_scene *scene, unsigned char *data)
+{
+    static const int16_t edges[] = {0, 0, 1, -1, 8192, -8192, 16384, -16384, 16383, 32767, -32768};
+    const uint32_t still = fxs_chunk_bytes(scene->profile, scene->sh_degree);
+    unsigned char *rows = data + (scene->rows - data);
+    memset(data + (scene->motion - data) + offsetof(fxs_motion_header, cut_q16), 0, 4);
+    for (uint32_t i = 0; i < scene->chunk_count; i++, rows += scene->chunk_bytes) {
+        for (uint32_t at = still; at < scene->chunk_bytes; at += 2) {
+            const uint16_t code = fxs_little_16((uint16_t)edges[between(0, 10)]);
+            if (between(0, 3))
+                memcpy(rows + at, &code, 2);
+        }
+        for (uint32_t g = 0; g < FXS_CHUNK && scene->profile != FXS_PROFILE_SMALL; g++)
+            if (between(0, 1))
+                memset(rows + FXS_ROW_ROTATION + 4 * g, 0, 4);
+    }
+}
+
 static void set_moving(packed_scene *packed, fxs_scene *scene)
 {
     size_t bytes;
@@ -141,6 +160,8 @@ static void set_moving(packed_scene *packed, fxs_scene *scene)
     free(packed->data);
     packed->data = data;
     CHECK(!fxs_scene_open(scene, data, bytes));
+    if (between(0, 1))
+        fill_edges(scene, data);
 }
 
 static int64_t random_time(void)

@@ -348,8 +348,7 @@ static void fill_object(fxs_compute_object *o, const fxs_plan *p, uint32_t eye, 
     }
 }
 
-/* A frame with a moving object has a list of drawn chunks. */
-static int moves(const fxs_plan *p)
+int fxs_plan_moves(const fxs_plan *p)
 {
     int moving = 0;
     for (uint32_t i = 0; i < p->request->count; i++)
@@ -477,7 +476,7 @@ static void lay_out_eye(fxs_plan *p, const fxs_plan_rooms *r, uint32_t eye)
     f->finishes = r->finishes ? r->finishes : 1;
     f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
     f->drawn = p->drawn ? words_at(&words, FXS_COMPUTE_DRAWN * (uint64_t)r->chunks) : 0;
-    f->moments = moves(p) ? words_at(&words, FXS_COMPUTE_MOMENT * (uint64_t)r->chunks) : 0;
+    f->moments = fxs_plan_moves(p) ? words_at(&words, FXS_COMPUTE_MOMENT * (uint64_t)r->chunks) : 0;
     for (uint32_t i = 0; i < p->request->eyes; i++) {      /* the table is the same in the memory of both eyes */
         const uint32_t rates = plane_at(&words, &p->request->targets[i].rates, macros_of(p));
         f->rates = i == eye ? rates : f->rates;

@@ -78,6 +78,9 @@ size_t fxs_plan_memory(const fxs_request *request);
    stay valid. */
 int fxs_plan_begin(fxs_plan *plan, const fxs_request *request, void *memory, fxs_message *why);
 
+/* Returns 1 if an object's scene moves, else 0. Such a frame has a list of drawn chunks. */
+int fxs_plan_moves(const fxs_plan *plan);
+
 int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
 /* Lays out a frame and calls `draw`. If the frame exceeds a storage buffer of the device, does this for windows of the

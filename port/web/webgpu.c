@@ -194,7 +194,8 @@ static int begin(web_plan *w)
     return error;
 }
 
-/* Begins a frame on the GPU, which gpu_end frees. Out: numbers of drawn Gaussians and of chunks that the GPU lacks. */
+/* Begins a frame on the GPU, which gpu_end frees. Out: numbers of drawn Gaussians and of chunks that the GPU lacks; 1:
+   an object moves. */
 EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
@@ -215,6 +216,7 @@ EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, 
     }
     fxs_web_numbers()[0] = (double)w->plan.places * FXS_CHUNK;
     fxs_web_numbers()[1] = w->plan.missing;
+    fxs_web_numbers()[2] = fxs_plan_moves(&w->plan);
     return w;
 }
 

@@ -16,6 +16,7 @@ const EYES = 2
 const PLACE_STRIDE = 256        // distance of two eyes' places in their buffer, in bytes
 const [TIMES, TIMES_AT] = ['timestamp-query', 4 * STATUS * EYES]     // optional feature; its two times in a status
 const LOST = 'the WebGPU device was lost: open another Screen'
+const LATER = /animate_chunk|trace_tiles|finish_traced|name_pixels/     // shaders that few frames need
 const NOTHING = 0xffffffff      // depth of a pixel without a depth: FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }
 const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // indices of the two input images; number of images
@@ -224,7 +225,7 @@ export class Computed {
 
   async #open() {
     this.#names = this.#core.text(this.#core.c.gpu_programs()).trim().split(' ')
-    await this.#need(...this.#names.filter((name) => !/trace_tiles|finish_traced|name_pixels/.test(name)))
+    await this.#need(...this.#names.filter((name) => !LATER.test(name)))
     if (this.#canvas) await this.#take(this.#canvas)
     if (this.lost) throw new Error(LOST)
     const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
@@ -351,9 +352,10 @@ export class Computed {
     const values = [alpha ? 1 : 0, depthBits, bits, background, shDegree, square, budget, detail]
     const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
     const facts = core.drawn()
+    const [, , moves] = core.get(0, 3)
     core.looked()
     if (this.#next) core.c.gpu_end(this.#next.at)
-    this.#next = { at, scenes, pools, width, height, eyes, isWhole: !into, backdrop, depthBits, bits, limit }
+    this.#next = { at, scenes, pools, width, height, eyes, isWhole: !into, backdrop, depthBits, bits, limit, moves }
     this.#running ??= this.#run()
     return facts
   }
@@ -398,6 +400,7 @@ export class Computed {
       eye.show = format && (await programsOf(this.device).show(format, over))
     }
     if (frame.bits & ~(1 | (1 << BACKDROP))) await this.#need('trace_tiles', 'finish_traced', 'name_pixels', 'hide')
+    if (frame.moves) await this.#need('animate_chunk')
     await Promise.all(frame.pools.map(({ made }) => made))
     this.#stay()
     const status = this.#statuses[this.#submitted++ % FLIGHTS]

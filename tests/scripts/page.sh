@@ -65,7 +65,7 @@ check "size of editing by hand" at_most 6200 "$package/editor.js" "$package/view
 check "size of German" at_most 4900 "$package/viewer/language_de.js"
 check "size of Chinese" at_most 5100 "$package/viewer/language_zh.js"
 check "words in each language" node tests/web/language.mjs "$package/viewer"
-check "size of what WebGPU needs" at_most 32300 $of_webgpu
+check "size of what WebGPU needs" at_most 34000 $of_webgpu
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"

@@ -18,6 +18,9 @@ const frames = {
   'square cut-off': frame('few', 200, 150, ['--cutoff', 'square', '--bg', 'ffffff'],
                           { cutoff: 'square', background: 0xffffff }),
   'a detail': frame('levels', 200, 150, ['--detail', '2.5'], { detail: 2.5 }),
+  'a moving scene': frame('moving', 200, 150),
+  'a moving scene beside a still one': frame('knot', 100, 75, ['--eye', '9,-2,-9'], {}, { eye: [9, -2, -9] },
+                                             [{ scene: 'moving' }]),
   'first again': FRAMES.framed,
 }
 
@@ -32,6 +35,24 @@ const random = ((state) => (low, high) => {
 })(1)
 const vector = (...range) => [random(...range), random(...range), random(...range)]
 const one = (list) => list[Math.floor(random(0, list.length))]
+// A moving scene: the Gaussians of the scene `few` with the columns of motion of SpacetimeGaussians.
+function makeMoving() {
+  const ply = readFileSync(`${work}/few.ply`)
+  const rows = ply.indexOf('end_header') + 11
+  const head = ply.toString('latin1', 0, rows)
+  const bytes = (ply.length - rows) / head.match(/element vertex (\d+)/)[1]
+  const names = [...Array(9).keys()].map((i) => `motion_${i}`).concat([0, 1, 2, 3].map((i) => `omega_${i}`))
+  const columns = ['trbf_center', 'trbf_scale', ...names].map((name) => `property float ${name}\n`).join('')
+  const parts = [Buffer.from(head.replace('end_header', `${columns}end_header`))]
+  for (let at = rows; at < ply.length; at += bytes) {
+    const motion = Float32Array.of(random(0, 0.5), random(-1, 0), ...names.map(() => random(-0.5, 0.5)))
+    parts.push(ply.subarray(at, at + bytes), Buffer.from(motion.buffer))
+  }
+  writeFileSync(`${work}/moving.ply`, Buffer.concat(parts))
+  execFileSync(command, ['convert', `${work}/moving.ply`, `${work}/moving.fxs`, '--quiet'])
+}
+makeMoving()
+
 const objectOf = (id) => ({
   scene: one(['knot', 'levels', 'needles-default', 'fog-small', 'cubes-compact']),
   translation: vector(-2, 2),
