@@ -266,6 +266,30 @@ static void not_finite(void)
     fxs_scene_file_close(file);
 }
 
+/* Scenes that a network deforms: the weights, by their first bytes, and the folder that has them. */
+static void networks(void)
+{
+    static const char said[] = "a neural network of PyTorch, which is not run";
+    char folder[] = "/tmp/fixsplat_network_XXXXXX", name[64];
+    fxs_scene_file *file;
+    size = 0;
+    put("PK%c%c", 3, 4);
+    memset(bytes + size, 0, 26);
+    size += 26;
+    bytes[26] = 16;
+    put("archive/data.pkl....");
+    check_fails(said);
+    bytes[26] = 21;
+    check_fails("");
+    if (!CHECK(mkdtemp(folder) != NULL))
+        return;
+    snprintf(name, sizeof name, "%s/deformation.pth", folder);
+    FILE *stream = fopen(name, "wb");
+    CHECK(stream && !fclose(stream));
+    CHECK(fxs_scene_file_open(folder, NULL, &file, &info, &message) == FXS_ERR_FILE && strstr(message.text, said));
+    CHECK(!unlink(name) && !rmdir(folder));
+}
+
 int main(void)
 {
     RUN(lite_model);
@@ -276,5 +300,6 @@ int main(void)
     RUN(many_rows);
     RUN(faults);
     RUN(not_finite);
+    RUN(networks);
     return check_report();
 }

@@ -782,7 +782,7 @@ static void faulty_meta(void)
     put_folder("scene");
     check_fails("scene", "no valid values of \"shN\"");
     CHECK(mkdir(in_folder("empty"), 0700) == 0);
-    check_fails("empty", "empty/meta.json: No such file");
+    check_fails("empty", "a folder without an index or numbered scene files");
 }
 
 static void faulty_images(void)

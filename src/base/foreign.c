@@ -66,9 +66,22 @@ static int is_obj(const char *text, const char *end)
     return 0;
 }
 
+int fxs_is_torch(const void *bytes, size_t size)
+{
+    enum { NAME_LENGTH = 26, NAME = 30 };
+    static const char ending[] = "/data.pkl";
+    const unsigned char *zip = bytes;
+    if (size < NAME || memcmp(zip, "PK\3\4", 4))
+        return 0;
+    const size_t length = zip[NAME_LENGTH] | (size_t)zip[NAME_LENGTH + 1] << 8, tail = strlen(ending);
+    return length >= tail && length <= size - NAME && !memcmp(zip + NAME + length - tail, ending, tail);
+}
+
 const char *fxs_foreign(const void *bytes, size_t size)
 {
     const char *text = bytes, *const end = text + size;
+    if (fxs_is_torch(bytes, size))
+        return FXS_NETWORK;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (kinds[i].at + kinds[i].size <= size && !memcmp(text + kinds[i].at, kinds[i].bytes, kinds[i].size))
             return kinds[i].words;

@@ -273,7 +273,7 @@ fails "eye too far out" 1 "position" render knot.ply $small --eye 1e30,0,0 --has
 # ---- Faulty scenes ---------------------------------------------------------------------------------------------------
 
 fails "scene missing" 1 "none.ply: No such file" render none.ply --hash
-fails "scene a folder" 1 "views/meta.json: No such file" render views --hash
+fails "scene a folder" 1 "views: not a regular file, but a folder without an index" render views --hash
 fails "scene a picture" 1 "knot.png: not a scene" render knot.png --hash
 { printf 'version https://git-lfs.github.com/spec/v1\noid sha256:%064d\nsize 123\n' 7; } >pointer.ply
 printf '\n <!DOCTYPE html>\n<html><body>Not found</body></html>\n' >page.ply

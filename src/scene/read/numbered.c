@@ -9,6 +9,7 @@
 #include <fixsplat/internal/message.h>
 
 #include "src/base/files_internal.h"
+#include "src/base/foreign.h"
 #include "src/base/os_calls.h"
 #include "src/scene/formats_internal.h"
 #include "src/scene/sequence.h"
@@ -22,6 +23,7 @@ typedef struct names {
     char (*numbers)[16];
     uint32_t count, room;
     int several, failed;           /* 1: files of another prefix or ending are there too; memory ran out */
+    int network;                   /* 1: the weights of a network that deforms a scene are there too */
 } names;
 
 typedef struct numbered_reader {
@@ -54,6 +56,7 @@ static void take_name(void *argument, const char *name)
 {
     names *n = argument;
     size_t digits, ending;
+    n->network |= !strcmp(name, "deformation.pth") || !strcmp(name, "deform.pth");    /* 4DGaussians, Deformable3DGS */
     if (!split(name, &digits, &ending) || strlen(name) >= NAME_MOST || n->failed)
         return;
     if (!n->given && !n->count) {
@@ -99,6 +102,9 @@ static int list_files(names *n, const char *path, fxs_message *message)
         return fxs_fail(message, "%s: the folder cannot be read", path);
     if (n->failed)
         return fxs_fail_memory(message, path, 0);
+    if (!n->count && n->network)
+        return fxs_fail(message, "%s: a scene that a network deforms (deformation.pth or deform.pth): " FXS_NETWORK,
+                        path);
     if (!n->count)
         return fxs_fail(message, n->given ? "%s: no numbered scene files of this name"
                                           : "%s: not a regular file, but a folder without an index or numbered scene "

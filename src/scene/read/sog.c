@@ -7,12 +7,14 @@
 
 #include <string.h>
 
+#include "src/base/foreign.h"
 #include "src/base/os_calls.h"
 #include "src/scene/formats_internal.h"
 
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
-    return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
+    return (!memcmp(head->bytes, "PK\3\4", 4) && !fxs_is_torch(head->bytes, head->size)) ||
+           (head->name && !fxs_read_gsplat.is(head, message));
 }
 
 static int is_tsog(const fxs_head *head, fxs_message *message)
