@@ -27,7 +27,7 @@ sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c src/scene/sequence.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c) port/backend/pack_stages.c \
               $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c source.c text.c zip.c) \
-              $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c) $(WEB_C)
+              $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c animate.c) $(WEB_C)
 sources_of_import := $(WEB_IMPORT)
 sources_of_import_sog := $(WEB_IMPORT)
 sources_of_import_core := $(WEB_IMPORT)

@@ -17,6 +17,7 @@ export class Editor {
   constructor(scene, begin) {
     const [core, at, pager] = scene.inside
     if (pager) throw new Error(`${scene.name}: only parts of it are here: load it with \`paging: false\``)
+    if (scene.duration) throw new Error(`${scene.name}: it moves: only still scenes are edited by hand`)
     this.scene = scene
     this.#begin = begin
     this.#core = core

@@ -395,7 +395,7 @@ function sceneOf(core, file) {
     data = core.place(core.c.allocate(bytes))
     file.copy(0, core.bytes(data, bytes))
     const at = core.place(core.c.open(text, data, bytes))
-    return new Scene(core, { name, at, data, bytes, facts: core.get(0, 10) })
+    return new Scene(core, { name, at, data, bytes, facts: core.get(0, 13) })
   } catch (error) {
     core.c.release(data)
     throw error
@@ -454,6 +454,7 @@ export class Scene {
     this.#pager = pager
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
     Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
+    Object.assign(this, { duration: rest[7], rate: rest[8], loops: rest[9] === 1 })
     core.scenes++
     core.chosen = null   // drops the cached choice of a view, since a new scene may have the address of a freed scene
   }
@@ -495,6 +496,11 @@ export class Scene {
 
   foresee(camera, options) {
     return foresee([{ scene: this }], camera, options)
+  }
+
+  prefetch(from, to) {
+    const times = [from, to].map(checkedTime)
+    return this.inside[2]?.prefetch(...times) ?? 0
   }
 
   async complete(camera, options) {
@@ -550,24 +556,31 @@ function insideOf(object, i) {
   return object.scene.inside
 }
 
+const MOST_SECONDS = 1e6
+
+function checkedTime(time) {
+  need(Math.abs(time) <= MOST_SECONDS, `time ${time}: expected seconds, within ${MOST_SECONDS}`)
+  return time
+}
+
 function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
-  const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
+  const { tint = [1, 1, 1], visible = true, id = i, crops = [], time = 0 } = object
   const [own, at] = insideOf(object, i)
   need(Array.isArray(crops) && crops.every(isObject), `object ${i}: crops: expected a list of boxes`)
   if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
   const kept = crops.slice(0, MAX_CROPS).flatMap(box)
-  core.put(...where, ...all('tint', 3, tint), visible, id, crops.length, ...kept)
+  core.put(...where, ...all('tint', 3, tint), visible, id, crops.length, checkedTime(time), ...kept)
   core.check(core.c.place(at))
 }
 
-function placeAll(objects) {
+function placeAll(objects, time = 0) {
   need(Array.isArray(objects), 'objects: expected a list')
   if (!objects.length) throw new Error('no objects')
   const [core] = insideOf(objects[0], 0)
-  core.check(core.c.begin(objects.length))
+  core.check(core.c.begin(objects.length, checkedTime(time)))
   objects.forEach((object, i) => placeObject(core, object, i))
   core.pagers = [...new Set(objects.map(({ scene }) => scene.inside[2]))].filter(Boolean)
   return core
@@ -583,7 +596,7 @@ function takePinhole(core, camera, width, height) {
 }
 
 function chosen(core, objects) {
-  const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
+  const key = JSON.stringify(objects.map(({ scene, time, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
     core.check(core.c.choose())
     core.chosen = { key, first: core.get(0, 14) }
@@ -601,7 +614,8 @@ function takeCamera(core, objects, camera, width, height) {
   if (camera.rotation) return takePinhole(core, camera, width, height)
   const { fov = 50, near = 0 } = camera
   if (!camera.eye && !camera.up) {
-    const alone = objects.length === 1 && Object.keys(objects[0]).length === 1 && camera.fov === undefined
+    const isPlaced = Object.keys(objects[0]).some((name) => !['scene', 'time'].includes(name))
+    const alone = objects.length === 1 && !isPlaced && camera.fov === undefined
     if (alone && core.check(core.c.see_start(objects[0].scene.inside[1], near, width, height))) return undefined
     core.put(...chosen(core, objects).slice(0, 13), fov, near)
     return core.check(core.c.see_first(width, height))
@@ -628,9 +642,9 @@ function begin(objects, camera, options) {
   need(isObject(camera), 'camera: expected an object')
   need(isObject(options), 'options: expected an object')
   const [width, height] = sizeOf(camera, options)
-  const { depthBits = 16, fetch = true } = options
+  const { depthBits = 16, fetch = true, time } = options
   if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
-  const core = placeAll(objects)
+  const core = placeAll(objects, time)
   core.fetches = fetch
   takeCamera(core, objects, camera, width, height)
   return [core, width, height]

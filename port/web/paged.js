@@ -1,7 +1,8 @@
-// Streams scenes with levels of detail by range requests. The tables of the file (palette, tree, first headers) are
-// loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool of memory when a picture needs it. A
-// full pool evicts the least recently used chunk. Leaves are the chunks of the finest level, nodes the coarser chunks.
-// Chunk numbers begin with the leaves.
+// Streams scenes with levels of detail, and moving scenes, by range requests. The tables of the file (palette, tree,
+// motion, first headers) are loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool of memory
+// when a picture needs it. A full pool evicts the least recently used chunk. Leaves are the chunks of the finest level,
+// nodes the coarser chunks. Chunk numbers begin with the leaves. A moving scene has leaves only, each with the time in
+// which it is alive (drawn).
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
@@ -12,10 +13,12 @@ const GAUSSIANS = 256           // number of Gaussians in a chunk
 const NOTHING = 2 ** 32 - 1
 const POOL = 2 ** 28            // default size in bytes of the pool on a WebGPU device
 const HEADS = -2                // number of the buffer of chunk headers, see gpu_pieces in webgpu.c
-// number of coarsest chunks, which are loaded before the first picture and never evicted
+// number of coarsest chunks, or of the first chunks in time, which are loaded before the first picture and never evicted
 const TOP = 64
 const BLOCK = 2048              // number of chunk headers in one request
-const PIECE = 1 << 20           // largest number of bytes of the level-of-detail tree in one request
+const PIECE = 1 << 20           // largest number of bytes of a table in one request
+const MOTION_HEADER = 16        // number of 32-bit words in the header of a scene's motion, see packed.h
+const LOOPS = 1                 // FXS_MOTION_LOOPS
 const RUN = 1 << 19             // largest size of one request for chunks, in bytes
 const GAP = 1 << 15             // largest gap in bytes between wanted chunks in one request
 const AT_ONCE = 6               // default number of simultaneous requests
@@ -202,6 +205,8 @@ export class Pager {
   #told = 0
   #timer
   #ended = false
+  #times                        // of a moving scene: 4 words a chunk, which begin with the times from and to, in Q16
+  #inTime                       // the chunks of a moving scene, ordered by the time from
   failure = null
 
   constructor(core, remote, store, { changed, requests = AT_ONCE }) {
@@ -214,21 +219,69 @@ export class Pager {
   }
 
   async open(header, total, { memory = MEMORY, progress }) {
-    const core = this.#core
     this.#allocate(header, total, memory)
+    const facts = await (this.#layout.motion ? this.#openMoving(progress) : this.#openTree(progress))
+    this.#core.check(this.#core.c.paged_coarse(this.#at, this.#used))
+    return { at: this.#at, facts }
+  }
+
+  async #openTree(progress) {
+    const core = this.#core
     const { leaves, chunkBytes, palette, tree, nodeHeaders, nodeRows } = this.#layout
     const top = Math.min(TOP, leaves - 1)
     const block = Math.min(BLOCK, leaves - 1)
-    const parts = [
+    await this.#readAll([
       { ...palette },
       { ...nodeHeaders, bytes: block * CHUNK_HEADER },
       { at: this.#layout.pool, from: nodeRows, bytes: top * chunkBytes },
-    ]
-    for (let at = 0; at < tree.bytes; at += PIECE)
-      parts.push({ at: tree.at + at, from: tree.from + at, bytes: Math.min(PIECE, tree.bytes - at) })
+      ...this.#piecesOf(tree),
+    ], progress)
+    const facts = this.#spread(block)
+    for (let i = 0; i < top; i++) this.#take(leaves + i, i)
+    this.#used = top
+    this.#check('paged_headers', leaves, leaves + block)
+    this.#check('paged_rows', leaves, leaves + top)
+    this.#blocks[0] = 2
+    this.#pendingBlocks--
+    return facts
+  }
+
+  /** Loads the tables of a moving scene, and then the first chunks in time. */
+  async #openMoving(progress) {
+    await this.#readAll(this.#piecesOf(this.#layout.palette), progress)
+    const facts = this.#spread(0)
+    this.#orderInTime()
+    const first = this.#firstInTime()
+    await this.#inParallel([...new Set(first.map((chunk) => this.#blockOf(chunk)))], (block) => this.#jobOfBlock(block)())
+    this.#mark++
+    for (const chunk of first) this.#marks[chunk] = this.#mark
+    await this.#inParallel(first, async (chunk) => {
+      if (!this.#isThere(chunk) && !this.#busy.has(chunk)) await this.#jobOfRows(chunk)()
+    })
+    return facts
+  }
+
+  #spread(block) {
+    this.#core.check(this.#core.c.paged_spread(this.#at, this.#text, block))
+    return this.#core.get(0, 13)
+  }
+
+  #piecesOf({ at, from, bytes }) {
+    const pieceAt = (i) => ({ at: at + i, from: from + i, bytes: Math.min(PIECE, bytes - i) })
+    return Array.from({ length: Math.ceil(bytes / PIECE) }, (_, i) => pieceAt(PIECE * i))
+  }
+
+  async #inParallel(list, run) {
+    const left = [...list]
+    await Promise.all(Array.from({ length: this.#most }, async () => {
+      while (left.length) await run(left.shift())
+    }))
+  }
+
+  async #readAll(parts, progress) {
     const all = parts.reduce((sum, { bytes }) => sum + bytes, 0)
     let there = 0
-    const one = async ({ at, from, bytes }) => {
+    await this.#inParallel(parts, async ({ at, from, bytes }) => {
       let own = 0
       const came = (now) => {
         there += now - own
@@ -237,36 +290,77 @@ export class Pager {
       }
       if (bytes) this.#put(at, await this.#read(from, from + bytes, came))
       came(bytes)
-    }
-    await Promise.all(Array.from({ length: this.#most }, async () => {
-      for (let part; (part = parts.shift()); ) await one(part)
-    }))
-    core.check(core.c.paged_spread(this.#at, this.#text, block))
-    const facts = core.get(0, 10)
-    for (let i = 0; i < top; i++) this.#take(leaves + i, i)
-    this.#used = top
-    core.check(core.c.paged_headers(this.#at, this.#text, leaves, leaves + block))
-    core.check(core.c.paged_rows(this.#at, this.#text, leaves, leaves + top))
-    core.check(core.c.paged_coarse(this.#at, top))
-    this.#blocks[0] = 2
-    this.#pendingBlocks--
-    return { at: this.#at, facts }
+    })
   }
+
+  // ---- Moving scenes ------------------------------------------------------------------------------------------
+
+  #orderInTime() {
+    const { leaves, motion } = this.#layout
+    const [, duration, , flags] = this.#words(motion, MOTION_HEADER)
+    this.#times = new Int32Array(this.#core.c.memory.buffer, motion + 4 * MOTION_HEADER, 4 * leaves).slice()
+    this.#inTime = Uint32Array.from({ length: leaves }, (_, chunk) => chunk)
+    this.#inTime.sort((a, b) => this.#times[4 * a] - this.#times[4 * b])
+    Object.assign(this.#layout, { duration, loops: (flags & LOOPS) !== 0 })
+  }
+
+  /** Returns at most TOP of the chunks that are alive at the start, or if these are fewer, the first chunks in time. */
+  #firstInTime() {
+    const list = this.#inTime
+    const top = Math.min(TOP, list.length)
+    const count = Math.max(this.#aliveWithin(0, 1).length, top)
+    return Array.from({ length: top }, (_, i) => list[Math.floor((count * i) / top)])
+  }
+
+  /** Returns the chunks that are alive from the time `from` until before `to` (Q16), ordered by their first times. */
+  #aliveWithin(from, to) {
+    const found = []
+    for (const chunk of this.#inTime) {
+      if (this.#times[4 * chunk] >= to) break
+      if (this.#times[4 * chunk + 1] > from) found.push(chunk)
+    }
+    return found
+  }
+
+  #aliveBetween(from, to) {
+    const { duration, loops } = this.#layout
+    const span = Math.max(Math.round(65536 * (to - from)), 0) + 1
+    const first = Math.floor(65536 * from)
+    if (!loops) return this.#aliveWithin(Math.min(Math.max(first, 0), duration), Math.max(first + span, 1))
+    const begin = ((first % duration) + duration) % duration
+    const list = this.#aliveWithin(begin, begin + span)
+    return begin + span > duration ? [...new Set([...list, ...this.#aliveWithin(0, begin + span - duration)])] : list
+  }
+
+  /** Requests chunks that are alive between two times in seconds, the earliest first, after the chunks that the last
+      picture lacked. At most half of the pool is for them. Returns the number of missing chunks. */
+  prefetch(from, to) {
+    if (!this.#times) return 0
+    const list = this.#aliveBetween(from, to).slice(0, this.#places >> 1)
+    const { where, chunks, stamps } = this.#layout
+    const [places, used] = [this.#words(where, chunks), this.#words(stamps, this.#places)]
+    const missing = list.filter((chunk) => places[chunk] === NOTHING)
+    for (const chunk of list) if (places[chunk] !== NOTHING) used[places[chunk]] = this.#turn
+    this.#want(missing, true)
+    return missing.length
+  }
+
+  // ---- Pools --------------------------------------------------------------------------------------------------
 
   #allocate(header, total, memory) {
     const core = this.#core
     const at = core.copy(header)
     try {
-      const hasTree = core.check(core.c.paged_header(this.#text, at))
+      const hasParts = core.check(core.c.paged_header(this.#text, at))
       const [bytes, chunkBytes, chunks] = core.get(0, 3)
-      if (!hasTree || total < bytes)
+      if (!hasParts || total < bytes)
         throw lasting(`${this.#remote.name}: damaged or cut short: ${total} bytes, expected ${bytes}`)
       this.bytes = bytes
       const least = Math.min(chunks, LEAST_PLACES)
       let places = Math.max(Math.min(chunks, Math.floor(memory / chunkBytes)), least)
       while (!(this.#at = core.c.paged_open(at, places) >>> 0) && places > least) places = Math.max(places >> 1, least)
       if (!this.#at) throw lasting(`${this.#remote.name}: too little memory for the tables of ${chunks} parts`)
-      this.#layOut(core.get(0, 19), places, chunkBytes, chunks)
+      this.#layOut(core.get(0, 20), places, chunkBytes, chunks)
     } finally {
       core.c.release(at)
     }
@@ -274,44 +368,51 @@ export class Pager {
 
   #layOut(numbers, places, chunkBytes, chunks) {
     const part = (i) => ({ at: numbers[i], from: numbers[i + 1], bytes: numbers[i + 2] })
-    const [leafRows, nodeRows, pool, where, stamps, wanted] = numbers.slice(13)
+    const [leafRows, nodeRows, pool, where, stamps, wanted, motion] = numbers.slice(13)
     const [palette, tree, nodeHeaders, leafHeaders] = [1, 4, 7, 10].map(part)
     const leaves = numbers[0]
     this.#layout = { leaves, chunks, chunkBytes, palette, tree, nodeHeaders, leafHeaders, leafRows, nodeRows, pool }
-    Object.assign(this.#layout, { where, stamps, wanted })
+    Object.assign(this.#layout, { where, stamps, wanted, motion })
     this.#places = places
     this.#chunkOf = new Uint32Array(places)
     this.#marks = new Uint32Array(chunks)
-    this.nodeBlocks = Math.ceil((leaves - 1) / BLOCK)
+    this.nodeBlocks = Math.ceil((chunks - leaves) / BLOCK)
     this.#blocks = new Uint8Array(this.nodeBlocks + Math.ceil(leaves / BLOCK))
     this.#pendingBlocks = this.#blocks.length
   }
 
   get budget() {
-    return this.#layout.chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
+    const { chunks, motion } = this.#layout
+    return motion || chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
   /** Returns the largest budget (number of Gaussians in a picture). The budget is half the pool, since coarse chunks
       stay in the pool while finer chunks are loaded. */
   get most() {
-    if (this.#places >= this.#layout.chunks) return Infinity
+    if (this.#layout.motion || this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
+  /** Returns the number of blocks of chunk headers that pictures may lack. Pictures of a moving scene lack none, since a
+      chunk without a header counts as missing. */
   get pending() {
-    return this.#pendingBlocks
+    return this.#layout.motion ? 0 : this.#pendingBlocks
   }
 
   looked(ahead) {
     const count = this.#core.c.paged_wanted(this.#at)
     this.#turn = this.#core.c.paged_turn(this.#at)
-    const list = this.#words(this.#layout.wanted, count)
     this.lacking = count
+    this.#want(this.#words(this.#layout.wanted, count), ahead)
+  }
+
+  /** Requests missing chunks. With `ahead`, they come after those that the last picture lacked. */
+  #want(list, ahead) {
     if (!ahead) {
       this.#now = list.slice()
       this.#mark++
     }
-    this.#wanted = new Uint32Array(this.#now.length + (ahead ? count : 0))
+    this.#wanted = new Uint32Array(this.#now.length + (ahead ? list.length : 0))
     this.#wanted.set(this.#now)
     if (ahead) this.#wanted.set(list, this.#now.length)
     for (const chunk of list) this.#marks[chunk] = this.#mark
@@ -405,7 +506,7 @@ export class Pager {
   }
 
   #next() {
-    if (this.#pendingBlocks && !this.#headersRunning) {
+    if (this.pending && !this.#headersRunning) {
       const job = this.#nextBlock()
       if (job) return job
     }
@@ -630,7 +731,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   const { bytes, total, answer } = await remote.begin(HEADER)
   if (!bytes) return { answer }
   const view = new DataView(bytes.buffer)
-  if (view.getUint32(0, true) !== 0x31535846 || view.getUint32(4, true) !== 6) return {}
+  if (view.getUint32(0, true) !== 0x31535846 || ![6, 7].includes(view.getUint32(4, true))) return {}
   const store = await Store.open(url, remote.version, options)
   const core = await coreOf()
   const open = async () => {

@@ -7,7 +7,7 @@
 
 #define EXPORT(name) __attribute__((export_name(#name)))
 
-/* The capacity of the array `numbers`. The largest input, an object with 8 crop boxes, needs 71 numbers. */
+/* The capacity of the array `numbers`. The largest input, an object with 8 crop boxes, needs 72 numbers. */
 enum { NUMBERS = 80 };
 
 /* Runs jobs on the threads of web_pool.c; the callback fxs_config.workers.run. Null in a module without threads. The
@@ -44,7 +44,8 @@ const fxs_context *fxs_web_context(void);
 const fxs_camera *fxs_web_eye(void);
 
 /* Reads facts of a scene from the header in `data`. Out: number of Gaussians, SH degree, profile, low and high corner
-   of the box, 1 with levels of detail. */
+   of the box, 1 with levels of detail; of a moving scene, duration in seconds, frames a second (0: none), 1 if it
+   loops. */
 void fxs_web_describe(fxs_web_scene *scene);
 
 typedef struct fxs_web_frame {

@@ -32,6 +32,7 @@ static uint32_t eyes;
 static fxs_object *objects;
 static fxs_crop (*crops)[FXS_MAX_CROPS];
 static uint32_t object_count;
+static int64_t time_q32;           /* the moment of the frame, seconds */
 static double low[3], high[3];
 
 /* working memory of a frame; after a trap of WebAssembly, kept until the next frame */
@@ -112,10 +113,14 @@ void fxs_web_describe(fxs_web_scene *s)
     numbers[2] = s->scene.profile;
     memcpy(numbers + 3, s->low, 2 * sizeof s->low);
     numbers[9] = s->scene.nodes != NULL;
+    const fxs_motion_info motion = fxs_scene_motion(&s->scene);
+    numbers[10] = (double)motion.duration_q32 * 0x1p-32;
+    numbers[11] = (double)motion.rate_q32 * 0x1p-32;
+    numbers[12] = motion.loops;
 }
 
 /* Checks a whole packed scene and opens the scene. Out: the numbers of fxs_web_describe (number of Gaussians, SH
-   degree, profile, box, levels of detail). */
+   degree, profile, box, levels of detail, duration, rate, loops). */
 EXPORT(open) fxs_web_scene *fxs_web_open(const char *name, const void *data, size_t bytes)
 {
     fxs_web_scene *s = NULL;
@@ -130,13 +135,20 @@ EXPORT(open) fxs_web_scene *fxs_web_open(const char *name, const void *data, siz
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
-EXPORT(begin) int fxs_web_begin(uint32_t count)
+static int64_t to_q32(double seconds)
+{
+    return (int64_t)rint(seconds * 0x1p32);
+}
+
+/* Begins a frame of `count` objects at a moment. */
+EXPORT(begin) int fxs_web_begin(uint32_t count, double seconds)
 {
     free(objects);
     free(crops);
     objects = fxs_allocate(NULL, count, sizeof *objects);
     crops = fxs_allocate(NULL, count, sizeof *crops);
     object_count = eyes = 0;
+    time_q32 = to_q32(seconds);
     for (int i = 0; i < 3; i++) {
         low[i] = INFINITY;
         high[i] = -INFINITY;
@@ -161,21 +173,21 @@ static uint32_t id_of(double x)
 }
 
 /* Adds an object (a placed scene) to the frame. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible,
-   id, number of crop boxes; then low, high, outside of each crop box. */
+   id, number of crop boxes, time in seconds; then low, high, outside of each crop box. */
 EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
                        numbers[7], numbers[8], {numbers[9], numbers[10], numbers[11]}, numbers[12] != 0,
                        id_of(numbers[13]), (uint32_t)numbers[14], {{{0}, {0}, 0}}};
     for (uint32_t c = 0; c < p.crop_count && c < FXS_MAX_CROPS; c++) {
-        const double *in = numbers + 15 + 7 * c;
+        const double *in = numbers + 16 + 7 * c;
         memcpy(p.crops[c].low, in, 6 * sizeof *in);
         p.crops[c].outside = in[6] != 0;
     }
     const int error = fxs_object_place(&objects[object_count], &l->scene, &p, crops[object_count], &message);
     if (error)
         return error;
-    object_count++;
+    objects[object_count++].time_q32 = to_q32(numbers[15]);
     grow_box(l, &p);
     return 0;
 }
@@ -354,6 +366,7 @@ void fxs_web_request(fxs_request *r, uint32_t background, int sh_degree, int squ
     r->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
     r->options.budget = budget;
     r->options.detail_q8 = detail_q8;
+    r->options.time_q32 = time_q32;
     r->options.want.call = fxs_web_want;
     begin_turn();
 }

@@ -1,7 +1,8 @@
-/* Streamed scenes with levels of detail, for paged.js. A chunk has 256 Gaussians. Leaves are the finest chunks, nodes
-   the coarser chunks of the tree. One block of memory holds the tables of the leaves, the tables of the nodes, and the
-   pool of loaded chunks. A chunk without a loaded header has a copy of its parent's header, because the parent is
-   visible whenever the chunk is. */
+/* Streamed scenes with levels of detail, and streamed moving scenes, for paged.js. A chunk has 256 Gaussians. Leaves are
+   the finest chunks, nodes the coarser chunks of the tree. A moving scene has leaves only. One block of memory holds the
+   tables of the leaves, the tables of the nodes, and the pool of loaded chunks. A chunk without a loaded header has a
+   copy of its parent's header, because the parent is visible whenever the chunk is. A frame does not read the header of
+   a leaf of a moving scene before the leaf is loaded. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,8 +34,18 @@ static uint32_t leaves_of(const void *data)
     return header.chunk_count;
 }
 
-/* Checks the header of an .fxs file. Returns 0 without levels of detail. Out: bytes of the file, bytes of a chunk (256
-   Gaussians), number of chunks of all levels. */
+static int moves(const fxs_scene_parts *p)
+{
+    return p->rows > p->motion;
+}
+
+static uint32_t chunks_of(const fxs_scene_parts *p, uint32_t leaves)
+{
+    return p->bytes > p->tree ? 2 * leaves - 1 : leaves;
+}
+
+/* Checks the header of an .fxs file. Returns 0 if the scene is still and has no levels of detail. Out: bytes of the
+   file, bytes of a chunk (256 Gaussians), number of chunks of all levels. */
 EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *header)
 {
     fxs_scene_parts p;
@@ -47,8 +58,8 @@ EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *head
     const uint32_t leaves = leaves_of(header);
     fxs_web_numbers()[0] = (double)p.bytes;
     fxs_web_numbers()[1] = leaves ? (double)((p.tree - p.rows) / leaves) : 0;
-    fxs_web_numbers()[2] = 2.0 * leaves - 1;
-    return p.bytes > p.tree;
+    fxs_web_numbers()[2] = chunks_of(&p, leaves);
+    return p.bytes > p.tree || moves(&p);
 }
 
 static fxs_web_scene *release(fxs_web_scene *s)
@@ -71,16 +82,17 @@ EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
 }
 
 /* Allocates a streamed scene with a pool for `places` chunks. Returns null if memory ran out or the header is not
-   valid. Out: number of leaves (finest chunks); address, file offset and size of the palette, of the tree, of the node
-   headers and of the leaf headers; file offsets of the leaves and of the nodes; addresses of the pool, of each chunk's
-   place in the pool, of the stamps of last use, and of the list of wanted chunks. */
+   valid. Out: number of leaves (finest chunks); address, file offset and size of the palette with the motion, of the
+   tree, of the node headers and of the leaf headers; file offsets of the leaves and of the nodes; addresses of the pool,
+   of each chunk's place in the pool, of the stamps of last use, of the list of wanted chunks, and of the motion (0: the
+   scene is still). */
 EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
 {
     fxs_scene_parts p;
     fxs_web_scene *s = calloc(1, sizeof *s);
     if (!s || fxs_scene_find_parts(&p, header))
         return release(s);
-    const uint32_t leaves = leaves_of(header), chunks = 2 * leaves - 1;
+    const uint32_t leaves = leaves_of(header), chunks = chunks_of(&p, leaves);
     const uint64_t pool = p.rows + (p.node_rows - p.tree), bytes = pool + places * ((p.tree - p.rows) / leaves);
     unsigned char *data = bytes <= SIZE_MAX ? fxs_web_allocate((size_t)bytes) : NULL;
     uint32_t *where = malloc(chunks * sizeof *where);
@@ -101,7 +113,8 @@ EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_
         tree + (double)(p.node_chunks - p.tree), (double)p.node_chunks, (double)(p.node_rows - p.node_chunks),
         start + sizeof(fxs_packed_header), sizeof(fxs_packed_header), (double)leaves * sizeof(fxs_chunk),
         (double)p.rows, (double)p.node_rows,
-        start + (double)pool, (double)(uintptr_t)where, (double)(uintptr_t)s->stamps, (double)(uintptr_t)s->wanted};
+        start + (double)pool, (double)(uintptr_t)where, (double)(uintptr_t)s->stamps, (double)(uintptr_t)s->wanted,
+        moves(&p) ? start + (double)p.motion : 0};
     memcpy(fxs_web_numbers(), out, sizeof out);
     return s;
 }
@@ -123,7 +136,7 @@ EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name
         return fxs_fail(message, "%s: damaged: no tree where it should be", name);
     error = fxs_file_check_heads(name, &table, data, scene, (size_t)(p.rows - p.palette), message);
     const uint32_t leaves = scene->chunk_count;
-    for (uint32_t i = 0; i < leaves - 1 && !error; i++) {
+    for (uint32_t i = 0; scene->nodes && i < leaves - 1 && !error; i++) {
         fxs_node node;
         if (fxs_node_read(&node, scene, i))
             error = fxs_fail(message, "%s: damaged: node %u of its tree is out of range", name, i);
@@ -153,29 +166,39 @@ EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *na
     return error;
 }
 
-/* Makes `coarse`, a coarse version of a streamed scene, of the first `there` nodes of its tree. A node whose two
-   children are both among these nodes is left out. */
+/* Returns 1 if a chunk belongs to `coarse`: a loaded leaf of a moving scene, else one of the first `there` nodes of the
+   tree. A node whose two children are both among these nodes is left out. */
+static int is_coarse(const fxs_scene *scene, uint32_t chunk, uint32_t there)
+{
+    const uint32_t leaves = scene->chunk_count;
+    fxs_node node;
+    if (!scene->nodes)
+        return scene->places[chunk] != FXS_NOTHING;
+    const int error = fxs_node_read(&node, scene, chunk - leaves);
+    const int is_open = !error && node.children[0] >= leaves && node.children[0] - leaves < there &&
+                        node.children[1] >= leaves && node.children[1] - leaves < there;
+    return !error && !is_open;
+}
+
+/* Makes `coarse`, a version of a streamed scene of `there` chunks. They are the first nodes of its tree, or the loaded
+   leaves of a moving scene, at the middle of their lives. */
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;
-    const uint32_t leaves = scene->chunk_count;
+    const uint32_t first = scene->nodes ? scene->chunk_count : 0, end = scene->nodes ? first + there : scene->chunk_count;
     unsigned char *headers = fxs_web_allocate((size_t)there * sizeof(fxs_chunk));
     uint32_t *places = malloc(there * sizeof *places), count = 0;
     s->coarse = *scene;
-    s->coarse.nodes = s->coarse.node_chunks = s->coarse.node_rows = NULL;
+    s->coarse.nodes = s->coarse.node_chunks = s->coarse.node_rows = s->coarse.motion = NULL;
     s->coarse.chunks = headers;
     s->coarse.places = places;
     if (!headers || !places)
         return FXS_ERR_MEMORY;
-    for (uint32_t i = 0; i < there; i++) {
-        fxs_node node;
-        const int error = fxs_node_read(&node, scene, i);
-        const int is_open = !error && node.children[0] >= leaves && node.children[0] - leaves < there &&
-                            node.children[1] >= leaves && node.children[1] - leaves < there;
-        if (error || is_open)
+    for (uint32_t i = first; i < end && count < there; i++) {
+        if (!is_coarse(scene, i, there))
             continue;
-        memcpy(headers + (size_t)count * sizeof(fxs_chunk), fxs_header(scene, leaves + i), sizeof(fxs_chunk));
-        places[count++] = scene->places[leaves + i];
+        memcpy(headers + (size_t)count * sizeof(fxs_chunk), fxs_header(scene, i), sizeof(fxs_chunk));
+        places[count++] = scene->places[i];
     }
     s->coarse.chunk_count = count;
     s->coarse.count = count * FXS_CHUNK;

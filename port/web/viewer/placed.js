@@ -74,10 +74,10 @@ export function hitOf(placed, ray, view, options, near, far) {
   return distance < near || distance > far ? null : { distance, point: found.position, index: found.gaussian }
 }
 
-export function placedOf({ name, scene, opacity, tint, crops }, translation, [x, y, z, w], scale) {
+export function placedOf({ name, scene, opacity, tint, crops, time }, translation, [x, y, z, w], scale) {
   if (!(Math.min(...scale) > 0 && Math.max(...scale) <= Math.min(...scale) * (1 + ALIKE)))
     throw new Error(`${name}: Splats have one scale, above 0, for x, y and z`)
-  return { scene, translation, rotation: [w, x, y, z], scale: scale[0], opacity, tint, crops }
+  return { scene, translation, rotation: [w, x, y, z], scale: scale[0], opacity, tint, crops, time }
 }
 
 // ---- Stages: all Splats of a renderer -------------------------------------------------------------------------

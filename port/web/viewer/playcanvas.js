@@ -115,6 +115,7 @@ export class Splats extends Entity {
   opacity = 1
   tint = [1, 1, 1]
   crops = []
+  time = 0
   options = {}
   layers = [LAYERID_WORLD]
   turn = new Quat(1, 0, 0, 0)
@@ -160,8 +161,9 @@ export class Splats extends Entity {
 
   _cloneRecursively(ids) {
     if (!this.#stage) throw new Error(`${this.name}: was destroyed`)
-    const { opacity, tint, crops, options, layers } = this
-    const clone = Object.assign(super._cloneRecursively(ids), { opacity, tint, crops, options: { ...options }, layers })
+    const { opacity, tint, crops, time, options, layers } = this
+    const clone = super._cloneRecursively(ids)
+    Object.assign(clone, { opacity, tint, crops, time, options: { ...options }, layers })
     clone.turn.copy(this.turn)
     this.#stage.users++
     return clone.#enter(this.#stage, this.scene, this.#owners)

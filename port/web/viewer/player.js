@@ -2,10 +2,18 @@
 // film.
 import { button } from './body.js'
 
-const PLAY = 'M7 4.5v15l12-7.5z'
+export const PLAY = 'M7 4.5v15l12-7.5z'
 const PAUSE = 'M8 5v14M16 5v14'
 const KEYS = 'M3 12h18M7 9l3 3-3 3-3-3zM17 9l3 3-3 3-3-3z'
 const FILM = 'M4 5h16v14H4zM8 5v14M16 5v14M4 9.5h4M4 14.5h4M16 9.5h4M16 14.5h4'
+
+/** Changes a button for play to one for pause, or back. */
+export function showPlays(play, plays, language) {
+  const words = language.of(plays ? 'Pause (K)' : 'Play (K)')
+  if (play.title === words) return
+  for (const name of ['title', 'aria-label']) play.setAttribute(name, words)
+  play.querySelector('path').setAttribute('d', plays ? PAUSE : PLAY)
+}
 
 export class Player {
   #host
@@ -49,13 +57,10 @@ export class Player {
 
   tell(time, duration, plays) {
     const { time: slider, clock, play } = this.#ui
-    const words = this.#host.language.of(plays ? 'Pause (K)' : 'Play (K)')
     slider.value = time
     slider.setAttribute('aria-valuetext', `${time.toFixed(1)} s / ${duration.toFixed(1)} s`)
     clock.textContent = `${time.toFixed(1)} / ${duration.toFixed(1)} s`
-    if (play.title === words) return
-    for (const name of ['title', 'aria-label']) play.setAttribute(name, words)
-    play.querySelector('path').setAttribute('d', plays ? PAUSE : PLAY)
+    showPlays(play, plays, this.#host.language)
   }
 
   filming(share) {

@@ -40,12 +40,13 @@ function placeOf(element) {
     scale,
     opacity,
     tint: numbersOf(element, 'tint', 3),
+    time: numbersOf(element, 'time', 1)?.[0],
     visible: element.hidden ? false : undefined,
   }
   return Object.fromEntries(Object.entries(place).filter(([, value]) => value !== undefined))
 }
 
-export const WATCHED = ['src', 'position', 'rotation', 'scale', 'opacity', 'tint', 'hidden']
+export const WATCHED = ['src', 'position', 'rotation', 'scale', 'opacity', 'tint', 'time', 'hidden']
 
 const asText = (value) => (typeof value === 'object' ? [...value].join(' ') : `${value}`)
 

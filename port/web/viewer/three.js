@@ -257,6 +257,7 @@ export class Splats extends Mesh {
   opacity = 1
   tint = [1, 1, 1]
   crops = []
+  time = 0
   options = {}
   turn = new Quaternion(1, 0, 0, 0)
 
@@ -313,7 +314,8 @@ export class Splats extends Mesh {
   copy(source, recursive) {
     const { geometry, material } = this
     super.copy(source, recursive)
-    Object.assign(this, { geometry, material, opacity: source.opacity, tint: source.tint, crops: source.crops })
+    const { opacity, tint, crops, time } = source
+    Object.assign(this, { geometry, material, opacity, tint, crops, time })
     this.options = { ...source.options }
     this.turn.copy(source.turn)
     return this

@@ -362,14 +362,14 @@ export class Tour {
     const { width, height } = { ...this.#host.size(), ...size }
     const seconds = path.duration * (path.loop === 'pingpong' ? 2 : 1)
     const { filmOf } = await import('./film.js')
-    const draw = (at, w, h) => this.#whole(this.#cameraOf(path.at(path.timeAt(at)), w / h), w, h)
+    const draw = (at, w, h) => this.#whole(this.#cameraOf(path.at(path.timeAt(at)), w / h), w, h, at)
     return filmOf({ width, height, rate, bitrate, seconds }, draw, progress)
   }
 
-  async #whole(camera, width, height) {
+  async #whole(camera, ...frame) {
     const until = performance.now() + PATIENCE_MS
     for (;;) {
-      const { pixels, missing } = await this.#host.draw(camera, width, height)
+      const { pixels, missing } = await this.#host.draw(camera, ...frame)
       if (!missing) return pixels
       if (performance.now() > until) throw new Error('Parts of the scene do not come: there is no film')
       await pause(WAIT_MS)

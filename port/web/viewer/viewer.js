@@ -36,7 +36,7 @@ sheet.replaceSync(style)
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
     'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar', 'edit',
-    ...LOOK]
+    'time', 'playing', 'speed', 'loop', ...LOOK]
 
   #headset = null
   #room = null
@@ -73,6 +73,8 @@ export class Viewer extends HTMLElement {
   #tour = null
   #touring = null
   #begins = null
+  #moving = null // promise of the player of moving scenes; null before the first moving scene
+  #clock = null // this player
   #editing = null
   #noSky = ''
   #ui
@@ -171,6 +173,9 @@ export class Viewer extends HTMLElement {
     if (name === 'eye-height') this.#pilot.walker?.stand()
     if (['joystick', 'noui', 'ui'].includes(name)) this.#showStick()
     if (name === 'ar') this.#findHeadset()
+    if (name === 'time') this.#clock?.seek(Number(value))
+    if (name === 'playing') this.playing = value !== 'false'
+    if (name === 'speed' || name === 'loop') this.#clock?.changed()
     if (LOOK.includes(name)) this.#look()
     if (name === 'edit') this.#ui.edit.hidden = value === null
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
@@ -260,8 +265,12 @@ export class Viewer extends HTMLElement {
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
     for (const name of ['settings', 'skybox'])
       if (this.hasAttribute(name)) link.searchParams.set(name, addressOf(this.getAttribute(name)))
-    for (const name of ['label', 'background', 'budget', 'detail', 'eye-height', ...LOOK])
+    for (const name of ['label', 'background', 'budget', 'detail', 'eye-height', 'speed', 'loop', ...LOOK])
       if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
+    if (this.#moves && this.paused) {
+      link.searchParams.set('time', this.time)
+      link.searchParams.set('playing', false)
+    }
     link.hash = `view=${this.view}`
     return link.href
   }
@@ -274,7 +283,11 @@ export class Viewer extends HTMLElement {
 
   #tourHost() {
     const ask = async (...args) => this.#engine.ask(...args)
-    const sized = (width, height) => ({ ...this.#frame(), width, height })
+    // `seconds` is the time in a film
+    const sized = (width, height, seconds) => {
+      const time = seconds === undefined ? {} : { time: this.#clock?.timeAt(seconds) }
+      return { ...this.#frame(), width, height, ...time }
+    }
     return {
       element: this,
       root: this.shadowRoot,
@@ -300,6 +313,8 @@ export class Viewer extends HTMLElement {
       note: (...words) => this.#panels.note(...words),
       say: (error) => this.#fail(error),
       tell: (name, detail) => this.#tell(name, detail),
+      change: () => this.#change(),
+      press: (key) => [',', '.', 'k'].includes(key.toLowerCase()) && this.#press(key),
     }
   }
 
@@ -349,27 +364,54 @@ export class Viewer extends HTMLElement {
   }
 
   async play(track) {
-    return (await this.#tourNow()).play(track)
+    return (await (track === undefined && this.#moves ? this.#moving : this.#tourNow())).play(track)
   }
 
   pause() {
+    this.#clock?.pause()
     this.#tour?.pause()
   }
 
   seek(seconds) {
-    this.#tour?.seek(seconds)
+    this.#player?.seek(seconds)
   }
 
   get time() {
-    return this.#tour?.time ?? 0
+    return this.#player?.time ?? 0
+  }
+  set time(seconds) {
+    this.seek(Number(seconds))
   }
 
   get duration() {
-    return this.#tour?.duration ?? 0
+    return this.#player?.duration ?? 0
   }
 
   get paused() {
-    return this.#tour?.paused ?? true
+    return this.#moves ? !this.#clock?.playing : (this.#tour?.paused ?? true)
+  }
+
+  get playing() {
+    return !this.paused
+  }
+  set playing(plays) {
+    if (!this.#player) this.#setAttribute('playing', plays ? '' : 'false')
+    else if (plays) this.play()
+    else this.pause()
+  }
+
+  get speed() {
+    return this.#clock?.speed ?? (Number(this.getAttribute('speed')) || 1)
+  }
+  set speed(speed) {
+    this.#setAttribute('speed', speed)
+  }
+
+  get loop() {
+    return this.#clock?.loop ?? false
+  }
+  set loop(loops) {
+    this.#setAttribute('loop', typeof loops === 'boolean' ? (loops ? '' : 'none') : loops)
   }
 
   async film(options) {
@@ -411,6 +453,7 @@ export class Viewer extends HTMLElement {
     if (!item) return
     this.#toggle(null)
     const isMoved = Object.keys(item.place).length > 0
+    if (this.#moves) return this.#panels.note('A moving scene cannot be edited')
     if (more.length || isMoved || this.#scene.paged)
       return this.#panels.note('To edit, open one scene alone, whole and where it is')
     const { Edit } = await import('./edit.js')
@@ -433,6 +476,34 @@ export class Viewer extends HTMLElement {
     this.#entitle()
     this.#showSettings()
     this.#tour?.rename()
+    this.#clock?.rename()
+  }
+
+  // ---- Moving scenes ------------------------------------------------------------------------------------------------
+
+  get #moves() {
+    return !!this.#scene?.moving
+  }
+
+  /** The player of the moving scene, or of the camera track of a still scene. */
+  get #player() {
+    return this.#moves ? this.#clock : this.#tour
+  }
+
+  async #takeMotion() {
+    if (this.#moves) this.#moving ??= import('./moving.js').then(({ Moving }) => new Moving(this.#tourHost()))
+    if (!this.#moving) return
+    const clock = await this.#moving
+    if (clock !== this.#clock) clock.reset()
+    this.#clock = clock
+    clock.take(this.#scene?.moving ?? null)
+    if (this.state === 'still' && !this.#held) clock.begin()
+  }
+
+  /** The time of a moving scene for a picture, and the seconds behind it whose parts are requested early. */
+  get #moment() {
+    if (!this.#moves) return {}
+    return this.#clock ? { time: this.#clock.time, ahead: this.#clock.ahead } : { time: this.#numberOf('time') }
   }
 
   // ---- Opening a scene ----------------------------------------------------------------------------------------------
@@ -666,6 +737,7 @@ export class Viewer extends HTMLElement {
     this.setAttribute('open', '')
     this.#entitle()
     this.#pilot.take(this.#scene)
+    this.#takeMotion().catch((error) => this.#fail(error))
   }
 
   #entitle() {
@@ -675,6 +747,7 @@ export class Viewer extends HTMLElement {
   #showNothing() {
     this.#headset?.end()
     this.#scene = null
+    this.#clock?.take(null)
     this.#picture.close()
     this.removeAttribute('open')
     this.state = this.#opening ? 'loading' : 'empty'
@@ -800,6 +873,7 @@ export class Viewer extends HTMLElement {
       await this.#packAll()
       if (opening !== this.#opening) return
       this.#takeWorker(engine, item)
+      this.#clock?.reset()
     }
     item.facts = facts
     this.#missing = 0
@@ -870,7 +944,7 @@ export class Viewer extends HTMLElement {
   // ---- Pictures -----------------------------------------------------------------------------------------------------
 
   get #isMoving() {
-    return performance.now() - this.#movedAt < STILL_MS
+    return performance.now() - this.#movedAt < STILL_MS || !!this.#clock?.runs
   }
 
   get #colour() {
@@ -890,7 +964,7 @@ export class Viewer extends HTMLElement {
     const url = this.getAttribute('skybox')
     const sky = url && url !== this.#noSky ? { url: new URL(url, document.baseURI).href, up: this.#pilot.up } : null
     const bounds = { budget: this.#budget, detail: Math.min(this.#numberOf('detail'), 16384) }
-    return { ...size, ...bounds, sky, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
+    return { ...size, ...bounds, ...this.#moment, sky, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
   }
 
   #numberOf(name) {
@@ -970,6 +1044,7 @@ export class Viewer extends HTMLElement {
     if (!this.#good) this.#panels.greet(this.getAttribute('wheel') === 'page')
     this.#good = camera
     this.#panels.read(picture)
+    this.#clock?.drawn(this.#stuck ? 0 : this.#missing)
     this.#tell('frame', picture)
     this.#tour?.drawn()
   }
@@ -1008,6 +1083,7 @@ export class Viewer extends HTMLElement {
     const copy = (other) => other === engine || this.#copy(engine, other, list)
     const trial = this.#picture.try(newEngine, copy, this.#pilot.rendered(options), options)
     const other = await trial.finally(() => (this.#held = false))
+    this.#clock?.begin()
     if (!other) return
     if (other !== engine) {
       this.#leaveTo(other, list)
@@ -1088,7 +1164,10 @@ export class Viewer extends HTMLElement {
       root: this.shadowRoot,
       style: (sheet) => this.#restyle((sheets) => [...new Set([...sheets, sheet])]),
       language: this.#language,
-      drawn: (detail) => this.dispatchEvent(new CustomEvent('eyes', { detail })),
+      drawn: (detail) => {
+        this.#clock?.drawn(0)
+        this.#tell('eyes', detail)
+      },
       say: (error) => this.#fail(error),
       changed: (isOn) => {
         this.toggleAttribute('headset', isOn)
@@ -1202,9 +1281,9 @@ export class Viewer extends HTMLElement {
     const does = {
       h: () => this.#toggle(this.#ui.help),
       Escape: () => [this.#toggle(null), this.#tour?.escape()],
-      k: () => this.#tour?.toggle(),
-      ',': () => this.#tour?.step(-1),
-      '.': () => this.#tour?.step(1),
+      k: () => this.#player?.toggle(),
+      ',': () => this.#player?.step(-1),
+      '.': () => this.#player?.step(1),
       o: () => this.#ui.file.click(),
       n: () => this.showView(pilot.index + 1),
       p: () => this.showView(pilot.index - 1),

@@ -50,13 +50,20 @@ function firstOf(list) {
   return { first: seen.first, start: Object.keys(place).length ? null : scene.start }
 }
 
+/** Returns the motion of the scene with the longest duration; null if all scenes are still. */
+function motionOf(all) {
+  const { duration, rate, loops } = all.reduce((longest, scene) => (scene.duration > longest.duration ? scene : longest))
+  return duration ? { duration, rate, loops } : null
+}
+
 function whole() {
   const list = objects()
   if (!list.length) return null
   const all = list.map(({ scene }) => scene)
   const has = (name) => all.some((scene) => scene[name])
   const count = all.reduce((sum, scene) => sum + scene.count, 0)
-  return { count, levels: has('levels'), paged: has('paged'), ...boxOf(list), ...firstOf(list) }
+  const facts = { count, levels: has('levels'), paged: has('paged'), moving: motionOf(all) }
+  return { ...facts, ...boxOf(list), ...firstOf(list) }
 }
 
 const factsOf = ({ name, count, low, high }) => ({ name, count, low, high, whole: whole() })
@@ -150,6 +157,13 @@ function lookAhead(camera, options) {
   } catch {}
 }
 
+/** Requests the parts of streamed moving scenes that are seen within the next `ahead` seconds. */
+function prefetch({ time = 0, ahead }) {
+  if (!ahead) return
+  for (const { scene, time: own = 0 } of objects())
+    if (scene.paged && !scene.failure) scene.prefetch(time + own, time + own + ahead)
+}
+
 let eyes
 
 async function bitmapOf(cameras, options, backend) {
@@ -225,6 +239,7 @@ const words = {
     const start = performance.now()
     const facts = await draw(id, camera, await withSky(options, camera))
     lookAhead(camera, options)
+    prefetch(options)
     onScreen(drawn)
     const milliseconds = performance.now() - start
     const isTimed = facts && moves !== undefined
@@ -233,6 +248,7 @@ const words = {
   },
 
   async eyes(cameras, options, backend) {
+    prefetch(options)
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
     if (!cameras[1]) return { pictures: [render(objects(), cameras[0], options)] }
