@@ -49,8 +49,8 @@ export interface LoadOptions {
       most 8. A page needs `crossOriginIsolated` for more than one thread. A server isolates a page by the headers
       Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy: require-corp. */
   threads?: number
-  /** Options for streaming: loading the parts of an .fxs file with levels of detail when a picture needs them. False
-      downloads the whole file first. A scene is streamed if its address is http or https and ends in .fxs, and the
+  /** Options for streaming: loading the parts of an .fxs file with levels of detail, or of a moving scene, when a
+      picture needs them. False downloads the whole file first. A scene is streamed if its address is http or https and ends in .fxs, and the
       server supports range requests. `render` draws the loaded parts at once and requests missing parts. `changed`
       tells when to draw again. */
   paging?: false | Paging
@@ -59,7 +59,8 @@ export interface LoadOptions {
 export interface Paging {
   /** The memory in bytes for the parts of the scene, called the pool; 512e6 by default. A full pool drops the least
       recently used part, except the coarsest parts. `budget` can be at most half the capacity of the pool. The
-      default budget is 1,000,000 Gaussians; a smaller scene is drawn whole. */
+      default budget is 1,000,000 Gaussians; a smaller scene is drawn whole. A moving scene has no budget, and the pool
+      must hold all parts that are seen at one time. */
   memory?: number
   /** The capacity in bytes of the cache on disk, for all scenes together; 1e9 by default, 0: no cache. The cache
       needs a browser, a secure page, and a server that sends ETag or Last-Modified. */
@@ -161,6 +162,9 @@ export interface FrameOptions {
   /** The smallest detail to draw, 1/256 to 16384 pixels, for scenes with levels of detail. Coarse Gaussians replace
       smaller details. The default is 0: no limit. */
   detail?: number
+  /** The moment of moving scenes in seconds, within 1,000,000; 0 by default. A scene that loops takes the time modulo
+      its duration, another scene stops at its first and last moment. */
+  time?: number
   /** For `render`: the first row and the number of rows to render. The default is the whole picture. A picture that is
       too large for the memory can be rendered in such parts, which have the same bytes. */
   rows?: readonly [number, number]
@@ -268,6 +272,8 @@ export interface Placed {
   /** At most 8 crop boxes. A Gaussian is drawn if it is in no 'outside' box and in at least one 'inside' box.
       Without 'inside' boxes, only the 'outside' boxes count. */
   crops?: readonly Crop[]
+  /** Seconds that are added to the moment of the frame (`FrameOptions.time`) for a moving scene; 0 by default. */
+  time?: number
 }
 
 /** The Gaussian with the largest contribution to a pixel, found by `pick`. */
@@ -294,6 +300,12 @@ export class Scene {
   readonly paged: boolean
   /** The error that stopped the requests of a streamed scene; null without an error. */
   readonly failure: Error | null
+  /** The duration of a moving scene in seconds; 0: the scene is still. */
+  readonly duration: number
+  /** The frames a second of a moving scene's source; 0: the motion is continuous. */
+  readonly rate: number
+  /** True if a moving scene starts again after its duration. */
+  readonly loops: boolean
   /** The degree of the spherical harmonics, 0 to 3. */
   readonly shDegree: number
   /** The profile by which the scene was packed; see `LoadOptions.profile`. */
@@ -328,6 +340,10 @@ export class Scene {
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
   /** Prefetches the parts of this scene for a camera; see the function `foresee`. */
   foresee(camera?: Camera, options?: FrameOptions): number
+  /** Prefetches the parts of a streamed moving scene that are seen between two times in seconds, the earliest first,
+      after the missing parts of the last picture. At most half of the pool is for them. Does not wait for the parts,
+      and returns the number of missing parts. */
+  prefetch(from: number, to: number): number
   /** Waits until all parts of a picture of this scene have arrived. The promise is rejected if requests fail, or if
       the pool (`Paging.memory`) is too small. */
   complete(camera?: Camera, options?: FrameOptions): Promise<void>

@@ -105,10 +105,8 @@ double tan(double x)
 
 void fxs_web_describe(fxs_web_scene *s)
 {
-    fxs_packed_header header;
-    memcpy(&header, s->data, sizeof header);
     fxs_inner_box(s->data, s->low, s->high);
-    numbers[0] = s->scene.count - header.holes;
+    numbers[0] = s->scene.count;
     numbers[1] = s->scene.sh_degree;
     numbers[2] = s->scene.profile;
     memcpy(numbers + 3, s->low, 2 * sizeof s->low);

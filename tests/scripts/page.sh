@@ -44,9 +44,10 @@ of_looks=look.js                 # file that the page loads with a settings file
 of_headsets='xr.js eyes.js'      # files that the page loads with a headset
 of_rooms=ar.js                   # file that the page loads for augmented reality
 of_edits="edit.js editor.js"      # files that the page loads for editing by hand
+of_moving=moving.js              # file that the page loads with a moving scene, beside player.js
 of_drops=drop.js                 # file that the page loads when a scene is dropped
 of_errors=words.js               # file that the page loads with the first error
-others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_hands $of_headsets $of_rooms $of_drops $of_edits $of_errors paged.js store.js webgpu.js \
+others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_hands $of_headsets $of_rooms $of_drops $of_moving $of_edits $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js)
 # Of this size, 1.3 KB find the package's other files, also on another server, and report missing ones. 3.4 KB end slow,
 # endless or wrong downloads, keep a scene to its folder's files, and check calls.
@@ -57,6 +58,7 @@ check "size of annotations, tracks and settings files" at_most 13200 $of_tours
 check "size of walking, gamepads and the stick" at_most 5500 $(printf "$package/viewer/%s " $of_hands)
 check "size of a track's keys" at_most 1100 "$package/viewer/keys.js"
 check "size of tone curves and vignette" at_most 1150 "$package/viewer/look.js"
+check "size of moving scenes" at_most 3000 "$package/viewer/moving.js"
 check "size of films" at_most 2800 "$package/viewer/film.js"
 check "size of skies" at_most 2100 "$package/viewer/sky.js"
 check "size of headsets" at_most 6300 $(printf "$package/viewer/%s " $of_headsets)
@@ -71,6 +73,7 @@ if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip
 asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"
 asks tour.mjs "${PICTURES:-$work}" "$B/fixsplat"
 asks edit.mjs "${PICTURES:-$work}" "$B/fixsplat"
+asks moving.mjs "${PICTURES:-$work}" "$B/fixsplat"
 if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs "${PICTURES:-$work}" "$B/fixsplat"; fi
 cat "$work/sizes"
 finish

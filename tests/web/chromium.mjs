@@ -22,7 +22,8 @@ export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
 /** for each name of a served file, a function that changes its text */
 export const changes = {}
-/** State of the scene server: `sent` is the number of bytes sent, `wait` a delay in seconds, and `tag` the ETag. */
+/** State of the scene server: `sent` is the number of bytes sent, `wait` a delay in seconds, `rate` a limit in bytes a
+    second for all answers together, and `tag` the ETag. */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
 export const policy = { text: '' }
 const SLOW = 1500
@@ -61,11 +62,17 @@ async function trickle(bytes, response) {
   response.end()
 }
 
+let due = 0
+
 async function answerRange(file, { headers }, response) {
   const [first, last] = headers.range.match(/\d+/g).map(Number)
   const all = readFileSync(file)
   if (ranges.wait) await pause(1000 * ranges.wait)
   const bytes = all.subarray(first, last + 1)
+  if (ranges.rate) {
+    due = Math.max(due, performance.now()) + 1000 * bytes.length / ranges.rate
+    await pause(due - performance.now())
+  }
   ranges.sent += bytes.length
   response.setHeader('etag', ranges.tag)
   response.setHeader('content-range', `bytes ${first}-${last}/${all.length}`)

@@ -41,6 +41,8 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   tint: Vector
   /** At most 8 crop boxes in scene coordinates; see `Placed.crops`. */
   crops: readonly Crop[]
+  /** The moment of a moving scene in seconds; 0 by default. Set the time before each render to play the scene. */
+  time: number
   /** Options for drawing. A picture of several Splats objects uses the options of the object that was loaded first. */
   options: Pick<FrameOptions, 'budget' | 'detail' | 'shDegree' | 'cutoff' | 'maxMemory'>
   /** The box around the visible part of the scene, in the space of the object. Box3.setFromObject reads this box. */

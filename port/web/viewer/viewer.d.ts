@@ -33,6 +33,8 @@ export interface Place {
   opacity?: number | string | null
   /** Factors for red, green and blue, 0 to 4 each; 1 1 1 by default. */
   tint?: Vector | string | null
+  /** Seconds that a moving scene is ahead of the viewer's time; 0 by default. */
+  time?: number | string | null
 }
 
 /** The element <fixsplat-scene>, which adds a scene to the <fixsplat-viewer> around it. The attribute `hidden` hides
@@ -50,6 +52,8 @@ export class PlacedScene extends HTMLElement {
   set opacity(value: Place['opacity'])
   get tint(): string | null
   set tint(value: Place['tint'])
+  get time(): string | null
+  set time(value: Place['time'])
   /** A file, or the files of one scene, to show instead of the address in the attribute `src`. Set `source` before the
       element is put into a viewer. */
   source: File | File[] | null
@@ -155,11 +159,12 @@ export interface ViewerEvents {
   }>
   /** The caption of an annotation was opened or closed. After closing, `index` is -1 and `annotation` is null. */
   annotation: CustomEvent<{ index: number; annotation: Annotation | null }>
-  /** A camera track was started, was paused, has ended, or shows another time. `time` is in seconds. */
-  play: CustomEvent<{ track: number }>
-  pause: CustomEvent<{ track: number }>
-  ended: CustomEvent<{ track: number }>
-  timeupdate: CustomEvent<{ track: number; time: number }>
+  /** A camera track or a moving scene was started, was paused, has ended, or shows another time. `time` is in seconds.
+      `track` is null for a moving scene. */
+  play: CustomEvent<{ track: number | null }>
+  pause: CustomEvent<{ track: number | null }>
+  ended: CustomEvent<{ track: number | null }>
+  timeupdate: CustomEvent<{ track: number | null; time: number }>
   /** The pictures of both eyes were drawn for VR, or pictures for AR. `scale` is the width and height of the pictures
       as a share of the viewport. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
@@ -250,7 +255,7 @@ export interface Film {
 /** The element <fixsplat-viewer>. Its attributes are listed in ViewerAttributes. */
 export class Viewer extends HTMLElement {
   /** The state of the viewer. 'empty': no scene. 'loading': a scene or a part of a scene is loading. 'moving': the
-      camera moves. 'still': the picture is complete. */
+      camera moves, or a moving scene plays. 'still': the picture is complete. */
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** The back end that draws; undefined before the first scene. Setting the property sets the attribute `backend`. */
   get backend(): Backend | undefined
@@ -301,17 +306,30 @@ export class Viewer extends HTMLElement {
   set tracks(list: readonly CameraTrack[])
   /** Opens the caption of an annotation, by its index from 0, and flies to the annotation. Returns true on arrival. */
   goTo(index: number): Promise<boolean>
-  /** Plays a track, by its index from 0; the selected track by default. A paused track continues. */
+  /** Plays a track, by its index from 0. Without an index, plays the moving scene, or the selected track of a still
+      scene. What was paused continues. */
   play(track?: number): Promise<void>
+  /** Pauses the moving scene and the selected track. */
   pause(): void
-  /** Pauses the selected track, and shows the view of the track at a time in seconds. */
+  /** Shows a moving scene at a time in seconds; a playing scene plays on from there. With a still scene, pauses the
+      selected track, and shows the view of the track at the time. */
   seek(seconds: number): void
-  /** The present time of the selected track, in seconds. */
-  readonly time: number
-  /** The duration of the selected track, in seconds. */
+  /** The present time of the moving scene, or of the selected track of a still scene, in seconds. Setting the time is
+      the same as `seek`. */
+  time: number
+  /** The duration of the moving scene, or of the selected track of a still scene, in seconds. */
   readonly duration: number
   readonly paused: boolean
-  /** Makes a film of a track. Each frame is drawn completely, as by `fixsplat render`. The lossy codec then changes
+  /** False if `paused` is true. Setting the property plays or pauses. */
+  playing: boolean
+  /** The speed of a moving scene, above 0 and at most 100; 1 by default. Sets the attribute `speed`. */
+  get speed(): number
+  set speed(speed: number | null)
+  /** True if a moving scene starts again after its duration. Sets the attribute `loop`. */
+  get loop(): boolean
+  set loop(loops: boolean | '' | 'none' | null)
+  /** Makes a film of a track, in which a moving scene plays from its start. Each frame is drawn completely, as by
+      `fixsplat render`. The lossy codec then changes
       the pixels. */
   film(options?: FilmOptions): Promise<Film>
   /** Reads a settings file: an address, a File, or the content of a file as an object. Returns a line of text for
@@ -348,10 +366,19 @@ export interface ViewerAttributes {
   /** The number of drawing threads, 1 to 64; see `LoadOptions.threads`. */
   threads?: number | string
   turn?: '' | true
+  /** The moment of a moving scene, in seconds. */
+  time?: number | string
+  /** 'false' does not play a moving scene by itself. '' plays it even if the user prefers reduced motion. */
+  playing?: '' | 'false' | boolean
+  /** The speed of a moving scene, above 0 and at most 100; 1 by default. */
+  speed?: number | string
+  /** '' repeats a moving scene, and 'none' stops it at its end. The default is what the scene's file states. */
+  loop?: '' | 'none'
   /** Hides the whole interface. */
   noui?: '' | true
-  /** The parts of the interface to show; all parts by default. */
-  ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
+  /** The parts of the interface to show, separated by spaces: annotations, tracks, motion (the bar of a moving scene).
+      All parts by default. */
+  ui?: '' | 'annotations' | 'tracks' | 'motion' | (string & {})
   /** The name of the scene, shown in the corner of the viewer; the name of its file by default. */
   label?: string
   /** The use of the mouse wheel. 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is

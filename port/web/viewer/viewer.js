@@ -368,23 +368,25 @@ export class Viewer extends HTMLElement {
   }
 
   pause() {
+    if (this.#moves && !this.#clock) this.#setAttribute('playing', 'false')
     this.#clock?.pause()
     this.#tour?.pause()
   }
 
   seek(seconds) {
-    this.#player?.seek(seconds)
+    if (this.#moves && !this.#clock) this.#moving.then(() => this.seek(seconds))
+    else this.#player?.seek(seconds)
   }
 
   get time() {
-    return this.#player?.time ?? 0
+    return this.#player?.time ?? this.#moment.time ?? 0
   }
   set time(seconds) {
     this.seek(Number(seconds))
   }
 
   get duration() {
-    return this.#player?.duration ?? 0
+    return this.#player?.duration ?? this.#scene?.moving?.duration ?? 0
   }
 
   get paused() {
