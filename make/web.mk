@@ -44,7 +44,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
                 $(if $(filter $(addprefix kernels/simd/wasm/,bin% project% shade%),$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
-WEB_SMALL := simd/src/% $(addprefix core/src/core/,bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
+WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \

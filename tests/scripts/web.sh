@@ -216,6 +216,22 @@ want=$("$B/fixsplat" render "$work/paged.fxs" --size 200x150 --eye 2,-1,-4 --bud
 node --no-warnings tests/web/paging.mjs "$package" "$work/paged.fxs" "$want" >"$work/asked" 2>&1 ||
     echo "FAIL paging.mjs: a check above, or it ended early" >>"$work/asked"
 counts
+# frames NAME: writes the frames of a moving scene of 30 frames, of which each is other Gaussians.
+frames() {
+    mkdir "$work/$1" || return 1
+    for frame in $(seq 101 130); do
+        "$B/fixsplat" make-scene knot --count 3000 --seed $frame -o "$work/$1/$frame.ply" >/dev/null || return 1
+    done
+    "$B/fixsplat" convert "$work/$1" "$work/$1.fxs" --quiet
+}
+check "makes a moving scene" frames moving
+for time in 0 0.5 0.99 -7.3; do
+    check "at $time seconds" same_picture '{"eye":[2,-1,-4]}' '{"width":200,"height":150,"time":'$time'}' '[]' \
+        "$work/moving.fxs" -- --size 200x150 --eye 2,-1,-4 --time $time
+done
+node --no-warnings tests/web/moving_parts.mjs "$package" "$work/moving.fxs" >"$work/asked" 2>&1 ||
+    echo "FAIL moving_parts.mjs: a check above, or it ended early" >>"$work/asked"
+counts
 served_in_parts() {
     "$B/fixsplat" view --web --port 0 "$work/paged.fxs" >"$work/address" 2>&1 &
     server=$!

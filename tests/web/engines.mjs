@@ -63,7 +63,7 @@ export function keepPictures(pictures) {
 }
 
 export function hashOfPlaced(placed) {
-  const objects = placed.map((how) => ({ file: 'knot.fxs', ...how }))
+  const objects = placed.map(({ time, ...how }) => ({ file: 'knot.fxs', ...how }))
   writeFileSync(`${work}/placed.json`, JSON.stringify({ objects }))
   const args = ['--eye', '0,1,4', '--look', '0,0,0', '--up', '0,1,0', '--near', '0.1', '--size', `${WIDTH}x${HEIGHT}`]
   return hashOf({ args: ['--scene', `${work}/placed.json`, ...args] })

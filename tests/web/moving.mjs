@@ -3,8 +3,10 @@
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { mkdirSync, writeFileSync } from 'node:fs'
+import * as chromium from './chromium.mjs'
 import { base, go, hash, inside, moved, native, open, page, pause, picture, scenes, viewOf } from './chromium.mjs'
-import { command, ranges, run } from './chromium.mjs'
+
+const { command, folder, ranges, run } = chromium
 
 const FRAMES = 30
 const EACH = 1500
@@ -199,6 +201,21 @@ const tests = {
     console.log(`   ${sent} bytes before, then ${Math.round(took)} ms`)
     delete ranges.rate
     await isExact()
+  },
+
+  async 'a published scene: its poster, then it plays'() {
+    const env = { ...process.env, FIXSPLAT_WEB: folder }
+    const site = `${scenes}/site`
+    execFileSync(command, ['publish', `${scenes}/moving.fxs`, site, '--size', '320x180', '--quiet'], { env })
+    await page.goto('about:blank')
+    await page.goto(`${base}/scenes/site/index.html`)
+    await until(`v.shadowRoot && $('stage').querySelector('img, canvas')`)
+    await until('v.playing && v.time > 0.1')
+    await seekTo(0.3)
+    await moved()
+    const wanted = native('site/moving.fxs', await viewOf(), SIZE, '000000', '--time', '0.3')
+    for (let i = 0; (await hash()) !== wanted; i++) assert.ok(i < 40, `another picture than ${wanted}`)
+    await picture('moving-published')
   },
 
   async 'narrow and wide pictures of the bar'() {

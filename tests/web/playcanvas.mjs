@@ -64,6 +64,7 @@ const TWO = `const second = splats.clone()
   second.setLocalScale(0.6, 0.6, 0.6)
   second.opacity = 0.75
   second.tint = [1, 0.5, 2]
+  second.time = 0.5
   app.root.addChild(second)`
 const placedIn = 'JSON.parse(JSON.stringify([splats, second].map(({ placed: { scene, ...how } }) => how)))'
 
@@ -111,7 +112,8 @@ const tests = (browser) => ({
     const whole = hashOf(seen)
     assert.deepEqual(hashes, { alone: whole, ray: true, two: hashOfPlaced(placed), kept: true, 'one again': whole,
                                error: 0, freed: true })
-    assert.deepEqual([placed[1].opacity, placed[1].tint, placed[1].scale.toFixed(6)], [0.75, [1, 0.5, 2], '0.600000'])
+    const { opacity, tint, time, scale } = placed[1]
+    assert.deepEqual([opacity, tint, time, scale.toFixed(6)], [0.75, [1, 0.5, 2], 0.5, '0.600000'])
   },
 })
 

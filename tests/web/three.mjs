@@ -41,6 +41,7 @@ const TWO = `const second = splats.clone()
   second.scale.setScalar(0.6)
   second.opacity = 0.75
   second.tint = [1, 0.5, 2]
+  second.time = 0.5
   scene.add(second)`
 const placedIn = 'JSON.parse(JSON.stringify([splats, second].map(({ placed: { scene, ...how } }) => how)))'
 
@@ -177,7 +178,8 @@ export const threeTests = (browser) => ({
       veiled: 'true,true', two: hashOfPlaced(placed),
       'one of two in what is hidden': whole, 'one of two on another layer': whole, 'one of two elsewhere': whole, error: 0,
     })
-    assert.deepEqual([placed[1].opacity, placed[1].tint, placed[1].scale.toFixed(9)], [0.75, [1, 0.5, 2], '0.600000000'])
+    const { opacity, tint, time, scale } = placed[1]
+    assert.deepEqual([opacity, tint, time, scale.toFixed(9)], [0.75, [1, 0.5, 2], 0.5, '0.600000000'])
     assert.notEqual(hashes.two, whole)
   },
 
