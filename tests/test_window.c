@@ -314,6 +314,7 @@ static void test_graph_shows_the_times(void)
 #include <SDL2/SDL.h>
 
 #include <fixsplat/image.h>
+#include <fixsplat/pack.h>
 #include <fixsplat/scene.h>
 #include "tools/command/cmd_view.h"
 #include "tools/view/viewer.h"
@@ -354,6 +355,50 @@ static void write_text(char *path, const char *name, const char *text)
         fputs(text, file);
         fclose(file);
     }
+}
+
+static long give(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
+{
+    const fxs_gaussian *all = argument;
+    memcpy(out, all + first, capacity * sizeof *out);
+    return (long)capacity;
+}
+
+static int give_motions(void *argument, uint64_t first, fxs_motion *out, size_t count)
+{
+    (void)argument;
+    for (size_t i = 0; i < count; i++)
+        out[i] = (fxs_motion){.drift = {{1, 0, 0}}, .centre = (float)(first + i) / 300, .fade = 0.3f,
+                              .from = -INFINITY, .to = INFINITY};
+    return 0;
+}
+
+/* Writes a scene of 300 Gaussians that move for a second, with 20 frames a second. */
+static void make_moving(char *path, int loops)
+{
+    static fxs_gaussian all[300];
+    const fxs_gaussian_source gaussians = {300, 0, 0, give, all, {0}};
+    fxs_motion_source motions;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    fxs_message message;
+    fxs_motion_source_init(&motions);
+    motions.read = give_motions;
+    motions.time = (fxs_time){.duration = 1, .rate = 20, .loops = loops, .degree = 1, .fades = 1};
+    for (int i = 0; i < 300; i++)
+        all[i] = (fxs_gaussian){.position = {(float)(i % 20) / 10 - 1, (float)(i / 20) / 7 - 1, 0},
+                                .scale = {-2.5f, -2.5f, -2.5f}, .rotation = {1, 0, 0, 0}, .opacity = 3,
+                                .dc = {(float)(i % 7) / 4, (float)(i % 5) / 3, 1}};
+    snprintf(path, sizeof knot, "%s/moving.fxs", folder);
+    int error = fxs_scene_file_open_moving("moving", &gaussians, &motions, 0, &file, &info, &message);
+    error = error ? error : fxs_pack(file, &info, &packed, &report, 0, &message);
+    fxs_scene_file_close(file);
+    error = error ? error : fxs_file_write(path, packed.data, packed.bytes, &message);
+    if (!CHECK(!error))
+        printf("  %s\n", message.text);
+    fxs_packed_scene_free(&packed);
 }
 
 static frame_options small_options(void)
@@ -813,6 +858,103 @@ static int help_fits(viewer *v)
         free_edges |= (pixel == SDL_MapRGB(surface->format, 0x14, 0x17, 0x1d)) << i;
     }
     return free_edges == (v->words ? 30 : 31);
+}
+
+/* Runs steps of the viewer until it has shown a picture of another moment. */
+static void play_on(viewer *v)
+{
+    const int64_t before = v->options.render.time_q32;
+    for (int i = 0; i < 2000 && v->options.render.time_q32 == before; i++)
+        viewer_step(v, 10);
+    for (int i = 0; i < 2000 && v->request_count; i++)
+        viewer_step(v, 10);
+}
+
+static int stop_playing(viewer *v)
+{
+    push_key(' ');
+    settle(v);
+    return !v->play.on;
+}
+
+static void test_playing(void)
+{
+    viewer v;
+    const frame_options options = small_options();
+    make_moving(other, 1);
+    if (!CHECK(!open_file(&v, &options, other, shot)))
+        return;
+    while (!v.path)
+        viewer_step(&v, 10);
+    CHECK(v.play.on && v.play.loops && near(v.play.time.duration, 1) && near(v.play.time.rate, 20));
+    play_on(&v);
+    const double at = v.play.at;
+    play_on(&v);
+    CHECK(at > 0 && v.play.at != at && v.play.on);
+    CHECK(stop_playing(&v) && shows(&v, v.views[0], 64, 48));
+    const double paused = v.play.at;
+    for (int i = 0; i < 5; i++)
+        viewer_step(&v, 20);
+    CHECK(v.play.at == paused && !viewer_busy(&v));
+    key(&v, '.');
+    const double next = v.play.at;
+    CHECK(next != paused && near(20 * next, round(20 * next)) && shows(&v, v.views[0], 64, 48));
+    key(&v, '.');
+    key(&v, ',');
+    CHECK(near(v.play.at, next) && v.options.render.budget == 0);
+    key(&v, ']');
+    CHECK(v.play.speed == 2);
+    key(&v, '[');
+    key(&v, '[');
+    CHECK(v.play.speed == 0.5);
+    key(&v, 'y');
+    CHECK(!v.play.loops && !strcmp(v.note, "once"));
+    for (int i = 0; i < 30; i++)
+        key(&v, '.');
+    CHECK(v.play.at == 1 && shows(&v, v.views[0], 64, 48));
+    key(&v, 'l');
+    CHECK(v.edit.tool == EDIT_OFF && strstr(v.note, "no edits of a scene that moves"));
+    push_key(' ');
+    viewer_step(&v, 10);
+    CHECK(v.play.on && v.play.at < 1);
+    v.play.speed = 8;
+    for (int i = 0; i < 2000 && v.play.on; i++)
+        viewer_step(&v, 10);
+    settle(&v);
+    CHECK(!v.play.on && v.play.at == 1 && shows(&v, v.views[0], 64, 48));
+    viewer_close(&v);
+    remove(other);
+}
+
+static void test_time_bar(void)
+{
+    viewer v;
+    const frame_options options = small_options();
+    make_moving(other, 1);
+    if (!CHECK(!open_file(&v, &options, other, shot)))
+        return;
+    while (!v.path)
+        viewer_step(&v, 10);
+    CHECK(stop_playing(&v));
+    const fxs_view view = v.view;
+    click(&v, 1, 16, 46);
+    CHECK(near(v.play.at, 0.25) && shows(&v, v.views[0], 64, 48));
+    push_button(SDL_MOUSEBUTTONDOWN, 1, 16, 46);
+    move_to(&v, SDL_BUTTON_LMASK, 48, 20);
+    CHECK(v.play.dragged && near(v.play.at, 0.75));
+    move_to(&v, SDL_BUTTON_LMASK, 500, 20);
+    CHECK(v.play.at > 0.99 && v.play.at < 1);
+    push_button(SDL_MOUSEBUTTONUP, 1, 60, 20);
+    settle(&v);
+    CHECK(!v.play.dragged && !memcmp(&view, &v.view, sizeof view) && shows(&v, v.views[0], 64, 48));
+    move_to(&v, SDL_BUTTON_LMASK, 20, 20);
+    CHECK(memcmp(&view, &v.view, sizeof view));
+    drop(&v, knot);
+    CHECK(!play_moves(&v) && !v.play.on);
+    key(&v, ' ');
+    CHECK(!v.play.on);
+    viewer_close(&v);
+    remove(other);
 }
 
 static void test_empty_window(void)
@@ -1556,7 +1698,7 @@ static const struct {
     {"sh-degree", "0"}, {"device", "1"}, {"profile", "small"}, {"budget", "100"}, {"detail", "9"}, {"lod", "1"},
     {"axes", "rdf"}, {"pool", "1M"}, {"fps", "30"}, {"no-open", 0}, {"qr", 0}, {"levels", 0}, {"port", "1"},
     {"bind", "::1"}, {"host", "here"}, {"cert", "a.pem"}, {"key", "a.pem"}, {"metres-per-unit", "2"},
-    {"pass-through", 0}
+    {"pass-through", 0}, {"time", "1"}, {"rate", "25"}
 };
 
 static uint64_t sum_of(uint64_t sum, const void *data, size_t bytes)
@@ -1714,6 +1856,8 @@ int main(void)
     RUN(test_screenshot);
     RUN(test_numbered_screenshots);
     RUN(test_films);
+    RUN(test_playing);
+    RUN(test_time_bar);
     RUN(test_empty_window);
     RUN(test_events_while_loading);
     RUN(test_depths_and_ids);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/gl_contexts.h>
+#include <fixsplat/system.h>
 #include "port/xr/xr.h"
 #include "src/base/os_calls.h"
 #include "cmd_view.h"
@@ -73,6 +74,7 @@ static int show_frames(headset *h, const frame_options *o)
     fxs_pager_state state;
     fxs_request request;
     fxs_message why;
+    const uint64_t start = fxs_clock(0);
     int step = FXS_XR_IDLE, asked = 0;
     fxs_request_init(&request, h->world.objects, h->world.count);
     request.options = o->render;
@@ -81,6 +83,7 @@ static int show_frames(headset *h, const frame_options *o)
     while (step > FXS_XR_ENDED) {
         if (fxs_end_asked() && !asked++ && (step = fxs_xr_end(h->xr, &why)) < 0)
             break;
+        request.options.time_q32 = o->render.time_q32 + seconds_q32((double)(fxs_clock(0) - start) * 1e-9);
         step = paged ? world_turn(&h->world, &state, &why) : 0;
         step = step ? step : fxs_xr_frame(h->xr, &request, &why);
     }

@@ -1,4 +1,4 @@
-/* Counts the Gaussians and bytes of a moving scene that are drawn, from the times of its chunks (256 Gaussians each). */
+/* Counts what is drawn of a moving scene, from the times of its chunks (256 Gaussians each). */
 #include "live_chunks.h"
 
 #include <inttypes.h>

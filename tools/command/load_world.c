@@ -227,7 +227,7 @@ static int check_lod(const load_options *load, int has_lods)
 /* Refuses options that do nothing for these scenes. */
 static int check_options(const world *w, const load_options *load)
 {
-    int has_levels = 0, has_lods = 0, is_all_packed = 1, moves = 0;
+    int has_levels = 0, has_lods = 0, is_all_packed = 1, moves = 0, is_numbered = 0;
     if (load->again)
         return 0;
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
@@ -235,7 +235,10 @@ static int check_options(const world *w, const load_options *load)
         has_lods |= w->scenes[i].opened->info->levels > 1;
         is_all_packed &= is_packed(&w->scenes[i]);
         moves |= w->scenes[i].opened->scene->motion != NULL;
+        is_numbered |= !strcmp(w->scenes[i].opened->info->format, "numbered files");
     }
+    if (is_given("rate") && !is_numbered)
+        return fail(EXIT_FAILED, "%s: --rate is for numbered files", w->placed.files[0]);
     if (is_given("time") && !moves)
         return fail(EXIT_FAILED, "%s: does not move: no --time", w->placed.files[0]);
     if ((is_given("budget") || is_given("detail")) && !has_levels)

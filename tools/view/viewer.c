@@ -225,7 +225,7 @@ void viewer_install(viewer *v)
 {
     loading *l = &v->loading;
     const frame_options *o = &l->options;
-    const int first = !v->path;
+    const int first = !v->path, is_dropped = l->path != 0;
     world_close(&v->world);
     edit_end(&v->edit);
     free(v->views);
@@ -251,6 +251,7 @@ void viewer_install(viewer *v)
     find_up(v);
     find_points(v);
     crop_begin(v);
+    play_begin(v, is_dropped);
     show_view(v, l->index);
     if (first)
         fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
@@ -343,10 +344,12 @@ static void toggle_film(viewer *v, int key)
             ask_film(v);
     } else {
         free(v->way);
+        free(v->way_times_q32);
         v->way = malloc(FILM_MOST * sizeof *v->way);
+        v->way_times_q32 = malloc(FILM_MOST * sizeof *v->way_times_q32);
         v->way_count = 0;
-        v->film = v->way ? FILM_TAKEN : FILM_NONE;
-        if (!v->way)
+        v->film = v->way && v->way_times_q32 ? FILM_TAKEN : FILM_NONE;
+        if (v->film == FILM_NONE)
             snprintf(v->note, sizeof v->note, "no film: out of memory");
     }
 }
@@ -354,8 +357,10 @@ static void toggle_film(viewer *v, int key)
 static void take_way(viewer *v, uint64_t now)
 {
     v->filmed = v->way_count ? v->filmed : now;
-    for (; v->way_count < FILM_MOST && v->filmed <= now; v->filmed += FILM_NS)
+    for (; v->way_count < FILM_MOST && v->filmed <= now; v->filmed += FILM_NS) {
+        v->way_times_q32[v->way_count] = v->options.render.time_q32;
         v->way[v->way_count++] = v->view;
+    }
     if (v->way_count == FILM_MOST && !v->crop_written)
         ask_film(v);
 }
@@ -440,22 +445,42 @@ static void undo(viewer *v, int key) { (void)key; edit_undo(v); }
 
 static void toggle_front(viewer *v, int key) { (void)key; edit_front(v); }
 
+static void play(viewer *v, int key)
+{
+    play_toggle(v, key);
+    v->play.spaced = 1;
+}
+
+/* What a key needs: nothing, a scene, a scene that moves, or scenes that are all still. */
+enum { OF_WINDOW, OF_SCENE, OF_MOVING, OF_STILL };
+
+static int has_use(const viewer *v, int of)
+{
+    return of == OF_WINDOW || (of == OF_SCENE && v->path) || (of == OF_MOVING && play_moves(v)) ||
+           (of == OF_STILL && v->path && !play_moves(v));
+}
+
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key, of_scene;
+        int key, of;
         void (*act)(viewer *v, int key);
-    } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
-                {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
-                {'3', 1, choose_degree}, {'b', 1, next_backend}, {'v', 0, next_divisor}, {'+', 1, change_speed},
-                {'=', 1, change_speed}, {'-', 1, change_speed}, {'z', 1, show_other}, {'i', 1, show_other},
-                {'m', 1, toggle_measure}, {'k', 1, toggle_film}, {'f', 0, toggle_rate}, {'g', 0, toggle_graph},
-                {',', 1, change_budget}, {'.', 1, change_budget}, {'o', 1, toggle_levels},
-                {'l', 1, next_tool}, {'j', 1, toggle_front}, {'u', 1, undo}, {FXS_KEY_DELETE, 1, delete_chosen},
-                {FXS_KEY_BACKSPACE, 1, delete_chosen},
-                {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
+    } keys[] = {{'n', OF_SCENE, next_view}, {'r', OF_SCENE, reset}, {'c', OF_SCENE, toggle_crop},
+                {FXS_KEY_ENTER, OF_SCENE, write_crop}, {'x', OF_SCENE, toggle_cutoff}, {'0', OF_SCENE, choose_degree},
+                {'1', OF_SCENE, choose_degree}, {'2', OF_SCENE, choose_degree}, {'3', OF_SCENE, choose_degree},
+                {'b', OF_SCENE, next_backend}, {'v', OF_WINDOW, next_divisor}, {'+', OF_SCENE, change_speed},
+                {'=', OF_SCENE, change_speed}, {'-', OF_SCENE, change_speed}, {'z', OF_SCENE, show_other},
+                {'i', OF_SCENE, show_other}, {'m', OF_SCENE, toggle_measure}, {'k', OF_SCENE, toggle_film},
+                {'f', OF_WINDOW, toggle_rate}, {'g', OF_WINDOW, toggle_graph}, {',', OF_STILL, change_budget},
+                {'.', OF_STILL, change_budget}, {'o', OF_SCENE, toggle_levels}, {'l', OF_SCENE, next_tool},
+                {'j', OF_SCENE, toggle_front}, {'u', OF_SCENE, undo}, {FXS_KEY_DELETE, OF_SCENE, delete_chosen},
+                {FXS_KEY_BACKSPACE, OF_SCENE, delete_chosen}, {'t', OF_WINDOW, toggle_theme},
+                {'h', OF_WINDOW, toggle_help}, {'p', OF_SCENE, screenshot}, {' ', OF_MOVING, play},
+                {',', OF_MOVING, play_step_frame}, {'.', OF_MOVING, play_step_frame},
+                {'[', OF_MOVING, play_change_speed}, {']', OF_MOVING, play_change_speed},
+                {'y', OF_MOVING, play_toggle_loop}, {FXS_KEY_ESCAPE, OF_WINDOW, leave}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
-        if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
+        if (keys[i].key == pressed && has_use(v, keys[i].of)) {
             *v->note = 0;
             v->exposed = 1;
             keys[i].act(v, pressed);
@@ -480,8 +505,10 @@ static int point_at_handle(viewer *v, const fxs_window_event *event)
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
-    if (point_at_handle(v, event) || edit_drag(v, event))
+    if (play_drag(v, event) || point_at_handle(v, event) || edit_drag(v, event))
         return;
+    if (look)
+        play_undo_space(v);
     fxs_window_size(v->window, &width, &height);
     double turn = acos(-1) / height, pixels = (double)v->view.height / height;
     if (look)
@@ -515,6 +542,8 @@ static void fly(viewer *v, double seconds)
 
 static void press_at(viewer *v, const fxs_window_event *event)
 {
+    if (play_press(v, event->x, event->y))
+        return;
     v->face = v->crop.on ? crop_face_at(v, event->x, event->y) : CROP_NONE;
     v->dragged = v->face != CROP_NONE;
     v->exposed |= v->dragged;
@@ -525,7 +554,7 @@ static void press_at(viewer *v, const fxs_window_event *event)
 static void click(viewer *v, const fxs_window_event *event)
 {
     *v->note = 0;
-    if (v->dragged)
+    if (play_release(v) || v->dragged)
         return;
     if (v->edit.tool != EDIT_OFF)
         edit_release(v);
@@ -577,9 +606,9 @@ static void take(viewer *v, const fxs_window_event *event)
             press_at(v, event);
         else if (event->type == FXS_EVENT_WHEEL)
             zoom(v, event->dy);
-        else if (event->type == FXS_EVENT_RELEASE)
+        else if (event->type == FXS_EVENT_RELEASE && !play_release(v))
             edit_release(v);
-        else
+        else if (event->type == FXS_EVENT_CLICK)
             click(v, event);
         break;
     case FXS_EVENT_WOKEN:
@@ -599,6 +628,7 @@ static int time_to_wait(const viewer *v, int milliseconds)
                        v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
                        (v->loading.on && !v->installing) || is_writing(v) ? LOADING_MS : -1,
                        v->film == FILM_TAKEN && v->way_count < FILM_MOST ? milliseconds_until(now, v->filmed) : -1,
+                       play_due(v) ? milliseconds_until(now, play_due(v)) : -1,
                        v->slider ? milliseconds_until(now, v->slider) : -1,
                        v->hint ? milliseconds_until(now, v->hint) : -1};
     for (size_t i = 0; i < sizeof due / sizeof *due; i++)
@@ -620,6 +650,8 @@ static void move(viewer *v, int milliseconds)
     if (v->path)
         fly(v, v->flying ? fmin((double)(now - v->clock) * 1e-9, 0.1) : FRAME_MS * 1e-3);
     v->clock = now;
+    play_advance(v, now);
+    v->play.spaced &= fxs_window_holds(' ');
     if (v->moving)
         v->moved = now;
     if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* goes back if the camera is out of range */
@@ -755,6 +787,7 @@ void viewer_close(viewer *v)
     fxs_recent_free(&v->recent);
     free(v->points);
     free(v->way);
+    free(v->way_times_q32);
     free(v->views);
     free(v->path);
 }

@@ -11,6 +11,19 @@
 #include <fixsplat/internal/edits.h>
 #include <fixsplat/pace.h>
 
+/* Playing of a scene that moves. */
+typedef struct playback {
+    fxs_time time;                          /* of the shown scenes; a duration of 0: they are still */
+    int on, loops;
+    double at, speed;                       /* moment of the pictures in seconds; seconds of the scene in a second */
+    uint64_t clock;                         /* time of the last step in nanoseconds */
+    int dragged;                            /* 1: the pointer drags the time bar */
+    int spaced;                             /* 1: space is held, and has started or stopped the scene */
+    int slow;                               /* 1: frames of full size take too long while the scene plays */
+} playback;
+
+enum { PLAY_MS = 16 };                      /* least time from frame to frame */
+
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };
 enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames per second of a film; most frames of a film */
@@ -121,9 +134,11 @@ struct viewer {
 
     enum viewer_film film;
     fxs_view *way;                     /* recorded path of the camera, at most FILM_MOST views */
+    int64_t *way_times_q32;                 /* and the moments of scenes that move, seconds */
     int way_count;
     uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 
+    playback play;
     editing edit;
     crop_box crop;
     int face, dragged;                      /* crop box face under the pointer or CROP_NONE; 1: the face is dragged */
@@ -216,6 +231,37 @@ void edit_press(viewer *v, double x, double y);
 int edit_drag(viewer *v, const fxs_window_event *event);
 void edit_release(viewer *v);
 double edit_brush(const viewer *v);
+
+/* Starts to play the shown scenes, if they move and no --time is given. is_new: 1 for a dropped scene. */
+void play_begin(viewer *v, int is_new);
+
+/* True if the shown scenes move. The other functions of playing need that. */
+int play_moves(const viewer *v);
+
+/* Keys. */
+void play_toggle(viewer *v, int key);
+void play_step_frame(viewer *v, int key);
+void play_change_speed(viewer *v, int key);
+void play_toggle_loop(viewer *v, int key);
+
+/* Takes back what the key space did, as it is held to look around. */
+void play_undo_space(viewer *v);
+
+/* Returns when the next frame is due, in nanoseconds of the clock; 0: none is. */
+uint64_t play_due(const viewer *v);
+void play_advance(viewer *v, uint64_t now);
+
+/* Takes the time of a frame, of the picture's size by `divisor`. */
+void play_take_time(viewer *v, uint64_t nanoseconds, int divisor);
+
+/* Writes the moment as text, and the place x, y, width, height of the time bar, pixels. */
+void play_words(const viewer *v, char *text, size_t size);
+void play_bar(const viewer *v, int bar[4]);
+
+/* Pointer on the time bar. Each returns 1 if the pointer drags it; play_release, if it did. */
+int play_press(viewer *v, double x, double y);
+int play_drag(viewer *v, const fxs_window_event *event);
+int play_release(viewer *v);
 
 /* Marks the selected Gaussians in a picture of the request. Runs on the renderer's thread. */
 void edit_mark(const viewer *v, const request *r, const picture *p);

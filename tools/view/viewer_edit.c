@@ -200,6 +200,10 @@ void edit_tool(viewer *v)
     static const char *const notes[] = {[EDIT_LASSO] = "lasso: drag around Gaussians; h lists the keys",
                                         [EDIT_BRUSH] = "brush: drag over Gaussians; h lists the keys"};
     editing *e = &v->edit;
+    if (play_moves(v)) {
+        tell(v, "no edits of a scene that moves: convert --time writes a moment");
+        return;
+    }
     if (!can_edit(v)) {
         tell(v, "no edits: only of one scene, whole and where it is");
         return;

@@ -269,6 +269,7 @@ static void take_frame(viewer *v, request *r)
     v->gaussians = r->stats.drawn;
     v->missing = r->stats.missing;
     fxs_frame_times_add(&v->times, &r->stats);
+    play_take_time(v, r->stats.frame_nanoseconds, r->divisor);
     if (v->rate_wanted > 0 && r->moves && r->render.budget == v->options.render.budget)
         viewer_follow_rate(v, r->stats.frame_nanoseconds, r->stats.drawn);
     if (v->renderer.lost && !v->lost++)
@@ -277,11 +278,11 @@ static void take_frame(viewer *v, request *r)
 
 void ask_frame(viewer *v)
 {
-    request *r = ask(v, render, take_frame, v->moving ? v->divisor : 1);
+    request *r = ask(v, render, take_frame, v->moving || (v->play.on && v->play.slow) ? v->divisor : 1);
     if (r) {
         r->render.stop = (fxs_stop){fxs_worker_stopped, v->drawer};
         r->shows_part = 1;
-        r->moves = v->moving;
+        r->moves = v->moving || v->play.on;
     }
     v->changed = v->moving = 0;
 }
@@ -400,6 +401,8 @@ static void print_command(const viewer *v, const fxs_view *view, const fxs_optio
         printf(" --budget %" PRIu32, render_options->budget);
     if (render_options->detail_q8)
         printf(" --detail %.9g", render_options->detail_q8 / 256.0);
+    if (play_moves(v))
+        printf(" --time %.17g", ldexp((double)render_options->time_q32, -32));
     printf(" --near %.17g", view->near);
     print_level(&v->options.load);
     if (v->options.load.profile && has_floats(&v->world))
@@ -441,6 +444,7 @@ static int write_frames(viewer *v, request *r, fxs_film *film)
     for (int i = 0; i < v->way_count && !failed; i++) {
         request frame = *r;
         frame.view = fit(v, v->way[i], r->view.width, r->view.height);
+        frame.render.time_q32 = v->way_times_q32[i];
         render(v, &frame);
         failed = r->status = frame.status;
         failed = failed || fxs_image_encode(FXS_IMAGE_Y4M, 0, v->drawn.pixels, v->drawn.width, v->drawn.height,
@@ -520,6 +524,8 @@ static void write_cropped(viewer *v, request *r)
     }
     load.filter = &filter;
     load.again = 1;
+    load.has_moment = play_moves(v);
+    load.moment = ldexp((double)r->render.time_q32, -32);
     load.progress = (fxs_progress){fxs_worker_tell, v->drawer};
     r->unwritten = is_edited(v) ? fxs_fail(&r->message, "not written: the scene is edited; shift and delete keeps the "
                                            "box, l and enter write it")
@@ -539,6 +545,8 @@ static void print_conversion(const viewer *v, const request *r)
         const double side = i < 3 ? r->crop.low[i] : r->crop.high[i - 3];
         printf("%s%.*g", i ? "," : "", fabs(side) < 4096 ? 9 : 17, side);
     }
+    if (play_moves(v))
+        printf(" --time %.17g", ldexp((double)r->render.time_q32, -32));
     if (o->lod || o->lods)
         print_level(o);
     if (o->axes)

@@ -8,7 +8,7 @@
 #include "tools/command/cmd_view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: least font size in pixels */
+enum { PANELS_MOST = 14, KEYS_MOST = 64, SMALLEST = 7 };    /* SMALLEST: least font size in pixels */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
@@ -25,7 +25,7 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
     return &p->list[p->count++];
 }
 
-enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM };
+enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM, BOTTOM_RIGHT };
 
 /* Adds a panel with a line of text, in the largest font size that fits. */
 static void add_words(panels *p, enum place place, const char *text)
@@ -37,7 +37,8 @@ static void add_words(panels *p, enum place place, const char *text)
     const int width = fxs_words_width(p->words, text) + 2 * pad, height = fxs_words_line(p->words) + pad;
     if (width == 2 * pad)
         return;
-    const int x = place == TOP_RIGHT ? p->width - width - edge : place == BOTTOM_LEFT ? edge : (p->width - width) / 2;
+    const int is_right = place == TOP_RIGHT || place == BOTTOM_RIGHT;
+    const int x = is_right ? p->width - width - edge : place == BOTTOM_LEFT ? edge : (p->width - width) / 2;
     const int y = place == TOP_RIGHT ? edge : place == MIDDLE ? (p->height - height) / 2 : p->height - height - edge;
     const fxs_panel *panel = add(p, x, y, width, height, 8 * p->scale, p->theme->panel);
     if (panel)
@@ -356,6 +357,19 @@ static void add_slider(panels *p, const viewer *v)
         fxs_draw_rectangle(&panel->picture, 0, 0, (int)(width * fmin(fmax(part, 0), 1)), height, p->theme->mark);
 }
 
+static void add_time(panels *p, const viewer *v)
+{
+    char text[80];
+    int bar[4];
+    play_words(v, text, sizeof text);
+    add_words(p, BOTTOM_RIGHT, text);
+    play_bar(v, bar);
+    const fxs_panel *panel = add(p, bar[0], bar[1], bar[2], bar[3], 0, p->theme->panel);
+    if (panel)
+        fxs_draw_rectangle(&panel->picture, 0, 0, (int)(bar[2] * v->play.at / v->play.time.duration), bar[3],
+                           p->theme->mark);
+}
+
 static void add_all(panels *p, const viewer *v)
 {
     if (v->measuring && v->ends && v->seen.width)
@@ -377,6 +391,8 @@ static void add_all(panels *p, const viewer *v)
         add_recent(p, v);
     if (v->slider && v->path)
         add_slider(p, v);
+    if (play_moves(v))
+        add_time(p, v);
     if (v->help)
         add_help(p);
     if (*v->note)
