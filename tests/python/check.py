@@ -54,6 +54,26 @@ with fixsplat.load("leant.fxs") as leant:
     said = run("render", "leant.fxs", "--size", "320x200", "--fov", "60", "--hash").strip()
     ok("up: turned as the scene is", np.allclose(leant.up, (0.5, -math.sqrt(0.75), 0), atol=2e-4), leant.up)
     ok("up: a view is upright by it", hash_of(leant.render(leant.frame(320, 200, fov=60))) == said, said)
+with fixsplat.load("moving.fxs") as moving:
+    ok("a scene that moves: duration, rate, loops", (moving.duration, moving.rate, moving.loops) == (1, 0, True))
+    ok("a still scene: no duration", (scene.duration, scene.rate, scene.loops) == (0, 0, False))
+    view = moving.frame(64, 48)
+    for at in (0, 0.25, 0.75):
+        said = run("render", "moving.fxs", "--size", "64x48", "--time", str(at), "--hash").strip()
+        ok(f"time={at}: the command's hash", hash_of(moving.render(view, time=at)) == said, said)
+    ok("time of an object", hash_of(fixsplat.render([fixsplat.Object(moving, time=0.5)], view, time=0.25)) == said)
+    ok("convert: a scene that moves", fixsplat.convert("moving.splatv", "copy.fxs").written == moving.count and
+       read("copy.fxs") == read("moving.fxs"))
+    fixsplat.convert("moving.fxs", "moment.ply", time=0.25)
+    run("convert", "moving.fxs", "said.ply", "--time", "0.25")
+    ok("convert: a moment, as the command", read("moment.ply") == read("said.ply"))
+    ok("load_gaussians: a moment", len(fixsplat.load_gaussians("moving.fxs", time=0.25)) ==
+       len(fixsplat.load_gaussians("moment.ply")))
+    refuses("save: a format without motion", ValueError, "holds no motion: give time", lambda: moving.save("whole.ply"))
+    refuses("convert: a filter of a scene that moves", fixsplat.Error, "moving scenes are not filtered",
+            lambda: fixsplat.convert("moving.fxs", "part.fxs", prune=0.5))
+    refuses("convert: time of a still scene", ValueError, "does not move",
+            lambda: fixsplat.convert("knot.ply", "still.ply", time=1))
 ok("background", hash_of(scene.render(camera, background=(17, 19, 27), cutoff="square", sh_degree=1)) == run(
     "render", "knot.ply", "--size", "320x200", "--hash", "--bg", "11131b", "--cutoff", "square", "--sh-degree",
     "1").strip())

@@ -127,4 +127,22 @@ check "info --compare: a moment" at_least "$(psnr_of moment.fxs moving.splatv --
 fails "info --compare: a still scene with one that moves" 1 'moves is not compared with a still one: give --compare-time' \
     info moment.fxs --compare moving.splatv
 
+# ---- docs/examples ---------------------------------------------------------------------------------------------------
+
+folder=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
+library=$(ls "$folder"/libfixsplat.so.*.*.* 2>/dev/null | head -n 1)
+if [ "$library" ]; then
+    mkdir example
+    ln -s "$library" "example/libfixsplat.so.$(echo "${library##*.so.}" | cut -d . -f 1)"
+    check "docs/examples/moving.c compiles" ${CC:-cc} -std=c99 -Wall -Wextra -Werror -I"$root/src/include" \
+        "$root/docs/examples/moving.c" -o example/moving "$library" -Wl,-rpath,"$work/example"
+    check "docs/examples/moving.c runs" example/moving moving.fxs example
+    check "docs/examples/moving.c: a frame for each 30th of a second" equal "$(ls example/*.png | wc -l | tr -d ' ')" 30
+    "$fixsplat" render moving.fxs --size 640x360 --time 0.5 -o example/half.png
+    check "docs/examples/moving.c: the command's picture" equal "$("$fixsplat" compare example/0015.png example/half.png \
+        --json | grep -o '"psnr": null')" '"psnr": null'
+else
+    skip docs/examples/moving.c "no shared library is built with this compiler"
+fi
+
 finish

@@ -4,6 +4,7 @@
 B=${B:-build}
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
+. "$root/tests/scripts/lib/splatv.sh"
 library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/include/fixsplat/fixsplat.h")
 soname=libfixsplat.so.${version%%.*}
@@ -46,6 +47,8 @@ fi
 # ---- Behaviour -------------------------------------------------------------------------------------------------------
 
 make_photographs 9
+splatv moving.splatv 256
+"$fixsplat" convert moving.splatv moving.fxs
 "$fixsplat" make-scene cubes -o cubes.ply
 "$fixsplat" make-scene haze --count 3000 -o haze.ply
 "$fixsplat" make-scene knot --count 200000 -o large.ply

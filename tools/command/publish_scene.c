@@ -87,7 +87,8 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
         return EXIT_FAILED;
     const int was_packed = is_packed(scene);
     const fxs_scene *own = scene->opened->scene;
-    const int is_other = profile && own->profile != options->profile, lacks_tree = options->tree && !own->nodes;
+    const int is_other = profile && own->profile != options->profile;
+    const int lacks_tree = options->tree && !own->nodes && !own->motion;
     const int anew = was_packed && (is_other || (lacks_tree && own->chunk_count > 1));
     how.profile = profile ? options->profile : own->profile;
     how.tree |= own->nodes != 0;

@@ -45,9 +45,9 @@ class Conversion:
 
 def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, scale: float = 1, translate: Any = None,
             crop: Any = None, sphere: Any = None, prune: float = 0, drop_floaters: bool = False, sh_degree: int = 3,
-            decimate: Optional[float] = None, profile: Optional[str] = None, spz_version: Optional[int] = None,
-            spz_fine: bool = False, level: int = 0, axes: str = "file", max_gaussians: int = 0, max_memory: int = 0,
-            threads: int = 0, progress: Progress = None) -> Conversion:
+            decimate: Optional[float] = None, time: Optional[float] = None, profile: Optional[str] = None,
+            spz_version: Optional[int] = None, spz_fine: bool = False, level: int = 0, axes: str = "file",
+            max_gaussians: int = 0, max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
     """Converts the scene src into the scene file dst. src is the path of a scene file, Gaussians, or a Scene. The
     ending of dst chooses the format, and `fixsplat help formats` lists the formats that can be written. The new file
     has the same bytes as the file that `fixsplat convert` writes with the options of the same names. An existing file
@@ -70,6 +70,8 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     sh_degree: SH are kept up to this degree, 0 to 3.
     decimate: neighbours are merged until this number of Gaussians is left, or, for a float above 0 and up to 1.0, this
     share of them. None merges no Gaussians.
+    time: the moment at which a scene that moves is converted, in seconds. None keeps the motion, which only an .fxs can
+    hold, without any of the options above.
     profile: the profile of an .fxs file: "default", "compact" or "small". None stands for "default".
     spz_version: the version of an .spz file: 3 (gzip) or 4 (zstd). None stands for 4.
     spz_fine: True gives an .spz file all 8 bits of SH and all 24 of positions.
@@ -95,11 +97,15 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     placement = _placement(up, rotate, scale, translate)
     known = None if up is None else list(numbers("up", up, (3,)))
     with Calls(progress) as calls, _open(src, out, (level, axes, max_gaussians, max_memory), calls) as stream:
+        if time is not None:
+            stream.at(time)
         if not lib.fxs_placement_is_plain(placement):
             stream.place(placement, known)
         elif known is not None:
             stream.info.start.up = known
-        kept = stream.filter(how)
+        if stream.moves and not packed:
+            raise ValueError(f"{out}: holds no motion: give time")
+        kept = _all_of(stream) if stream.moves and _keeps_all(how) else stream.filter(how)
         if decimate is not None:
             stream.decimate(target or math.ceil(share * stream.info.count))
         if packed:
@@ -158,6 +164,15 @@ def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree
     how.sh_degree = whole("sh_degree", sh_degree, 0, 3)
     how.floaters = bool(drop_floaters)
     return how
+
+
+def _keeps_all(how: Struct) -> bool:
+    plain = sized("fxs_scene_filter")
+    return bytes(ffi.buffer(how)) == bytes(ffi.buffer(plain))
+
+
+def _all_of(stream: Stream) -> Struct:
+    return new("fxs_scene_filter_report", read=stream.info.count, kept=stream.info.count)
 
 
 def _conversion(kept: Struct, written: int, dropped: int, *rest: Any) -> Conversion:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple
 import numpy as np
 import numpy.typing as npt
 
+from ._camera import number
 from ._library import (NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, copy, ffi, file_name, lib, new,
                        sized, whole)
 
@@ -195,6 +196,17 @@ class Stream:
         finally:
             lib.fxs_world_free(world)
 
+    @property
+    def moves(self) -> bool:
+        return bool(self.info.time.duration > 0)
+
+    def at(self, time: float) -> None:
+        """Takes the Gaussians of a scene that moves as they are at a time, seconds."""
+        if not self.moves:
+            raise ValueError("time: the scene does not move")
+        with _about(self.name):
+            call("fxs_scene_file_at", self.handle, number("time", time, -1e6, 1e6), self.info)
+
     def filter(self, how: Struct) -> Struct:
         report = new("fxs_scene_filter_report")
         with _about(self.name):
@@ -252,12 +264,16 @@ class Stream:
 
 
 def load_gaussians(path: PathLike, *, level: int = 0, axes: str = "file", max_gaussians: int = 0, max_memory: int = 0,
-                   progress: Progress = None) -> Gaussians:
+                   time: Optional[float] = None, progress: Progress = None) -> Gaussians:
     """Reads the Gaussians of a scene file of any format as arrays of floats, in the order of the file. Of an .fxs file,
     they are the Gaussians that its codes stand for. Raises an Error where the file cannot be read.
 
+    time: the moment at which Gaussians of a scene that moves are read, in seconds. None reads each Gaussian as it is in
+    the middle of its own time.
     level, axes, max_gaussians, max_memory, progress: as for `load`.
     """
     with Calls(progress) as calls:
         with Stream.of_file(path, file_options(level, axes, max_gaussians, max_memory, calls), calls) as stream:
+            if time is not None:
+                stream.at(time)
             return stream.arrays(progress)

@@ -49,6 +49,7 @@ class Object:
     tint: factors for red, green and blue, 0 to 4 each, of shape (3,).
     visible: False leaves the object out of pictures.
     id: the number that the target "ids" has for the object, 0 to 2^32 - 2.
+    time: seconds that are added to the moment of a picture, if the scene moves.
     crops: at most 8 boxes. A Gaussian is drawn where it lies in at least one box that keeps Gaussians, if there is such
     a box, and in no box that leaves Gaussians out.
     """
@@ -61,6 +62,7 @@ class Object:
     visible: bool = True
     id: int = 0
     crops: Sequence[Crop] = field(default=())
+    time: float = 0
 
     def _placement(self) -> Struct:
         placement = new("fxs_placement")
@@ -106,6 +108,7 @@ class _Placed:
         self._crops = ffi.new("fxs_crop[]", lib.FXS_MAX_CROPS * len(objects))
         for i, (memory, placement) in enumerate(zip(self.memories, self.placements)):
             call("fxs_object_place", self.array + i, memory.scene, placement, self._crops + i * lib.FXS_MAX_CROPS)
+            self.array[i].time_q32 = _seconds(objects[i].time)
 
     def depth_bits(self, camera: Camera) -> int:
         """Returns the largest number of binary digits after the point, at most 28, with which the depths of all objects
@@ -352,14 +355,19 @@ def _in_units(depths: "npt.NDArray[Any]", bits: int) -> "npt.NDArray[np.float32]
     return units
 
 
-def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool, budget: int, detail: float) -> Struct:
+def _seconds(time: float) -> int:
+    return round(2**32 * number("time", time, -1e6, 1e6))
+
+
+def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool, budget: int, detail: float,
+             time: float) -> Struct:
     behind = colour("background", background)
     if alpha and any(behind):
         raise ValueError("background: with alpha=True there is none")
     return sized("fxs_options", cutoff=choose("cutoff", cutoff, CUTOFFS),
                  sh_degree=whole("sh_degree", sh_degree, 0, 3), background=behind,
                  budget=whole("budget", budget, 0, 2**32 - 1),
-                 detail_q8=round(256 * number("detail", detail, 0, 16384)))
+                 detail_q8=round(256 * number("detail", detail, 0, 16384)), time_q32=_seconds(time))
 
 
 def _camera(K: Any, world_to_camera: Any, width: Optional[int], height: Optional[int]) -> Camera:
@@ -386,7 +394,7 @@ def _objects(objects: "Sequence[Union[Object, Scene]]") -> "list[Object]":
 def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: Any = None, width: Optional[int] = None,
            height: Optional[int] = None, *, targets: "Sequence[str]" = ("colour",),
            background: "Sequence[int]" = (0, 0, 0), alpha: bool = False, cutoff: str = "mahalanobis",
-           sh_degree: int = 3, budget: int = 0, detail: float = 0, near: Optional[float] = None,
+           sh_degree: int = 3, budget: int = 0, detail: float = 0, time: float = 0, near: Optional[float] = None,
            backend: "Union[str, Renderer]" = "auto",
            threads: int = 0, device: int = 0, max_memory: int = 0,
            stop: "Optional[Callable[[], object]]" = None) -> Picture:
@@ -405,6 +413,8 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     sh_degree: the highest degree of SH that is evaluated, 0 to 3.
     budget: of scenes with levels of detail, draw at most so many Gaussians, coarse ones in place of those that matter
     least; 0: draw all. detail: of such scenes, draw nothing finer than about so many pixels.
+    time: the moment of scenes that move, in seconds. A scene that loops starts again after its duration; others stay at
+    their first and last moment.
     near: the depth of the near plane in scene units. None stands for the near plane of the camera, or 0.2.
     backend, threads, device, max_memory: as for `Renderer`; or backend is a Renderer. For each thread of the program
     and each name of a back end, one renderer is kept until other options are asked for or the thread ends.
@@ -413,7 +423,7 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     """
     placed = _Placed(_objects(objects))
     camera = _camera(K, world_to_camera, width, height)
-    cameras, options = camera.rounded(near), _options(cutoff, sh_degree, background, alpha, budget, detail)
+    cameras, options = camera.rounded(near), _options(cutoff, sh_degree, background, alpha, budget, detail, time)
     arrays = _arrays(targets, camera.width, camera.height)
     depths = [name for name in arrays if name.endswith("depth")]
     bits = placed.depth_bits(camera) if depths else 0

@@ -128,6 +128,21 @@ class Scene:
         return list(PROFILES)[int(self.memory.scene.profile)]
 
     @property
+    def duration(self) -> float:
+        """The duration of a scene that moves, in seconds: its times are 0 to the duration. 0 if the scene is still."""
+        return float(lib.fxs_scene_motion(self.memory.scene).duration_q32) / 2**32
+
+    @property
+    def rate(self) -> float:
+        """The frames a second of the source of a scene that moves; 0 if there are none, or the scene is still."""
+        return float(lib.fxs_scene_motion(self.memory.scene).rate_q32) / 2**32
+
+    @property
+    def loops(self) -> bool:
+        """Whether a scene that moves starts again after its duration."""
+        return bool(lib.fxs_scene_motion(self.memory.scene).loops)
+
+    @property
     def nbytes(self) -> int:
         """The size of the packed scene in bytes, in memory and as an .fxs file."""
         return self.memory.size
