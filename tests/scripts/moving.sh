@@ -127,6 +127,19 @@ check "info --compare: a moment" at_least "$(psnr_of moment.fxs moving.splatv --
 fails "info --compare: a still scene with one that moves" 1 'moves is not compared with a still one: give --compare-time' \
     info moment.fxs --compare moving.splatv
 
+# ---- Publish ---------------------------------------------------------------------------------------------------------
+
+mkdir -p page/viewer
+echo page >page/viewer/index.html
+echo module >page/fixsplat.js
+publish() { FIXSPLAT_WEB=$work/page "$fixsplat" publish "$@" --size 64x36 --quiet; }
+check "publish" publish moving.splatv site
+check "publish: the scene moves" sh -c "'$fixsplat' info site/moving.fxs | grep -q '^moves         1 seconds'"
+"$fixsplat" render site/moving.fxs --size 64x36 --quality 85 --time 0 -o poster.jpg --quiet
+check "publish: the picture is of the first moment" cmp site/moving.jpg poster.jpg
+check "publish --levels of an .fxs that moves" publish moving.fxs again --levels
+check "publish --levels of an .fxs that moves: its size" equal "$(wc -c <again/moving.fxs)" "$(wc -c <moving.fxs)"
+
 # ---- docs/examples ---------------------------------------------------------------------------------------------------
 
 folder=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
