@@ -4,7 +4,7 @@
 
 #include <fixsplat/system.h>
 #include "tools/command/frame_times.h"
-#include "tools/view/viewer.h"
+#include "viewer.h"
 
 /* BAR and BAR_REACH in points of the screen; STEP_RATE: frames a second of a scene whose motion is continuous. */
 enum { BAR = 8, BAR_REACH = 14, STEP_RATE = 30 };
