@@ -2,7 +2,7 @@
 # Tests scenes that move in the commands: --time, --times and --fps, conversion of moments, info and comparison.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
-. tests/scripts/lib/splatv.sh
+. "$root/tests/scripts/lib/splatv.sh"
 
 hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
 frames_of() { grep -ao FRAME "$1" | wc -l | tr -d ' '; }
