@@ -193,8 +193,8 @@ static void pictures_follow_the_formulas(void)
                     least = db < least ? db : least;
                     fxs_packed_scene_free(&still);
                 }
-            printf("  profile %d kind %d: mean %.2f least %.2f dB, %.1f bytes a Gaussian\n", profile, kind, sum / 7, least,
-                   (double)moving.bytes / COUNT);
+            printf("  profile %d kind %d: mean %.2f least %.2f dB, %.1f bytes a Gaussian\n", profile, kind, sum / 7,
+                   least, (double)moving.bytes / COUNT);
             CHECK(sum / 7 >= floors[profile]);
             fxs_packed_scene_free(&moving);
             free_cloud(&c);

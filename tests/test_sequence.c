@@ -1,4 +1,5 @@
-/* Sequences of frames: tracks against the frames that they were made from, in order and shuffled, and numbered files. */
+/* Sequences of frames: tracks against the frames that they were made from, in order and shuffled, and numbered files.
+ */
 #include <math.h>
 #include <string.h>
 

@@ -22,8 +22,8 @@ typedef struct fxs_turntable {
  * of the visible part. */
 int fxs_turntable_open(fxs_turntable *t, const void *data, size_t bytes, int32_t width, int32_t height);
 
-/* Turns the scene about the y axis by step / FXS_TURNTABLE_STEPS of a full turn, and shows a moving scene after the same
- * part of its duration. */
+/* Turns the scene about the y axis by step / FXS_TURNTABLE_STEPS of a full turn, and shows a moving scene after the
+ * same part of its duration. */
 void fxs_turntable_turn(fxs_turntable *t, uint32_t step);
 
 #ifdef __cplusplus

@@ -1,8 +1,8 @@
-/* Streamed scenes with levels of detail, and streamed moving scenes, for paged.js. A chunk has 256 Gaussians. Leaves are
-   the finest chunks, nodes the coarser chunks of the tree. A moving scene has leaves only. One block of memory holds the
-   tables of the leaves, the tables of the nodes, and the pool of loaded chunks. A chunk without a loaded header has a
-   copy of its parent's header, because the parent is visible whenever the chunk is. A frame does not read the header of
-   a leaf of a moving scene before the leaf is loaded. */
+/* Streamed scenes with levels of detail, and streamed moving scenes, for paged.js. A chunk has 256 Gaussians. Leaves
+   are the finest chunks, nodes the coarser chunks of the tree. A moving scene has leaves only. One block of memory
+   holds the tables of the leaves, the tables of the nodes, and the pool of loaded chunks. A chunk without a loaded
+   header has a copy of its parent's header, because the parent is visible whenever the chunk is. A frame does not read
+   the header of a leaf of a moving scene before the leaf is loaded. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -83,9 +83,9 @@ EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
 
 /* Allocates a streamed scene with a pool for `places` chunks. Returns null if memory ran out or the header is not
    valid. Out: number of leaves (finest chunks); address, file offset and size of the palette with the motion, of the
-   tree, of the node headers and of the leaf headers; file offsets of the leaves and of the nodes; addresses of the pool,
-   of each chunk's place in the pool, of the stamps of last use, of the list of wanted chunks, and of the motion (0: the
-   scene is still). */
+   tree, of the node headers and of the leaf headers; file offsets of the leaves and of the nodes; addresses of the
+   pool, of each chunk's place in the pool, of the stamps of last use, of the list of wanted chunks, and of the motion
+   (0: the scene is still). */
 EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
 {
     fxs_scene_parts p;
@@ -185,7 +185,8 @@ static int is_coarse(const fxs_scene *scene, uint32_t chunk, uint32_t there)
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;
-    const uint32_t first = scene->nodes ? scene->chunk_count : 0, end = scene->nodes ? first + there : scene->chunk_count;
+    const uint32_t first = scene->nodes ? scene->chunk_count : 0;
+    const uint32_t end = scene->nodes ? first + there : scene->chunk_count;
     unsigned char *headers = fxs_web_allocate((size_t)there * sizeof(fxs_chunk));
     uint32_t *places = malloc(there * sizeof *places), count = 0;
     s->coarse = *scene;

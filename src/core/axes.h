@@ -1,8 +1,8 @@
-/* Reads and writes the rotation word of a Gaussian. The word has the numbers X and Y, `bits` bits each, then the roll U.
- * (X, Y) is the first axis in Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2),
- * this axis is (X s, Y s, 1 - X^2 - Y^2). Two vectors perpendicular to it, the sides, are (1 - X^2, -X Y, -X s) and (-X
- * Y, 1 - Y^2, -Y s). The roll turns the sides by an angle of about pi/2 U, with cos = 1 - U^2 (1.225 - 0.225 U^2) and
- * sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2)). */
+/* Reads and writes the rotation word of a Gaussian. The word has the numbers X and Y, `bits` bits each, then the roll
+ * U. (X, Y) is the first axis in Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 -
+ * Y^2), this axis is (X s, Y s, 1 - X^2 - Y^2). Two vectors perpendicular to it, the sides, are (1 - X^2, -X Y, -X s)
+ * and (-X Y, 1 - Y^2, -Y s). The roll turns the sides by an angle of about pi/2 U, with cos = 1 - U^2 (1.225 - 0.225
+ * U^2) and sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2)). */
 #ifndef FXS_AXES_H
 #define FXS_AXES_H
 
@@ -32,8 +32,8 @@ static inline int fxs_axes_of(fxs_gaussian_axes *out, int32_t x_q15, int32_t y_q
     return 1;
 }
 
-/* Decodes the rotation of a Gaussian. Each number is read as 16 bits in two's complement, Q15; the next number's bits act
-   as a fraction. Returns 0 if (X, Y) is longer than 1. */
+/* Decodes the rotation of a Gaussian. Each number is read as 16 bits in two's complement, Q15; the next number's bits
+   act as a fraction. Returns 0 if (X, Y) is longer than 1. */
 static inline int fxs_read_axes(fxs_gaussian_axes *out, uint32_t word, int32_t bits)
 {
     const int32_t u_q15 = (int32_t)(word << 2 * bits) >> 16;
@@ -45,7 +45,8 @@ static inline int fxs_read_axes(fxs_gaussian_axes *out, uint32_t word, int32_t b
     return 1;
 }
 
-/* Returns the code of a number of `bits` bits, 4 to 14, that reads as x if `rest`, the word's bits behind it, follow. */
+/* Returns the code of a number of `bits` bits, 4 to 14, that reads as x if `rest`, the word's bits behind it, follow.
+ */
 static inline int32_t fxs_axis_code(int32_t x_q15, uint32_t rest, int32_t bits)
 {
     const int32_t most = (1 << (bits - 1)) - 1, fraction = (int32_t)(rest >> (16 + bits));

@@ -9,8 +9,8 @@
 
 /* Run one stage: project and shade for a chunk (256 Gaussians), bin for any splats. `place` is the index of the chunk
    among the drawn chunks. fxs_prepare_animate moves a chunk of a moving scene to the frame's moment, in the memory of a
-   block; of other scenes it does nothing. fxs_prepare_project calls it, and fxs_prepare_shade reads the chunk that is in
-   that memory. fxs_prepare_project returns the number of splats stored from index `slot` on, or FXS_ERR_SCENE. */
+   block; of other scenes it does nothing. fxs_prepare_project calls it, and fxs_prepare_shade reads the chunk that is
+   in that memory. fxs_prepare_project returns the number of splats stored from index `slot` on, or FXS_ERR_SCENE. */
 int fxs_prepare_animate(fxs_frame *f, uint32_t object, uint32_t place, uint32_t block);
 int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t place, uint32_t slot, uint32_t end_slot,
                             uint32_t block);

@@ -48,7 +48,8 @@ size_t fxs_moving_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile pr
     layout l;
     if (!layout_of(&l, count, sh_degree, profile, palette_entries) || degree > FXS_MOTION_DEGREE)
         return 0;
-    add_motion(&l, fxs_chunks_of(count), (uint64_t)fxs_chunk_bytes(profile, sh_degree) + fxs_motion_bytes(degree, flags));
+    add_motion(&l, fxs_chunks_of(count),
+               (uint64_t)fxs_chunk_bytes(profile, sh_degree) + fxs_motion_bytes(degree, flags));
     return l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
@@ -99,8 +100,8 @@ static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void 
         return FXS_ERR_SCENE;
     if (moves)
         add_motion(&l, h->chunk_count, h->chunk_bytes);
-    *parts = (fxs_scene_parts){.palette = l.palette, .motion = l.motion, .rows = l.rows, .tree = l.bytes, .node_chunks = l.bytes,
-                               .node_rows = l.bytes, .bytes = l.bytes};
+    *parts = (fxs_scene_parts){.palette = l.palette, .motion = l.motion, .rows = l.rows, .tree = l.bytes,
+                               .node_chunks = l.bytes, .node_rows = l.bytes, .bytes = l.bytes};
     if (has_tree) {
         const tree_layout t = lay_out_tree(h->chunk_count - 1, h->chunk_bytes);
         parts->node_chunks = l.bytes + t.chunks;

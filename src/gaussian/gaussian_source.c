@@ -29,8 +29,8 @@ static int open_motions(gaussians_reader *r, const fxs_scene_source *source, con
     FXS_TRY(FXS_OPTIONS_READ(fxs_motion_source, &r->moving, motions, message));
     const fxs_time *time = &r->moving.time;
     if (!r->moving.read || !(time->duration > 0 && time->duration <= 16384) || time->degree < 0 || time->degree > 3)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads motions, a duration of %g seconds, not "
-                           "above 0 and at most 16384, or a degree of %d, not 0 to 3", r->name, time->duration,
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads motions, a duration of %g seconds, "
+                           "not above 0 and at most 16384, or a degree of %d, not 0 to 3", r->name, time->duration,
                            time->degree);
     r->motions = fxs_hold(source, MOTIONS * sizeof *r->motions, message);
     info->time = *time;

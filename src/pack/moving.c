@@ -2,8 +2,8 @@
  * that are alive then. The Gaussians are cut in two, by the length or the middle of their lives, as long as that
  * reduces the sum of chunks times lives. Each part is then ordered in space.
  *
- * The motion of each Gaussian is developed about the middle of its chunk's time: a polynomial of degree 3 in t is one in
- * u = (t - middle) / unit too. */
+ * The motion of each Gaussian is developed about the middle of its chunk's time: a polynomial of degree 3 in t is one
+ * in u = (t - middle) / unit too. */
 #include "moving.h"
 
 #include <math.h>
@@ -146,27 +146,31 @@ static uint32_t count_windows(item *items, uint32_t count)
     uint32_t windows = 0;
     qsort(items, count, sizeof *items, by_window);
     for (uint32_t i = 0; i < count; i++)
-        windows += i == 0 || items[i].life.start != items[i - 1].life.start || items[i].life.end != items[i - 1].life.end;
+        windows += i == 0 || items[i].life.start != items[i - 1].life.start ||
+                   items[i].life.end != items[i - 1].life.end;
     return windows;
 }
 
 /* Gaussians of a chunk exist in one window of time. Rounds the windows to a grid, outwards, until there are few enough
-   for their chunks to be half full on average. */
-static void share_windows(item *items, uint32_t count, double duration)
+   for their chunks to be half full on average. Windows of frames are exact, though, unless their chunks would be almost
+   empty. */
+static void share_windows(item *items, uint32_t count, const fxs_time *time)
 {
+    const double frames = time->rate * time->duration;
+    const uint32_t most = 1 + count / (frames > 0 ? FXS_CHUNK / 32 : FXS_CHUNK / 2);
     uint32_t windows = count_windows(items, count);
-    for (int steps = 1024; windows > 1 + count / (FXS_CHUNK / 2) && steps >= 1; steps /= 2) {
+    for (double steps = frames > 1 ? frames : 1024; windows > most && steps >= 1; steps /= 2) {
         for (uint32_t i = 0; i < count; i++) {
             fxs_life *life = &items[i].life;
-            life->start = (float)(floor(life->start / duration * steps) * duration / steps);
-            life->end = (float)(ceil(life->end / duration * steps) * duration / steps);
+            life->start = (float)(floor(life->start / time->duration * steps + 0.001) * time->duration / steps);
+            life->end = (float)(ceil(life->end / time->duration * steps - 0.001) * time->duration / steps);
         }
         windows = count_windows(items, count);
     }
 }
 
-int fxs_order_in_time(fxs_order_entry *entries, const fxs_life *lives, uint32_t count, const fxs_time *time, float reach,
-                      const fxs_pack_options *options)
+int fxs_order_in_time(fxs_order_entry *entries, const fxs_life *lives, uint32_t count, const fxs_time *time,
+                      float reach, const fxs_pack_options *options)
 {
     const fxs_allocator *allocator = options->allocator;
     ordering o = {entries, fxs_allocate(allocator, count, sizeof *entries), fxs_allocate(allocator, count, 4),
@@ -177,7 +181,7 @@ int fxs_order_in_time(fxs_order_entry *entries, const fxs_life *lives, uint32_t 
         if (!isnan(entries[i].position[0]))
             o.items[kept++] = (item){lives[i], i, 0};
     if (!error)
-        share_windows(o.items, kept, time->duration);
+        share_windows(o.items, kept, time);
     for (uint32_t first = 0, end; first < kept && !error; first = end) {
         for (end = first + 1; end < kept && o.items[end].life.start == o.items[first].life.start &&
                               o.items[end].life.end == o.items[first].life.end;)

@@ -35,8 +35,8 @@ void fxs_motion_sweep(fxs_range position[3], const fxs_gaussian *gaussian, const
 
 /* Sorts entries in the order of fxs_order, and those of each run of chunks by the time of their lives. Returns 0 or
    FXS_ERR_MEMORY. */
-int fxs_order_in_time(fxs_order_entry *entries, const fxs_life *lives, uint32_t count, const fxs_time *time, float reach,
-                      const fxs_pack_options *options);
+int fxs_order_in_time(fxs_order_entry *entries, const fxs_life *lives, uint32_t count, const fxs_time *time,
+                      float reach, const fxs_pack_options *options);
 
 /* Sets the time of a chunk from its lives' union, and how far their centres are from it. Writes when the chunk is
    alive. */

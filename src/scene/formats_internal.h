@@ -33,9 +33,9 @@ const fxs_format_row *fxs_format_to_write(const char *name, const char *path);
 const char *fxs_format_index_name(int number);
 
 extern const fxs_reader fxs_read_fxs, fxs_read_compressed_ply, fxs_read_ply, fxs_read_ksplat, fxs_read_spz,
-                        fxs_read_rad, fxs_read_tileset, fxs_read_gltf, fxs_read_lcc, fxs_read_lcc2, fxs_read_tsog, fxs_read_sog,
-                        fxs_read_gsplat, fxs_read_splat, fxs_read_splatv, fxs_read_splat4d, fxs_read_fourdgs,
-                        fxs_read_numbered;
+                        fxs_read_rad, fxs_read_tileset, fxs_read_gltf, fxs_read_lcc, fxs_read_lcc2, fxs_read_tsog,
+                        fxs_read_sog, fxs_read_gsplat, fxs_read_splat, fxs_read_splatv, fxs_read_splat4d,
+                        fxs_read_fourdgs, fxs_read_numbered;
 extern const fxs_writer fxs_write_compressed_ply, fxs_write_ply, fxs_write_spz, fxs_write_rad, fxs_write_glb,
                         fxs_write_sog, fxs_write_streamed_sog,
                         fxs_write_splat, fxs_write_csv;

@@ -1,8 +1,8 @@
 /* Turns frames of Gaussians into Gaussians that move, in groups of frames.
  *
- * If the Gaussians of all frames of a group keep their order, a Gaussian's track over the group is a polynomial of degree
- * 3 for its position and a line for its quaternion, where that is exact enough; else the window of frames is halved, down
- * to single frames. What stays as it is, is one Gaussian for as long as it does.
+ * If the Gaussians of all frames of a group keep their order, a Gaussian's track over the group is a polynomial of
+ * degree 3 for its position and a line for its quaternion, where that is exact enough; else the window of frames is
+ * halved, down to single frames. What stays as it is, is one Gaussian for as long as it does.
  *
  * If the order changes, each Gaussian is one of its frame alone, but a Gaussian with the same numbers in the next frame
  * is the same one. */
@@ -318,8 +318,8 @@ static int add_fitted(fxs_sequence *s, fitted *fit, uint32_t first, uint32_t end
     return add_track(s, fit->row, &t) < 0 ? FXS_ERR_MEMORY : 0;
 }
 
-/* Adds the tracks of one Gaussian in the frames first to end - 1 of the group. The frame behind them counts too, so that
-   the next track begins where this one ends. */
+/* Adds the tracks of one Gaussian in the frames first to end - 1 of the group. The frame behind them counts too, so
+   that the next track begins where this one ends. */
 static int cover(fxs_sequence *s, const float *const *rows, uint32_t first, uint32_t end, uint32_t known)
 {
     const uint32_t count = (end < known ? end + 1 : end) - first;
@@ -341,8 +341,8 @@ static const float *row_of(const fxs_sequence *s, uint32_t f, uint32_t g)
     return s->group[f].rows + (size_t)g * s->width;
 }
 
-/* Adds the tracks of Gaussian g of a group of `frames` frames, of which `known` are known: one that does not move, if its
-   open track holds on or a new one does. */
+/* Adds the tracks of Gaussian g of a group of `frames` frames, of which `known` are known: one that does not move, if
+   its open track holds on or a new one does. */
 static int add_ordered(fxs_sequence *s, uint32_t g, uint32_t frames, uint32_t known)
 {
     const float *rows[GROUP + 1] = {0};
@@ -473,7 +473,8 @@ static int open_none(fxs_sequence *s, uint32_t count)
     return 0;
 }
 
-/* Makes the tracks of a group of `frames` frames; `known` includes the first frame of the next group, if there is one. */
+/* Makes the tracks of a group of `frames` frames; `known` includes the first frame of the next group, if there is one.
+ */
 static int make_tracks(fxs_sequence *s, uint32_t frames, uint32_t known)
 {
     const int went_on = s->was_ordered && s->open_count == s->group[0].count;

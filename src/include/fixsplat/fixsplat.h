@@ -173,11 +173,11 @@ typedef struct fxs_motion_info {
 } fxs_motion_info;
 
 /* Returns the time of an open scene. */
-FXS_EXPERIMENTAL fxs_motion_info fxs_scene_motion(const fxs_scene *scene);
+FXS_API fxs_motion_info fxs_scene_motion(const fxs_scene *scene);
 
 /* Returns the number of slots for Gaussians, in whole chunks of 256, that a moving scene draws at a time in seconds; of
    a still scene all. */
-FXS_EXPERIMENTAL uint32_t fxs_scene_alive(const fxs_scene *scene, int64_t time_q32);
+FXS_API uint32_t fxs_scene_alive(const fxs_scene *scene, int64_t time_q32);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    Nothing is copied: `data` must stay in place and unchanged while the scene is in use. If another program changes the

@@ -135,9 +135,9 @@ typedef struct fxs_gaussian {
 } fxs_gaussian;
 
 /* How a Gaussian of a moving scene moves, with d = t - centre in seconds: its position is position + d drift[0] + d^2
-   drift[1] + d^3 drift[2], its rotation is (rotation + d turn) normalised, its opacity is opacity exp(-(d / fade)^2). It
-   exists from the time `from` until before the time `to`. Source: Li et al. 2024, Spacetime Gaussian feature splatting,
-   section 4.1. */
+   drift[1] + d^3 drift[2], its rotation is (rotation + d turn) normalised, its opacity is opacity exp(-(d / fade)^2).
+   It exists from the time `from` until before the time `to`. Source: Li et al. 2024, Spacetime Gaussian feature
+   splatting, section 4.1. */
 typedef struct fxs_motion {
     float drift[3][3];   /* scene units per second, per second^2 and per second^3, each x, y, z */
     float turn[4];       /* change of the quaternion w, x, y, z per second */
@@ -195,24 +195,24 @@ typedef struct fxs_scene_file_info {
    their number, 0 at the end, or an error and a message. */
 FXS_API long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
-/* Returns how the Gaussians of the last call of fxs_scene_file_read move, one fxs_motion each, until the next call; null
-   for a still scene. */
-FXS_EXPERIMENTAL const fxs_motion *fxs_scene_file_motions(const fxs_scene_file *file);
+/* Returns how the Gaussians of the last call of fxs_scene_file_read move, one fxs_motion each, until the next call;
+   null for a still scene. */
+FXS_API const fxs_motion *fxs_scene_file_motions(const fxs_scene_file *file);
 
-/* Attaches a moment to an open file of a moving scene. From then on, fxs_scene_file_read returns still Gaussians as they
-   are at that time, and info->count is the number of those that exist then. `seconds` is limited to the scene's
-   duration, or taken modulo it if the scene loops. A still scene is not changed. The file is read once. Returns 0, or an
-   error and a message; the caller must then close the file. Errors: as fxs_scene_file_read; FXS_ERR_FILE if no Gaussian
-   exists then; FXS_ERR_MEMORY. */
-FXS_EXPERIMENTAL int fxs_scene_file_at(fxs_scene_file *file, double seconds, fxs_scene_file_info *info,
+/* Attaches a moment to an open file of a moving scene. From then on, fxs_scene_file_read returns still Gaussians as
+   they are at that time, and info->count is the number of those that exist then. `seconds` is limited to the scene's
+   duration, or taken modulo it if the scene loops. A still scene is not changed. The file is read once. Returns 0, or
+   an error and a message; the caller must then close the file. Errors: as fxs_scene_file_read; FXS_ERR_FILE if no
+   Gaussian exists then; FXS_ERR_MEMORY. */
+FXS_API int fxs_scene_file_at(fxs_scene_file *file, double seconds, fxs_scene_file_info *info,
                                        fxs_message *message);
 
 /* Moves a Gaussian to a time, seconds, 0 to the duration. Returns 0 if it does not exist then. */
-FXS_EXPERIMENTAL int fxs_gaussian_at(fxs_gaussian *gaussian, const fxs_motion *motion, const fxs_time *time,
+FXS_API int fxs_gaussian_at(fxs_gaussian *gaussian, const fxs_motion *motion, const fxs_time *time,
                                      double seconds);
 
 /* Returns a time within a moving scene: modulo its duration if it loops, else limited to it. */
-FXS_EXPERIMENTAL double fxs_time_within(const fxs_time *time, double seconds);
+FXS_API double fxs_time_within(const fxs_time *time, double seconds);
 
 /* Goes back to the first Gaussian of a stream. Returns 0, or an error and a message. */
 FXS_API int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
@@ -273,7 +273,7 @@ FXS_INIT(fxs_motion_source)
 /* Opens the program's moving Gaussians as fxs_scene_file_open_gaussians opens still ones; *motions is copied too.
    fxs_pack drops and counts a Gaussian whose motion has a NaN, a fade of 0 or less, or an empty window. Errors: also
    FXS_ERR_ARGUMENT for a duration that is not above 0 and at most 16,384 seconds, a degree, or no `read`. */
-FXS_EXPERIMENTAL int fxs_scene_file_open_moving(const char *name, const fxs_gaussian_source *gaussians,
+FXS_API int fxs_scene_file_open_moving(const char *name, const fxs_gaussian_source *gaussians,
                                                 const fxs_motion_source *motions,
                                                 const fxs_scene_file_options *options, fxs_scene_file **file,
                                                 fxs_scene_file_info *info, fxs_message *message);
@@ -290,9 +290,10 @@ FXS_EXPERIMENTAL int fxs_scene_file_open_moving(const char *name, const fxs_gaus
 
 /* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog or the tileset.json of 3D Tiles, or the
    frames of a moving scene: a folder of numbered files (frame0001.ply, frame0002.ply ...; any format of one file), or a
-   path with a * for the number. The content determines the format. `options` may be null. Returns 0 and a handle that fxs_scene_file_close frees, or an
-   error and a message, with *file null. 2D Gaussians are read as 3D Gaussians with a third scale of e^-20. The
-   filter_3D of a Mip-Splatting .ply is applied. fxs_scene_file_info reports all other changes and unused data.
+   path with a * for the number. The content determines the format. `options` may be null. Returns 0 and a handle that
+   fxs_scene_file_close frees, or an error and a message, with *file null. 2D Gaussians are read as 3D Gaussians with a
+   third scale of e^-20. The filter_3D of a Mip-Splatting .ply is applied. fxs_scene_file_info reports all other changes
+   and unused data.
 
    The header is checked completely, including the size of a binary body. Only headers are read, so *info is known
    before large allocations. Two exceptions: a .ply with lists or text before its vertices is read up to them, and the

@@ -182,8 +182,8 @@ static long fxs_read_gaussians(void *data, fxs_gaussian *gaussians, size_t capac
         else {
             fxs_decode(&r->scene, &r->chunk, r->rows, g, &gaussians[n]);
             if (r->motion.magic)
-                fxs_decode_motion(&r->rows_of_motion, &r->motion, &r->chunk_motion, &r->chunk, r->rows, g, &gaussians[n],
-                                  &r->motions[n]);
+                fxs_decode_motion(&r->rows_of_motion, &r->motion, &r->chunk_motion, &r->chunk, r->rows, g,
+                                  &gaussians[n], &r->motions[n]);
             n++;
         }
     }

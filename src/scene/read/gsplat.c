@@ -277,7 +277,8 @@ static void gsplat_close(void *handle)
             fxs_text_let_go(g->source, &g->arrays[i]);
 }
 
-const fxs_reader fxs_read_gsplat = {is_gsplat, sizeof(gsplat), gsplat_open, gsplat_read, gsplat_rewind, gsplat_close, NULL};
+const fxs_reader fxs_read_gsplat = {is_gsplat, sizeof(gsplat), gsplat_open, gsplat_read, gsplat_rewind, gsplat_close,
+                                    NULL};
 
 #else
 

@@ -1,5 +1,5 @@
-/* Reads numbered files, each a frame of a moving scene: prefix, number, ending. They are in a folder, or a path with a *
- * stands for them. The frames are read once, when the scene is opened. */
+/* Reads numbered files, each a frame of a moving scene: prefix, number, ending. They are in a folder, or a path with a
+ * * stands for them. The frames are read once, when the scene is opened. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,8 +110,8 @@ static int list_files(names *n, const char *path, fxs_message *message)
                                           : "%s: not a regular file, but a folder without an index or numbered scene "
                                             "files, such as frame0001.ply", path);
     if (n->several && !n->given)
-        return fxs_fail(message, "%s: numbered scene files of several names or endings; choose some, as '%s%s*%s'", path,
-                        n->folder, n->prefix, n->ending);
+        return fxs_fail(message, "%s: numbered scene files of several names or endings; choose some, as '%s%s*%s'",
+                        path, n->folder, n->prefix, n->ending);
     qsort(n->numbers, n->count, sizeof *n->numbers, by_number);
     for (uint32_t i = 1; i < n->count; i++) {
         const long before = atol(n->numbers[i - 1]), now = atol(n->numbers[i]);

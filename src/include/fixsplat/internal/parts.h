@@ -9,9 +9,9 @@
 extern "C" {
 #endif
 
-/* Byte offsets of the parts of a packed scene. The head of the scene (scene header, chunk headers, palette, motion) ends
-   at `rows`. In a still scene, `motion` is equal to `rows`. The head of the level-of-detail tree runs from `tree` to `node_rows`. Without a tree, all offsets from `tree`
-   on are equal. */
+/* Byte offsets of the parts of a packed scene. The head of the scene (scene header, chunk headers, palette, motion)
+   ends at `rows`. In a still scene, `motion` is equal to `rows`. The head of the level-of-detail tree runs from `tree`
+   to `node_rows`. Without a tree, all offsets from `tree` on are equal. */
 typedef struct fxs_scene_parts {
     uint64_t palette, motion, rows, tree, node_chunks, node_rows, bytes;
 } fxs_scene_parts;
