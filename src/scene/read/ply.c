@@ -247,7 +247,7 @@ static int map_fields(ply_reader *reader, fxs_message *message)
     for (int i = 0; i < FXS_PLY_TIMES && reader->motion.moves; i++)
         if (reader->motion.columns[i] >= 0)
             reader->field_table[reader->motion.columns[i]] = (int8_t)(TIMES + i);
-    if (reader->motion.is_colour && !reader->full)
+    if (reader->motion.is_colour && reader->full == 0)
         reader->full = 1;
     find_halves(reader);
     return 0;
