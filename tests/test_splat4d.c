@@ -298,6 +298,43 @@ static void bomb(void)
     check_fails("its streams unpack to far more bytes than the file has");
 }
 
+static int only_first_moves(int i, int attribute)
+{
+    return i > 0 || attribute != OPACITY;
+}
+
+/* A million frames of one Gaussian that moves, among a thousand that are still, take the time of the one. */
+static void many_frames_of_one(void)
+{
+    enum { FRAMES_OF_ONE = 1000000 };
+    static uint8_t zeros[FRAMES_OF_ONE], packed[1 << 16], one[64];
+    fxs_scene_file *file;
+    const size_t length = ZSTD_compress(packed, sizeof packed, zeros, sizeof zeros, 1);
+    const size_t key = ZSTD_compress(one, 64, "", 1, 1);
+    make(1, 1);
+    made.count = 1000;
+    made.is_still = only_first_moves;
+    splat4d_make(&made);
+    const size_t still = first_group() - made.header_size, at = size;
+    bytes[at] = 2;
+    bytes[at + 1] = 0;
+    uint8_t *to = s4_head(bytes + at + 2, OPACITY, 0, 1, 1, key);
+    to = s4_head(to, OPACITY, 1, 1, FRAMES_OF_ONE, length);
+    memcpy(to, one, key);
+    memcpy(to + key, packed, length);
+    const size_t end = (size_t)(to - bytes) + key + length;
+    memset(bytes + 12, ' ', 2048);
+    size = 12;
+    put("{\"n\":1000,\"t\":%d,%s,\"static_section\":{\"offset\":%zu,\"len\":%zu},\"gops\":[{\"offset\":%zu,\"len\":%zu,"
+        "\"f0\":0,\"f1\":%d}]}", FRAMES_OF_ONE + 1, EXTRA, made.header_size, still, at, end - at, FRAMES_OF_ONE);
+    bytes[size] = ' ';
+    if (!CHECK(fxs_scene_file_open_memory(path, bytes, end, NULL, &file, &info, &message) == 0))
+        printf("  %s\n", message.text);
+    else
+        CHECK(info.count == 1000);
+    fxs_scene_file_close(file);
+}
+
 static void other_kinds(void)
 {
     fxs_scene_file *file;
@@ -322,6 +359,7 @@ int main(void)
     RUN(many_frames);
     RUN(faulty_streams);
     RUN(bomb);
+    RUN(many_frames_of_one);
     RUN(other_kinds);
     return check_report();
 }

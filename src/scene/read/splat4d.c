@@ -56,7 +56,8 @@ typedef struct splat4d_reader {
     size_t group_count;
     uint8_t *still;               /* bit a of entry i: attribute a of Gaussian i is the same in all frames */
     uint32_t *numbers;            /* ROW of each Gaussian, in the frame `frame` */
-    size_t still_count;           /* number of Gaussians that are still in all attributes */
+    uint32_t *moving;             /* indices of the Gaussians with an attribute that is not still */
+    size_t moving_count;
     size_t changing[ATTRIBUTES];  /* number of Gaussians whose attribute is not still */
     stream streams[ATTRIBUTES][KINDS];
     const group *group;           /* group of the streams; null: none yet */
@@ -293,6 +294,19 @@ static int load_still_section(splat4d_reader *r, uint64_t offset, uint64_t size,
     return offset == end ? 0 : fail(r, "there are bytes behind the last stream of the static section", message);
 }
 
+/* Frames visit only the Gaussians in this list, so that their work is in proportion to their streams. */
+static int list_moving(splat4d_reader *r, fxs_message *message)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < r->count; i++)
+        r->moving_count += r->still[i] != ALL_STILL;
+    r->moving = fxs_hold(r->source, (r->moving_count + 1) * sizeof *r->moving, message);
+    for (size_t i = 0; i < r->count && r->moving; i++)
+        if (r->still[i] != ALL_STILL)
+            r->moving[count++] = (uint32_t)i;
+    return r->moving ? 0 : FXS_ERR_MEMORY;
+}
+
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 static void drop_group(splat4d_reader *r)
@@ -355,9 +369,10 @@ static void apply(splat4d_reader *r, size_t frame)
     size_t at[ATTRIBUTES] = {0};
     for (int a = 0; a < ATTRIBUTES && kind == DELTA; a++)
         at[a] = (frame - r->group->first - 1) * r->changing[a] * (size_t)columns[a].count;
-    for (size_t i = 0; i < r->count; i++)
-        for (int a = 0; a < ATTRIBUTES && r->still[i] != ALL_STILL; a++)
-            for (int k = 0; k < columns[a].count && !(r->still[i] >> a & 1); k++) {
+    for (size_t m = 0; m < r->moving_count; m++)
+        for (int a = 0; a < ATTRIBUTES; a++)
+            for (int k = 0; k < columns[a].count && !(r->still[r->moving[m]] >> a & 1); k++) {
+                const size_t i = r->moving[m];
                 uint32_t *number = &r->numbers[i * ROW + (size_t)(columns[a].at + k)];
                 *number = (kind == KEY ? 0 : *number) + signed_of(number_at(&r->streams[a][kind], at[a]++));
             }
@@ -419,11 +434,10 @@ static int take_frame(splat4d_reader *r, size_t frame, fxs_message *message)
 {
     FXS_TRY(go_to_frame(r, frame, message));
     int error = 0;
-    for (size_t i = 0; i < r->count && !error; i++)
-        if (r->still[i] != ALL_STILL) {
-            const fxs_gaussian g = gaussian_of(r, i);
-            error = fxs_sequence_put(r->sequence, &g);
-        }
+    for (size_t m = 0; m < r->moving_count && !error; m++) {
+        const fxs_gaussian g = gaussian_of(r, r->moving[m]);
+        error = fxs_sequence_put(r->sequence, &g);
+    }
     if (error || fxs_sequence_next(r->sequence))
         return fxs_fail_memory(message, r->source->path, fxs_sequence_bytes(r->sequence));
     return fxs_limit_memory(r->source, fxs_sequence_bytes(r->sequence), message);
@@ -434,12 +448,12 @@ static int make_tracks(splat4d_reader *r, fxs_scene_file_info *info, fxs_message
     r->sequence = fxs_sequence_create((uint32_t)r->frames, r->rate, 0, r->source->options.allocator);
     if (!r->sequence)
         return fxs_fail_memory(message, r->source->path, 0);
-    for (size_t f = 0; f < r->frames && r->still_count < r->count; f++)
+    for (size_t f = 0; f < r->frames && r->moving_count; f++)
         FXS_TRY(take_frame(r, f, message));
     if (fxs_sequence_finish(r->sequence, &info->time))
         return fxs_fail_memory(message, r->source->path, fxs_sequence_bytes(r->sequence));
     drop_group(r);
-    info->count = r->still_count + fxs_sequence_count(r->sequence);
+    info->count = r->count - r->moving_count + fxs_sequence_count(r->sequence);
     return 0;
 }
 
@@ -455,8 +469,7 @@ static int splat4d_open(void *handle, const fxs_scene_source *source, fxs_scene_
         return FXS_ERR_MEMORY;
     memset(r->still, 0, r->count);
     FXS_TRY(load_still_section(r, offset, size, message));
-    for (size_t i = 0; i < r->count; i++)
-        r->still_count += r->still[i] == ALL_STILL;
+    FXS_TRY(list_moving(r, message));
     info->sh_degree = info->antialiased = 0;
     info->colour.step = 1 / 255.0;
     return make_tracks(r, info, message);
@@ -497,6 +510,7 @@ static void splat4d_close(void *handle)
     fxs_let_go(r->source, r->groups, (r->group_count + 1) * sizeof *r->groups);
     fxs_let_go(r->source, r->still, r->count);
     fxs_let_go(r->source, r->numbers, (uint64_t)r->count * ROW * sizeof *r->numbers);
+    fxs_let_go(r->source, r->moving, (r->moving_count + 1) * sizeof *r->moving);
 }
 
 static const fxs_motion *splat4d_motions(const void *handle)
