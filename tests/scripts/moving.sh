@@ -111,6 +111,21 @@ fails "convert --fps alone" 2 'fps needs --times' convert moving.fxs a.ply --fps
 fails "convert --times that replace an input" 2 'frames/0001.splat: is read and cannot be written too' \
     convert moving.fxs frames/0001.splat frames/%04d.splat --times all --fps 4
 
+mkdir numbered back
+"$fixsplat" make-scene cubes --count 400 -o cubes.ply
+for i in 0 1 2 3 4 5 6; do "$fixsplat" convert cubes.ply numbered/f$i.ply --translate 0.1,0,$i; done
+succeeds "numbered files: a film of them" render numbered $small --rate 23.976 --times all -o film.y4m
+check "numbered files: a film of them: its frames" equal "$(frames_of film.y4m)" 7
+check "numbered files: a film of them: its rate" grep -aq F24000:1001 film.y4m
+run convert numbered numbered.fxs --rate 23.976
+check "numbered files: as close to the floats as usual" equal "$status $(cat logs/err)" "0 "
+check "info --compare of numbered files" at_least "$(psnr_of numbered.fxs numbered --rate 23.976)" 52
+fails "--rate of another scene" 1 'numbered.fxs: --rate is for numbered files' render numbered.fxs $small --rate 3 -o a.png
+succeeds "numbered files: each frame" convert numbered back/%d.ply --rate 23.976 --times all
+check "numbered files: each frame: that file" sh -c 'for i in 0 1 2 3 4 5 6; do
+    [ "$("$0" render back/$i.ply $1 --hash)" = "$("$0" render numbered/f$i.ply $1 --hash)" ] || exit 1
+done' "$fixsplat" "$small"
+
 # ---- Info ------------------------------------------------------------------------------------------------------------
 
 run info moving.fxs

@@ -129,7 +129,7 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
         fxs_options options = o->frame.render;
         fxs_view turned = view_of_frame(o, w, view, i);
         if (o->frame.times.given)
-            options.time_q32 = seconds_q32(times_at(&o->frame.times, o->frame.rate, fmax(i, 0)));
+            options.time_q32 = seconds_q32(times_at(&o->frame.times, fmax(i, 0)));
         status = renderer_render(r, w, &turned, &options, &pixels, &stats);
         for (int s = 0; s < FXS_STAGES && i >= 0; s++)
             times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
@@ -219,7 +219,7 @@ static void print_ratios(const spread columns[COLUMNS], const bench_earlier *ear
 
 static double time_of_slowest(const spread columns[COLUMNS], const bench_options *o)
 {
-    return times_at(&o->frame.times, o->frame.rate, columns[FRAME].slowest);
+    return times_at(&o->frame.times, columns[FRAME].slowest);
 }
 
 static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o, const world *w,

@@ -852,7 +852,7 @@ static int write_times(const convert_options *given)
     for (long i = 0; i < count && !status; i++) {
         name_numbered(name, sizeof name, given->out, i);
         o.out = name;
-        o.load.moment = times_at(&o.times, o.rate, (double)i);
+        o.load.moment = times_at(&o.times, (double)i);
         status = write_out(&o);
         o.load.again = 1;
         progress_bar("converting", (double)(i + 1) / (double)count);

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #define SECONDS_MOST 1e6
+#define WITHIN (1.0 / 256)      /* frames */
+#define ROUNDED (1.0 / 64)      /* frames that a duration may be too long */
 
 int64_t seconds_q32(double seconds)
 {
@@ -77,18 +79,26 @@ long times_settle(times_option *times, rate_option rate, const fxs_time *time, c
 {
     if (!(time->duration > 0))
         return fail(-1, "%s: does not move: no --times", name);
-    if (!is_given("fps") && time->rate > 0)
+    const int is_own = !is_given("fps") && time->rate > 0;
+    if (is_own)
         take_scene_rate(rate, time->rate);
+    times->step = is_own ? 1 / time->rate : (double)rate[1] / rate[0];
+    times->within = time->rate > 0 ? WITHIN / time->rate : 0;
     if (times->all) {
         times->from = 0;
-        times->to = time->duration;
+        times->to = time->duration - (time->rate > 0 ? ROUNDED * times->step : 0);
     }
-    const double frames = ceil((times->to - times->from) * rate[0] / rate[1] - 1e-6);
+    const double frames = ceil((times->to - times->from) / times->step - 1e-6);
     return frames <= TIMES_MOST ? (long)fmax(frames, 1)
                                 : fail(-1, "--times: %.0f frames: at most %d", frames, TIMES_MOST);
 }
 
-double times_at(const times_option *times, const rate_option rate, double frame)
+double times_at(const times_option *times, double frame)
 {
-    return times->from + frame * rate[1] / rate[0];
+    return times->from + times->within + frame * times->step;
+}
+
+double time_within(double frame, double rate)
+{
+    return (frame + WITHIN) / rate;
 }

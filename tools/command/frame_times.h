@@ -10,6 +10,9 @@ enum { TIMES_MOST = 100000 };
 typedef struct times_option {
     int given, all;                         /* all: from 0 until the end of the scenes */
     double from, to;                        /* seconds; frames from `from` on, until before `to` */
+    double step;                            /* seconds from frame to frame, set by times_settle like `within` */
+    double within;    /* seconds that frames of a scene with a rate are later, to lie within its frames in spite of
+                         rounded times: 1/256 of a frame; else 0 */
 } times_option;
 
 typedef int rate_option[2];                 /* frames per second: rate[0] / rate[1] */
@@ -34,6 +37,9 @@ fxs_time world_time(const world *w);
 long times_settle(times_option *times, rate_option rate, const fxs_time *time, const char *name);
 
 /* Returns the time in seconds of a frame, or of a moment between two frames. */
-double times_at(const times_option *times, const rate_option rate, double frame);
+double times_at(const times_option *times, double frame);
+
+/* Returns a time within a frame of a scene with a rate, in seconds. */
+double time_within(double frame, double rate);
 
 #endif

@@ -237,7 +237,7 @@ static int check_options(const world *w, const load_options *load)
         moves |= w->scenes[i].opened->scene->motion != NULL;
         is_numbered |= !strcmp(w->scenes[i].opened->info->format, "numbered files");
     }
-    if (is_given("rate") && !is_numbered)
+    if (is_given("rate") && !is_given("compare") && !is_numbered)
         return fail(EXIT_FAILED, "%s: --rate is for numbered files", w->placed.files[0]);
     if (is_given("time") && !moves)
         return fail(EXIT_FAILED, "%s: does not move: no --time", w->placed.files[0]);

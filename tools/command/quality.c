@@ -208,12 +208,15 @@ static int measure(quality *q, pair *p, const fxs_view *views, long given, const
     return status;
 }
 
-/* Chooses the moment of scenes that move: that of --compare-time, else half of the duration. */
+/* Chooses the moment of scenes that move: that of --compare-time, else half of the duration, in the middle of a frame of
+   the source. */
 static void choose_moment(pair *p, frame_options *options)
 {
-    const double duration = world_time(p->scene).duration;
-    p->has_moment = is_given("compare-time") || duration > 0;
-    p->moment = is_given("compare-time") ? ldexp((double)options->render.time_q32, -32) : duration / 2;
+    const fxs_time time = world_time(p->scene);
+    const double half = time.duration / 2;
+    p->has_moment = is_given("compare-time") || time.duration > 0;
+    p->moment = is_given("compare-time") ? ldexp((double)options->render.time_q32, -32)
+                : time.rate > 0          ? (floor(half * time.rate) + 0.5) / time.rate : half;
     options->render.time_q32 = seconds_q32(p->moment);
 }
 

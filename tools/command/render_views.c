@@ -89,7 +89,7 @@ static shot shot_of(const batch *b, long number, int sample)
     s.view_number = number * b->view_count / b->picture_count;
     s.view = b->views[s.view_number * b->moments + sample % b->moments];
     if (b->times.given)
-        s.options.time_q32 = seconds_q32(times_at(&b->times, b->rate, (double)number + open));
+        s.options.time_q32 = seconds_q32(times_at(&b->times, (double)number + open));
     return s;
 }
 

@@ -58,7 +58,7 @@ void play_step_frame(viewer *v, int key)
     playback *p = &v->play;
     const double rate = p->time.rate > 0 ? p->time.rate : STEP_RATE;
     p->on = 0;
-    show_moment(v, (floor(p->at * rate + 0.5) + (key == ',' ? -1 : 1)) / rate);
+    show_moment(v, time_within(floor(p->at * rate + 0.5) + (key == ',' ? -1 : 1), rate));
 }
 
 void play_change_speed(viewer *v, int key)
