@@ -573,7 +573,8 @@ static int compare(findings *f, const info_options *o)
 {
     fxs_world original;
     load_options load = o->frame.load;
-    const load_options plain = {.max_gaussians = load.max_gaussians, .import_memory = load.import_memory};
+    const load_options plain = {.rate = load.rate, .max_gaussians = load.max_gaussians,
+                                .import_memory = load.import_memory};
     const float_files files = {&f->world.placed, f->world.placed.files[0], &load};
     const int is_as_packed = is_packed(&f->world.scenes[0]) || is_given("profile");
     if (f->world.count > 1)
