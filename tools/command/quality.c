@@ -208,8 +208,8 @@ static int measure(quality *q, pair *p, const fxs_view *views, long given, const
     return status;
 }
 
-/* Chooses the moment of scenes that move: that of --compare-time, else half of the duration, in the middle of a frame of
-   the source. */
+/* Chooses the moment of scenes that move: that of --compare-time, else half of the duration, in the middle of a frame
+   of the source. */
 static void choose_moment(pair *p, frame_options *options)
 {
     const fxs_time time = world_time(p->scene);
