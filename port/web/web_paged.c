@@ -185,8 +185,8 @@ static int is_coarse(const fxs_scene *scene, uint32_t chunk, uint32_t there)
 EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
 {
     const fxs_scene *scene = &s->scene;
-    const uint32_t first = scene->nodes ? scene->chunk_count : 0;
-    const uint32_t end = scene->nodes ? first + there : scene->chunk_count;
+    const uint32_t leaves = scene->chunk_count, first = scene->nodes ? leaves : 0;
+    const uint32_t end = scene->nodes ? leaves + there : leaves;
     unsigned char *headers = fxs_web_allocate((size_t)there * sizeof(fxs_chunk));
     uint32_t *places = malloc(there * sizeof *places), count = 0;
     s->coarse = *scene;

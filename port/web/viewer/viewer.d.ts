@@ -376,9 +376,9 @@ export interface ViewerAttributes {
   loop?: '' | 'none'
   /** Hides the whole interface. */
   noui?: '' | true
-  /** The parts of the interface to show, separated by spaces: annotations, tracks, motion (the bar of a moving scene).
-      All parts by default. */
-  ui?: '' | 'annotations' | 'tracks' | 'motion' | (string & {})
+  /** The parts of the interface to show; all parts by default. `motion` is the bar of a moving scene. */
+  ui?: '' | 'annotations' | 'tracks' | 'motion' | 'annotations tracks' | 'annotations motion' | 'tracks motion' |
+    'annotations tracks motion'
   /** The name of the scene, shown in the corner of the viewer; the name of its file by default. */
   label?: string
   /** The use of the mouse wheel. 'page': the wheel scrolls the page, unless the viewer has the focus or Ctrl is
