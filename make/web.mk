@@ -171,7 +171,7 @@ $(WEB)/viewer/style.js $(VIEWER)/style.js: port/web/viewer/viewer.css tools/scri
 $(WEB)/inline/files.js: tools/scripts/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< files ../fixsplat_assets.js $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
-$(VIEWER)/inline_worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(WEB)/package.json $(addprefix $(VIEWER)/,worker_whole.js worker.js pace.js sky.js motion.js)
+$(VIEWER)/inline_worker.js: tools/scripts/inline.mjs $(WEB_SCRIPTS) $(WEB)/package.json $(addprefix $(VIEWER)/,package.json worker_whole.js worker.js pace.js sky.js motion.js)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --alias:fixsplat=$(abspath $(WEB)) \
 	    --outfile=$(B)/web/worker.js $(VIEWER)/worker_whole.js && \

@@ -68,8 +68,8 @@ const seekTo = (time) => inside('v.pause(); v.seek(args[0])', time)
 makeScene()
 const tests = {
   async 'a moving scene plays by itself; paused, it has the pixels of the command'() {
-    for (const address of [WHOLE, PARTS].map((one) => `${one}&loop=none`)) {
-      await plays(`${address}${FRONT}`)
+    for (const address of [WHOLE, PARTS, `${WHOLE}&backend=webgl2`]) {
+      await plays(`${address}&loop=none${FRONT}`)
       const told = await inside(`const times = []
         v.addEventListener('timeupdate', ({ detail }) => times.push(detail.time))
         while (times.length < 5) await new Promise(requestAnimationFrame)
@@ -102,6 +102,9 @@ const tests = {
     }
     assert.deepEqual(steps, [16, 17, 16])
     await isExact()
+    for (const key of [']', ']', '[', 'y']) await page.keyboard.press(key)
+    assert.deepEqual(await inside('return [v.speed, v.loop]'), [2, false])
+    await page.keyboard.press('y')
     await inside(`$('on').click()`)
     assert.equal(Math.round(FRAMES * (await inside('return v.time'))), 17)
     for (let i = 0; i < 2; i++) await inside(`v.seek(0); $('back').click()`)

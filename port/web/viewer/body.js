@@ -63,6 +63,7 @@ const ALWAYS = [
   ['B V', 'fewer, more splats'],
   ['K', 'play the scene or the camera track'],
   [', .', 'previous, next frame or annotation'],
+  ['[ ] Y', 'slower, faster; again and again'],
   ['I', 'save a picture'],
   ['L', 'copy a link to this view'],
   ['F', 'full screen'],

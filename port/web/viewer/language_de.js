@@ -217,6 +217,7 @@ export const words = {
   'previous, next frame or annotation': 'voriges, nächstes Bild oder Anmerkung',
   'save a picture': 'Bild speichern',
   'sideways; or two fingers': 'seitwärts; oder zwei Finger',
+  'slower, faster; again and again': 'langsamer, schneller; immer wieder',
   'the file is not there any more': 'die Datei ist nicht mehr da',
   'the graphics card': 'der Grafikkarte',
   'the graphics card and the processor': 'Grafikkarte und Prozessor',

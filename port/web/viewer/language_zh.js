@@ -208,6 +208,7 @@ export const words = {
   'previous, next frame or annotation': '上一个、下一个画面或标注',
   'save a picture': '保存图片',
   'sideways; or two fingers': '侧移；或双指',
+  'slower, faster; again and again': '更慢、更快；循环',
   'the file is not there any more': '文件已不存在',
   'the graphics card': '显卡',
   'the graphics card and the processor': '显卡与处理器',

@@ -9,6 +9,7 @@ const LOOP = 'M17 2l4 4-4 4M21 6H7a4 4 0 0 0-4 4v1M7 22l-4-4 4-4M3 18h14a4 4 0 0
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4]
 const USUAL_RATE = 30 // frames a second by which a scene without frames of its own is stepped
 const LATER_S = 2 ** -17 // seconds behind the first moment of a frame, so that rounded times are not before it
+const MOST_SPEED = 100
 const LONGEST_S = 0.5 // longest time step of a playing scene in seconds
 const AHEAD_S = 2 // seconds of play whose parts are requested before they are needed
 
@@ -78,7 +79,7 @@ export class Moving {
     moment.oninput = () => this.seek(Number(moment.value))
     moment.onkeydown = ({ key }) => this.#host.press(key)
     pace.onchange = () => this.#host.element.setAttribute('speed', pace.value)
-    again.onclick = () => this.#host.element.setAttribute('loop', this.loop ? 'none' : '')
+    again.onclick = () => this.repeat()
   }
 
   // ---- Scenes -------------------------------------------------------------------------------------------------------
@@ -127,7 +128,7 @@ export class Moving {
 
   get speed() {
     const speed = Number(this.#host.element.getAttribute('speed'))
-    return speed > 0 && speed <= 100 ? speed : 1
+    return speed > 0 && speed <= MOST_SPEED ? speed : 1
   }
 
   get loop() {
@@ -224,6 +225,16 @@ export class Moving {
     this.#show()
     this.#host.change()
     this.#host.tell('pause', { track: null })
+  }
+
+  /** Multiplies the speed. */
+  hurry(times) {
+    if (this.#motion) this.#host.element.setAttribute('speed', Math.min(this.speed * times, MOST_SPEED))
+  }
+
+  /** Changes between once, and again and again. */
+  repeat() {
+    if (this.#motion) this.#host.element.setAttribute('loop', this.loop ? 'none' : '')
   }
 
   toggle() {
