@@ -8,7 +8,8 @@ const ON = 'M6 5l9 7-9 7zM18 5v14'
 const LOOP = 'M17 2l4 4-4 4M21 6H7a4 4 0 0 0-4 4v1M7 22l-4-4 4-4M3 18h14a4 4 0 0 0 4-4v-1'
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4]
 const USUAL_RATE = 30 // frames a second by which a scene without frames of its own is stepped
-const LATER_S = 2 ** -17 // seconds behind the first moment of a frame, so that rounded times are not before it
+const WITHIN = 1 / 256 // share of a frame behind its first moment, so that rounded times do not show the frame before
+const ROUNDED = 1 / 64 // share of a frame that a duration may be too long
 const MOST_SPEED = 100
 const LONGEST_S = 0.5 // longest time step of a playing scene in seconds
 const AHEAD_S = 2 // seconds of play whose parts are requested before they are needed
@@ -164,7 +165,12 @@ export class Moving {
 
   /** Returns the time of the scene in a film that starts at the scene's start. */
   timeAt(seconds) {
-    return this.#within(seconds)
+    return this.#within(seconds + this.#later)
+  }
+
+  /** The seconds from the first moment of a frame to the moment that shows it. */
+  get #later() {
+    return this.#motion?.rate ? WITHIN / this.#motion.rate : 0
   }
 
   #advance() {
@@ -255,10 +261,10 @@ export class Moving {
     if (!this.#motion) return
     this.pause()
     const rate = this.#motion.rate || USUAL_RATE
-    const frame = Math.round(this.#time * rate) + frames
-    const last = Math.max(Math.ceil(this.duration * rate) - 1, 0)
-    const wrapped = this.loop ? (frame + last + 1) % (last + 1) : Math.min(Math.max(frame, 0), last)
-    this.seek(wrapped / rate + LATER_S)
+    const frame = Math.floor(this.#time * rate + ROUNDED) + frames
+    const count = Math.max(Math.ceil(this.duration * rate - ROUNDED), 1)
+    const wrapped = this.loop ? (frame + count) % count : Math.min(Math.max(frame, 0), count - 1)
+    this.seek(wrapped / rate + this.#later)
   }
 
   #show() {
