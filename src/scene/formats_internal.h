@@ -14,6 +14,9 @@ typedef struct fxs_writer {
     /* Completes the file, adds what this format loses to the report, and frees memory, also after an error. */
     int (*close)(void *data, fxs_scene_write_report *report, const fxs_progress *progress,
                  fxs_message *message);
+    /* As `put`, for Gaussians of a moving scene; null if the format does not keep motion. */
+    int (*put_moving)(void *data, const fxs_gaussian *gaussians, const fxs_motion *motions, size_t n,
+                      fxs_message *message);
 } fxs_writer;
 
 typedef struct fxs_format_row {
@@ -38,6 +41,6 @@ extern const fxs_reader fxs_read_fxs, fxs_read_compressed_ply, fxs_read_ply, fxs
                         fxs_read_fourdgs, fxs_read_numbered;
 extern const fxs_writer fxs_write_compressed_ply, fxs_write_ply, fxs_write_spz, fxs_write_rad, fxs_write_glb,
                         fxs_write_sog, fxs_write_streamed_sog,
-                        fxs_write_splat, fxs_write_csv;
+                        fxs_write_splat, fxs_write_splat4d, fxs_write_csv;
 
 #endif

@@ -30,6 +30,8 @@ int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *optio
     if (!format)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no format is written that has this %s", path,
                            o->format ? "name" : "ending");
+    if (o->time.duration > 0 && !format->about.moves)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: this format does not keep motion", path);
     if (o->sh_degree < 0 || o->sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: SH degree %d, not 0 to 3", path, o->sh_degree);
     fxs_scene_writer *made = calloc(1, sizeof *made + format->writer->size);
@@ -58,20 +60,41 @@ static void add_origin(fxs_scene_writer *w, fxs_gaussian *g)
     }
 }
 
-int fxs_scene_writer_put(fxs_scene_writer *w, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
+static int put(fxs_scene_writer *w, const fxs_gaussian *gaussians, const fxs_motion *motions, size_t n,
+               fxs_message *message)
+{
+    return motions ? w->writer->put_moving(w->data, gaussians, motions, n, message)
+                   : w->writer->put(w->data, gaussians, n, message);
+}
+
+static int put_moved(fxs_scene_writer *w, const fxs_gaussian *gaussians, const fxs_motion *motions, size_t n,
+                     fxs_message *message)
 {
     enum { BATCH = 64 };
     fxs_gaussian batch[BATCH];
     if (!fxs_has_origin(w->origin))
-        return w->writer->put(w->data, gaussians, n, message);
+        return put(w, gaussians, motions, n, message);
     for (size_t at = 0, count; at < n; at += count) {
         count = n - at < BATCH ? n - at : BATCH;
         memcpy(batch, gaussians + at, count * sizeof *batch);
         for (size_t i = 0; i < count; i++)
             add_origin(w, &batch[i]);
-        FXS_TRY(w->writer->put(w->data, batch, count, message));
+        FXS_TRY(put(w, batch, motions ? motions + at : NULL, count, message));
     }
     return 0;
+}
+
+int fxs_scene_writer_put(fxs_scene_writer *w, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
+{
+    return put_moved(w, gaussians, NULL, n, message);
+}
+
+int fxs_scene_writer_put_moving(fxs_scene_writer *w, const fxs_gaussian *gaussians, const fxs_motion *motions, size_t n,
+                                fxs_message *message)
+{
+    if (!w->writer->put_moving)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "this format does not keep motion");
+    return put_moved(w, gaussians, motions, n, message);
 }
 
 int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, const fxs_progress *progress,

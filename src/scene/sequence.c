@@ -5,7 +5,10 @@
  * halved, down to single frames. What stays as it is, is one Gaussian for as long as it does.
  *
  * If the order changes, each Gaussian is one of its frame alone, but a Gaussian with the same numbers in the next frame
- * is the same one. */
+ * is the same one.
+ *
+ * A Gaussian with an opacity of 0 in a frame is not there: formats with a constant number of Gaussians have those too
+ * that do not exist yet. */
 #include "sequence.h"
 
 #include <math.h>
@@ -336,33 +339,53 @@ static int cover(fxs_sequence *s, const float *const *rows, uint32_t first, uint
     return error ? error : cover(s, rows, middle, end, known);
 }
 
+static int is_seen(const float *row)
+{
+    return row[OPACITY] > -FXS_OPAQUE;
+}
+
 static const float *row_of(const fxs_sequence *s, uint32_t f, uint32_t g)
 {
     return s->group[f].rows + (size_t)g * s->width;
 }
 
-/* Adds the tracks of Gaussian g of a group of `frames` frames, of which `known` are known: one that does not move, if
-   its open track holds on or a new one does. */
-static int add_ordered(fxs_sequence *s, uint32_t g, uint32_t frames, uint32_t known)
+/* Adds the tracks of Gaussian g in the frames first to end - 1 of the group, where it is seen, as in all frames to
+   known - 1: one that does not move, if its open track holds on or a new one does. */
+static int add_seen(fxs_sequence *s, uint32_t g, const float *const *rows, uint32_t first, uint32_t end, uint32_t known)
 {
-    const float *rows[GROUP + 1] = {0};
     int64_t *open = &s->open[g];
     int still = 1;
-    for (uint32_t f = 0; f < known; f++)
-        rows[f] = row_of(s, f, g);
-    const float *kept = *open != NOT_OPEN ? s->rows + (uint64_t)*open * s->width : rows[0];
-    for (uint32_t f = 0; f < known && still; f++)
+    const float *kept = *open != NOT_OPEN ? s->rows + (uint64_t)*open * s->width : rows[first];
+    for (uint32_t f = first; f < known && still; f++)
         still = is_still(s, rows[f], kept);
     if (still && *open != NOT_OPEN) {
-        s->tracks[*open].end = s->first + frames;
+        s->tracks[*open].end = s->first + end;
         return 0;
     }
     *open = NOT_OPEN;
-    for (uint32_t f = 0; f < known && !still; f++)
-        if (!is_still(s, rows[f], rows[0]))
-            return cover(s, rows, 0, frames, known);
-    *open = add_track(s, rows[0], &(track){{0}, {0}, (float)s->first, s->first, s->first + frames});
+    for (uint32_t f = first; f < known && !still; f++)
+        if (!is_still(s, rows[f], rows[first]))
+            return cover(s, rows, first, end, known);
+    *open = add_track(s, rows[first], &(track){{0}, {0}, (float)(s->first + first), s->first + first, s->first + end});
     return *open == NOT_OPEN ? FXS_ERR_MEMORY : 0;
+}
+
+/* Adds the tracks of Gaussian g of a group of `frames` frames, of which `known` are known. */
+static int add_ordered(fxs_sequence *s, uint32_t g, uint32_t frames, uint32_t known)
+{
+    const float *rows[GROUP + 1] = {0};
+    int error = 0;
+    for (uint32_t f = 0; f < known; f++)
+        rows[f] = row_of(s, f, g);
+    for (uint32_t f = 0, end; f < frames && !error; f = end + 1) {
+        for (end = f; end < known && is_seen(rows[end]);)
+            end++;
+        if (end > f)
+            error = add_seen(s, g, rows, f, end < frames ? end : frames, end);
+        if (end < known)
+            s->open[g] = NOT_OPEN;
+    }
+    return error;
 }
 
 /* ---- Frames in any order ----------------------------------------------------------------------------------------- */
@@ -425,7 +448,11 @@ static int add_unordered(fxs_sequence *s, uint32_t f)
         const float *row = row_of(s, f, list[i].index);
         while (k < old_count && before[k].hash < list[i].hash)
             k++;
-        int64_t *to = &open[list[i].index], same = k < old_count ? s->open[before[k].index] : NOT_OPEN;
+        int64_t *to = &open[list[i].index];
+        *to = NOT_OPEN;
+        if (!is_seen(row))
+            continue;
+        const int64_t same = k < old_count ? s->open[before[k].index] : NOT_OPEN;
         if (same != NOT_OPEN && before[k].hash == list[i].hash && may_go_on(&s->tracks[same], number) &&
             !memcmp(row, s->rows + (uint64_t)same * s->width, s->width * sizeof *row)) {
             s->tracks[same].end = number + 1;
@@ -447,15 +474,18 @@ static int add_unordered(fxs_sequence *s, uint32_t f)
 
 /* ---- Groups ------------------------------------------------------------------------------------------------------ */
 
-/* Returns 1 if most Gaussians of a sample are in two frames near the same place, with about the same colour. */
+/* Returns 1 if most Gaussians of a sample that are seen in two frames are near the same place in both, with about the same
+   colour. */
 static int keeps_order(const fxs_sequence *s, uint32_t f)
 {
     const frame *a = &s->group[f], *b = &s->group[f + 1];
     const uint32_t step = a->count / SAMPLE + 1;
     uint32_t seen = 0, near = 0;
-    for (uint32_t g = 0; g < a->count && a->count == b->count; g += step, seen++) {
+    for (uint32_t g = 0; g < a->count && a->count == b->count; g += step) {
         const float *x = row_of(s, f, g), *y = row_of(s, f + 1, g);
-        near += is_near(x, y, 3, 8 * mean_sigma(x)) && is_near(x + DC, y + DC, 3, 0.25 / FXS_SH_0);
+        const int both = is_seen(x) && is_seen(y);
+        seen += (uint32_t)both;
+        near += both && is_near(x, y, 3, 8 * mean_sigma(x)) && is_near(x + DC, y + DC, 3, 0.25 / FXS_SH_0);
     }
     return a->count == b->count && 4 * near >= 3 * seen;
 }

@@ -470,12 +470,11 @@ static int set_start(const convert_options *o, const fxs_opened *packed)
     return fxs_start_choose(data, packed->bytes, &message) ? fail_for(&message) : 0;
 }
 
-static int to_fxs(const convert_options *o)
+static int to_fxs(const convert_options *o, const load_options *how)
 {
     world w;
     fxs_message message;
-    load_options load = o->load;
-    load.filter = is_filtered() ? &o->filter : 0;
+    load_options load = *how;
     load.still = load.tree ? "has no levels of detail: give --time SECONDS" : 0;
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
@@ -521,14 +520,13 @@ static int pack_part(const convert_options *o, const load_options *load, fxs_sce
     return 0;
 }
 
-static int to_part(const convert_options *o)
+static int to_part(const convert_options *o, const load_options *how)
 {
-    load_options load = o->load;
+    load_options load = *how;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_packed_scene part;
     fxs_message message;
-    load.filter = is_filtered() ? &o->filter : 0;
     load.still = "is not written in blocks: give --time SECONDS";
     if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
@@ -589,6 +587,38 @@ static int has_part(const convert_options *o)
 
 enum { BATCH = 256 };
 
+/* Counts the Gaussians of a moving scene that can be drawn. The others are not written. */
+static int count_drawable(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
+{
+    fxs_gaussian batch[BATCH];
+    fxs_pack_dropped dropped = {.weight = 0};
+    o->count = 0;
+    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
+        if (n < 0)
+            return -1;
+        for (long k = 0; k < n; k++)
+            o->count += fxs_drawable(&batch[k], o->sh_degree, &dropped) != 0;
+    }
+    return fxs_scene_file_rewind(file, message);
+}
+
+/* Writes n Gaussians, of a moving scene only those that can be drawn. */
+static int put(fxs_scene_writer *w, fxs_gaussian *batch, const fxs_motion *motions, int sh_degree, long n,
+               fxs_message *message)
+{
+    fxs_pack_dropped dropped = {.weight = 0};
+    fxs_motion kept[BATCH];
+    size_t count = 0;
+    if (!motions)
+        return fxs_scene_writer_put(w, batch, (size_t)n, message);
+    for (long i = 0; i < n; i++)
+        if (fxs_drawable(&batch[i], sh_degree, &dropped)) {
+            batch[count] = batch[i];
+            kept[count++] = motions[i];
+        }
+    return fxs_scene_writer_put_moving(w, batch, kept, count, message);
+}
+
 static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
@@ -607,8 +637,8 @@ static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_mes
     return fxs_scene_file_rewind(file, message);
 }
 
-static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, uint64_t count, const load_options *load,
-                fxs_message *message)
+static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, const fxs_scene_file_info *info,
+                const load_options *load, fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
     char label[] = "converting";
@@ -616,9 +646,11 @@ static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, uint
     uint64_t done = 0;
     int result = 0;
     for (long n; !result && (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
-        result = n < 0 ? -1 : fxs_scene_writer_put(w, batch, (size_t)n, message);
+        result = n < 0 ? -1
+                       : put(w, batch, info->time.duration > 0 ? fxs_scene_file_motions(file) : 0, info->sh_degree, n,
+                             message);
         done += n < 0 ? 0 : (uint64_t)n;
-        if (progress.call(progress.argument, (double)done / (double)count) && !result)
+        if (progress.call(progress.argument, (double)done / (double)info->count) && !result)
             result = fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", out);
     }
     progress_end();
@@ -658,15 +690,17 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     fxs_scene_write_options options = {.size = sizeof(fxs_scene_write_options), .count = info->count,
                                        .sh_degree = info->sh_degree,
                                        .antialiased = info->antialiased, .spz_version = spz_version,
-                                       .spz_fine = spz_fine};
+                                       .spz_fine = spz_fine, .time = info->time};
     memcpy(options.origin, info->origin, sizeof options.origin);
     char label[] = "compressing";
     const fxs_progress progress = progress_of(load, label);
-    int result = ends_with(out, ".glb") ? find_bounds(file, &options, &message) : 0;
+    int result = ends_with(out, ".glb")      ? find_bounds(file, &options, &message)
+                 : info->time.duration > 0 ? count_drawable(file, &options, &message)
+                                           : 0;
     if (!result)
         result = fxs_scene_writer_open(out, &options, &w, &message);
     if (!result)
-        result = copy(w, out, file, info->count, load, &message);
+        result = copy(w, out, file, info, load, &message);
     if (fxs_scene_writer_close(w, &report, &progress, &closing) && !result) {
         message = closing;
         result = -1;
@@ -678,20 +712,36 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     return EXIT_OK;
 }
 
+/* Opens scenes to be written. A moving scene that is not filtered keeps its motion, if the format does. */
+static int open_to_write(const char *out, const fxs_world *placed, const char *name, load_options *load,
+                         const fxs_scene_filter *drawable, fxs_scene_file **file, fxs_scene_file_info *info)
+{
+    char still[128];
+    const int keeps = fxs_scene_format_of(out, 1)->moves && !load->filter;
+    snprintf(still, sizeof still, "is not kept by a %.30s: give --time SECONDS, or --times A..B for numbered files",
+             strrchr(out, '.'));
+    load->still = fxs_scene_format_of(out, 1)->moves ? 0 : still;
+    load->filter = keeps ? 0 : drawable;
+    int status = open_merged(placed, name, load, file, info);
+    load->filter = drawable;
+    if (!status && keeps && !(info->time.duration > 0))
+        status = filter_scene(name, load, *file, info);
+    load->still = 0;
+    return status;
+}
+
 int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_world *placed, const char *name,
                    const load_options *how)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
-    fxs_scene_filter filter = *how->filter;
+    fxs_scene_filter filter;
     load_options load = *how;
-    char still[128];
+    fxs_scene_filter_init(&filter);
+    if (how->filter)
+        filter = *how->filter;
     filter.drawable = 1;
-    load.filter = &filter;
-    snprintf(still, sizeof still, "is not kept by a %.30s: give --time SECONDS, or --times A..B for numbered files",
-             strrchr(out, '.'));
-    load.still = still;
-    if (open_merged(placed, name, &load, &file, &info))
+    if (open_to_write(out, placed, name, &load, &filter, &file, &info))
         return EXIT_FAILED;
     int status = files_check();
     if (!status)
@@ -795,10 +845,11 @@ static int place_whole(convert_options *o)
 /* Writes one file. */
 static int write_out(const convert_options *o)
 {
-    return o->blocks                   ? to_part(o)
-           : ends_with(o->out, ".fxs") ? to_fxs(o)
-                                       : convert_merged(o->out, o->spz_version, o->spz_fine, &o->placed, o->in,
-                                                        &o->load);
+    load_options load = o->load;
+    load.filter = is_filtered() ? &o->filter : 0;
+    return o->blocks                   ? to_part(o, &load)
+           : ends_with(o->out, ".fxs") ? to_fxs(o, &load)
+                                       : convert_merged(o->out, o->spz_version, o->spz_fine, &o->placed, o->in, &load);
 }
 
 /* Finds the time of the scenes in files: the longest duration, the highest rate. */

@@ -467,6 +467,7 @@ typedef struct fxs_scene_write_options {
     int spz_fine;                /* 1: an .spz gets SH in 8 bits instead of 5 and 4, and positions in all 24 bits */
     double origin[3];            /* origin of the Gaussians (fxs_scene_file_info), which is added to each position and
                                     to the bounds */
+    fxs_time time;               /* time of a moving scene (fxs_scene_writer_put_moving); all 0: a still scene */
 } fxs_scene_write_options;
 FXS_INIT(fxs_scene_write_options)
 
@@ -503,6 +504,8 @@ typedef struct fxs_scene_write_report {
    - .spz: 44 bytes a Gaussian and 1 byte for each SH coefficient.
    - .compressed.ply, .sog: 56 bytes a Gaussian and 2 bytes for each SH coefficient; while closing up to twice that.
    - .rad, lod-meta.json: as .sog; while closing up to four times as much.
+   - .splat4d: 168 bytes a Gaussian; while closing also 8, the compressed file, and the largest of its streams unpacked,
+     up to 1 GiB.
    Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED if fixsplat was built without a
    library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
@@ -512,6 +515,12 @@ FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_option
    for more Gaussians than announced. */
 FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n,
                                  fxs_message *message);
+
+/* Adds the next n Gaussians of a moving scene and how they move, one fxs_motion each, like fxs_scene_writer_put. Only for
+   formats with fxs_scene_format.moves; the others return FXS_ERR_ARGUMENT. A .splat4d has frames at options->time.rate, or
+   30 a second; where a Gaussian does not exist, its opacity is 0. */
+FXS_EXPERIMENTAL int fxs_scene_writer_put_moving(fxs_scene_writer *writer, const fxs_gaussian *gaussians,
+                                                 const fxs_motion *motions, size_t n, fxs_message *message);
 
 /* Completes a file under its final name, fills in *report and frees the writer. `writer`, `report` and `progress` may
    be null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if

@@ -157,5 +157,5 @@ static int compressed_close(void *writer, fxs_scene_write_report *report, const 
 }
 
 const fxs_writer fxs_write_compressed_ply = {
-    sizeof(compressed_writer), compressed_open, compressed_put, compressed_close
+    sizeof(compressed_writer), compressed_open, compressed_put, compressed_close, NULL
 };

@@ -64,4 +64,4 @@ static int csv_close(void *writer, fxs_scene_write_report *report, const fxs_pro
     return fxs_output_close(&((csv_writer *)writer)->output, message);
 }
 
-const fxs_writer fxs_write_csv = {sizeof(csv_writer), csv_open, csv_put, csv_close};
+const fxs_writer fxs_write_csv = {sizeof(csv_writer), csv_open, csv_put, csv_close, NULL};

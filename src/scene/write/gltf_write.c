@@ -185,4 +185,4 @@ static int glb_close(void *writer, fxs_scene_write_report *report, const fxs_pro
     return fxs_output_close(&((glb_writer *)writer)->output, message);
 }
 
-const fxs_writer fxs_write_glb = {sizeof(glb_writer), glb_open, glb_put, glb_close};
+const fxs_writer fxs_write_glb = {sizeof(glb_writer), glb_open, glb_put, glb_close, NULL};

@@ -89,4 +89,4 @@ static int ply_close(void *writer, fxs_scene_write_report *report, const fxs_pro
     return fxs_output_close(&((ply_writer *)writer)->output, message);
 }
 
-const fxs_writer fxs_write_ply = {sizeof(ply_writer), ply_open, ply_put, ply_close};
+const fxs_writer fxs_write_ply = {sizeof(ply_writer), ply_open, ply_put, ply_close, NULL};

@@ -401,7 +401,7 @@ static int rad_close(void *writer, fxs_scene_write_report *report, const fxs_pro
     return fxs_held_close(&w->held, message);
 }
 
-const fxs_writer fxs_write_rad = {sizeof(rad_writer), rad_open, rad_put, rad_close};
+const fxs_writer fxs_write_rad = {sizeof(rad_writer), rad_open, rad_put, rad_close, NULL};
 
 #else
 
@@ -411,6 +411,6 @@ static int rad_open(void *writer, const char *path, const fxs_scene_write_option
     return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .rad: built without zlib", path);
 }
 
-const fxs_writer fxs_write_rad = {0, rad_open, NULL, NULL};
+const fxs_writer fxs_write_rad = {0, rad_open, NULL, NULL, NULL};
 
 #endif

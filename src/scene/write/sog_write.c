@@ -67,7 +67,7 @@ static int sog_close(void *writer, fxs_scene_write_report *report, const fxs_pro
     return fxs_held_close(h, message);
 }
 
-const fxs_writer fxs_write_sog = {sizeof(sog_writer), sog_open, sog_put, sog_close};
+const fxs_writer fxs_write_sog = {sizeof(sog_writer), sog_open, sog_put, sog_close, NULL};
 
 #else
 
@@ -77,6 +77,6 @@ static int sog_open(void *writer, const char *path, const fxs_scene_write_option
     return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .sog: built without libwebp or libzip", path);
 }
 
-const fxs_writer fxs_write_sog = {0, sog_open, NULL, NULL};
+const fxs_writer fxs_write_sog = {0, sog_open, NULL, NULL, NULL};
 
 #endif

@@ -62,4 +62,4 @@ static int splat_close(void *writer, fxs_scene_write_report *report, const fxs_p
     return fxs_output_close(&((splat_writer *)writer)->output, message);
 }
 
-const fxs_writer fxs_write_splat = {sizeof(splat_writer), splat_open, splat_put, splat_close};
+const fxs_writer fxs_write_splat = {sizeof(splat_writer), splat_open, splat_put, splat_close, NULL};

@@ -390,4 +390,4 @@ static int spz_close(void *writer, fxs_scene_write_report *report, const fxs_pro
     return result;
 }
 
-const fxs_writer fxs_write_spz = {sizeof(spz_writer), spz_open, spz_put, spz_close};
+const fxs_writer fxs_write_spz = {sizeof(spz_writer), spz_open, spz_put, spz_close, NULL};

@@ -382,7 +382,7 @@ static int streamed_close(void *writer, fxs_scene_write_report *report, const fx
     return result && is_said ? made : result;
 }
 
-const fxs_writer fxs_write_streamed_sog = {sizeof(streamed_writer), streamed_open, streamed_put, streamed_close};
+const fxs_writer fxs_write_streamed_sog = {sizeof(streamed_writer), streamed_open, streamed_put, streamed_close, NULL};
 
 #else
 
@@ -392,6 +392,6 @@ static int streamed_open(void *writer, const char *path, const fxs_scene_write_o
     return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .sog: built without libwebp or libzip", path);
 }
 
-const fxs_writer fxs_write_streamed_sog = {0, streamed_open, NULL, NULL};
+const fxs_writer fxs_write_streamed_sog = {0, streamed_open, NULL, NULL, NULL};
 
 #endif
