@@ -24,7 +24,7 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) kernels/compute/plan.c port/web/webgpu.c
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
-WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c src/scene/sequence.c \
+WEB_IMPORT := $(filter-out %/fxs.c %/numbered.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c) port/backend/pack_stages.c \
               $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c source.c text.c zip.c) \
               $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c animate.c) $(WEB_C)
@@ -34,8 +34,9 @@ sources_of_import_core := $(WEB_IMPORT)
 sources_of_import_threads := $(WEB_IMPORT) port/web/web_pool.c
 # A WebAssembly module compiles the file readers that it leaves out without their libraries. These readers recognise
 # their files and report an error.
-not_in_import := %/sog.c %/zip.c
-not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c
+not_in_import_core := %/splat4d.c %/fourdgs.c
+not_in_import := %/sog.c %/zip.c $(not_in_import_core)
+not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c $(not_in_import_core)
 # Code that takes little of the run time is compiled for size. Flag --low-memory-unused: the lowest 1024 bytes of memory
 # are the end of the stack, and no pointer refers to them. Header <GLES3/gl3.h> is the build machine's.
 wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not_in_$(1)),$(2)),,$(WEB_READERS_FLAGS))) \
@@ -47,7 +48,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
 WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
-             $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
+             $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c ply_motion.c rad.c splatv.c tileset.c) import/src/pack/moving.c import/src/gaussian/moment.c import/src/gaussian/gaussian_source.c \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
 # Modules with threads link only thread-safe functions of wasi-libc. fixsplat.js creates their shared memory.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \

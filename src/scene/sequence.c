@@ -474,8 +474,8 @@ static int add_unordered(fxs_sequence *s, uint32_t f)
 
 /* ---- Groups ------------------------------------------------------------------------------------------------------ */
 
-/* Returns 1 if most Gaussians of a sample that are seen in two frames are near the same place in both, with about the same
-   colour. */
+/* Returns 1 if most Gaussians of a sample that are seen in two frames are near the same place in both, with about the
+   same colour. */
 static int keeps_order(const fxs_sequence *s, uint32_t f)
 {
     const frame *a = &s->group[f], *b = &s->group[f + 1];

@@ -175,8 +175,8 @@ start_node package package
 start_node import import
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-for size in core.wasm:59200 simd.wasm:90100 threads.wasm:90500 import.wasm:92300 import_threads.wasm:92500 \
-    import_sog.wasm:90500 import_core.wasm:117900 fixsplat.js:40000; do
+for size in core.wasm:61900 simd.wasm:96100 threads.wasm:96400 import.wasm:101600 import_threads.wasm:101700 \
+    import_sog.wasm:101300 import_core.wasm:127900 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000

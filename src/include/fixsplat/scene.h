@@ -516,9 +516,9 @@ FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_option
 FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n,
                                  fxs_message *message);
 
-/* Adds the next n Gaussians of a moving scene and how they move, one fxs_motion each, like fxs_scene_writer_put. Only for
-   formats with fxs_scene_format.moves; the others return FXS_ERR_ARGUMENT. A .splat4d has frames at options->time.rate, or
-   30 a second; where a Gaussian does not exist, its opacity is 0. */
+/* Adds the next n Gaussians of a moving scene and how they move, one fxs_motion each, like fxs_scene_writer_put. Only
+   for formats with fxs_scene_format.moves; the others return FXS_ERR_ARGUMENT. A .splat4d has frames at
+   options->time.rate, or 30 a second; where a Gaussian does not exist, its opacity is 0. */
 FXS_EXPERIMENTAL int fxs_scene_writer_put_moving(fxs_scene_writer *writer, const fxs_gaussian *gaussians,
                                                  const fxs_motion *motions, size_t n, fxs_message *message);
 

@@ -1,7 +1,7 @@
 /* Writes .splat4d, version 1, of splats4D (adamraudonis/splats4D at bf7c41a: docs/FORMAT.md, and its converter, which
-   precedes every stream with two bytes more). The Gaussians of a moving scene change their position, rotation and opacity
-   only; so colours and scales are stored once. Where a Gaussian does not exist, its opacity is 0, and nothing else of it
-   changes.
+   precedes every stream with two bytes more). The Gaussians of a moving scene change their position, rotation and
+   opacity only; so colours and scales are stored once. Where a Gaussian does not exist, its opacity is 0, and nothing
+   else of it changes.
 
    All numbers are rounded to steps. A number changes from frame to frame only if it would be wrong by more than half a
    step. */
@@ -76,7 +76,8 @@ typedef struct splat4d_writer {
     double rate;
     uint32_t frames, group;    /* number of frames, of all and of a group of them */
     double steps[ATTRIBUTES], errors[ATTRIBUTES], least[3], most[3];
-    uint32_t counts[ATTRIBUTES], masks[MASKS];    /* number of Gaussians that change an attribute, and that have a mask */
+    uint32_t counts[ATTRIBUTES];  /* number of Gaussians that change an attribute */
+    uint32_t masks[MASKS];        /* number of Gaussians that have a mask */
     bytes body;
     size_t still_size;         /* the static section is at the beginning of the body */
     part *groups;
@@ -599,7 +600,8 @@ static void print_header(FILE *file, const splat4d_writer *w, size_t at)
     print(file, ",\"fps\":", w->rate);
     print_steps(file, w);
     print_masks(file, w);
-    fprintf(file, ",\"denoised\":false,\"static_section\":{\"offset\":%20zu,\"len\":%zu},\"gops\":[", at, w->still_size);
+    fprintf(file, ",\"denoised\":false,\"static_section\":{\"offset\":%20zu,\"len\":%zu},\"gops\":[", at,
+            w->still_size);
     for (uint32_t i = 0; i < group_count(w); i++) {
         const part *g = &w->groups[i];
         fprintf(file, "%s{\"offset\":%20zu,\"len\":%zu,\"f0\":%zu,\"f1\":%zu", i ? "," : "", at + g->offset, g->size,
