@@ -48,5 +48,7 @@ fi
 if [ "$FXS_PROCESSORS" = all ]; then
     export WEBGPU=1
     asks gpu_page.mjs "$work" "$B/fixsplat"
+    export ONLY='plays by itself'
+    asks moving.mjs "$work" "$B/fixsplat"
 fi
 finish
