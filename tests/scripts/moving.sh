@@ -98,6 +98,22 @@ for ending in ply spz sog splat glb csv compressed.ply; do
         "moving.fxs: a scene that moves is not kept by a \\.[a-z]*: give --time SECONDS, or --times A\\.\\.B for numbered" \
         convert moving.fxs whole.$ending
 done
+run convert moving.fxs whole.splat4d
+if [ "$status" = 1 ] && grep -q "built without zstd" logs/err; then
+    skip "convert to .splat4d" "built without zstd"
+else
+    check "convert to .splat4d" equal "$status $(cat logs/err)" "0 "
+    run info whole.splat4d
+    check "convert to .splat4d: it moves" grep -q '^moves         1 seconds, again and again, 30 frames a second$' logs/out
+    check "convert to .splat4d: as the scene then" at_least "$(psnr_of whole.splat4d moving.splatv --compare-time 0.5)" 42
+    cp whole.splat4d before.splat4d
+    run convert moving.fxs whole.splat4d
+    check "convert to .splat4d: the same bytes again" cmp whole.splat4d before.splat4d
+    succeeds "convert to .splat4d, a still scene" convert still.ply still.splat4d
+    succeeds "convert --time to .splat4d" convert moving.fxs moment.splat4d --time 0.5
+    fails "convert to .splat4d with a filter" 1 'moves is not filtered or reduced: give --time' \
+        convert moving.fxs part.splat4d --prune 0.1
+fi
 fails "convert: a filter of a scene that moves" 1 'moves is not filtered or reduced: give --time' \
     convert moving.fxs part.fxs --prune 0.1
 fails "convert: merging scenes that move" 1 'moves is not placed or merged: give --time' convert moving.fxs still.ply two.fxs

@@ -518,9 +518,9 @@ FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *g
 
 /* Adds the next n Gaussians of a moving scene and how they move, one fxs_motion each, like fxs_scene_writer_put. Only
    for formats with fxs_scene_format.moves; the others return FXS_ERR_ARGUMENT. A .splat4d has frames at
-   options->time.rate, or 30 a second; where a Gaussian does not exist, its opacity is 0. */
-FXS_EXPERIMENTAL int fxs_scene_writer_put_moving(fxs_scene_writer *writer, const fxs_gaussian *gaussians,
-                                                 const fxs_motion *motions, size_t n, fxs_message *message);
+   options->time.rate, or 30 a second, up to 1048576. Where a Gaussian does not exist, its opacity in the frame is 0. */
+FXS_API int fxs_scene_writer_put_moving(fxs_scene_writer *writer, const fxs_gaussian *gaussians,
+                                        const fxs_motion *motions, size_t n, fxs_message *message);
 
 /* Completes a file under its final name, fills in *report and frees the writer. `writer`, `report` and `progress` may
    be null. Errors: FXS_ERR_FILE if a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT if

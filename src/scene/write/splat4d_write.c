@@ -76,8 +76,7 @@ typedef struct splat4d_writer {
     double rate;
     uint32_t frames, group;    /* number of frames, of all and of a group of them */
     double steps[ATTRIBUTES], errors[ATTRIBUTES], least[3], most[3];
-    uint32_t counts[ATTRIBUTES];  /* number of Gaussians that change an attribute */
-    uint32_t masks[MASKS];        /* number of Gaussians that have a mask */
+    uint32_t counts[ATTRIBUTES], masks[MASKS];    /* numbers of Gaussians that change an attribute, and with a mask */
     bytes body;
     size_t still_size;         /* the static section is at the beginning of the body */
     part *groups;
