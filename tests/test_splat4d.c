@@ -324,7 +324,7 @@ static void many_frames_of_one(void)
     static uint8_t zeros[FRAMES_OF_ONE], packed[1 << 16], one[64];
     fxs_scene_file *file;
     const size_t length = ZSTD_compress(packed, sizeof packed, zeros, sizeof zeros, 1);
-    const size_t key = ZSTD_compress(one, 64, "", 1, 1);
+    const size_t key = ZSTD_compress(one, 64, "\24", 1, 1);
     make(1, 1);
     made.count = 1000;
     made.is_still = only_first_moves;
