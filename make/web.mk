@@ -48,7 +48,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
 WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
-             $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c ply_motion.c rad.c splatv.c tileset.c) import/src/pack/moving.c import/src/gaussian/moment.c import/src/gaussian/gaussian_source.c \
+             $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c ply_motion.c rad.c splatv.c tileset.c) import/src/pack/lives.c import/src/gaussian/moment.c import/src/gaussian/gaussian_source.c \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
 # Modules with threads link only thread-safe functions of wasi-libc. fixsplat.js creates their shared memory.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \

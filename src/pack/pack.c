@@ -24,7 +24,7 @@
 #include "coded.h"
 #include "framing.h"
 #include "move.h"
-#include "moving.h"
+#include "lives.h"
 #include "order.h"
 #include "pack_stage.h"
 #include "part.h"

@@ -1,6 +1,6 @@
 /* Packs moving scenes: sorts Gaussians by the time in which they are seen, and codes their motion. */
-#ifndef FXS_MOVING_H
-#define FXS_MOVING_H
+#ifndef FXS_LIVES_H
+#define FXS_LIVES_H
 
 #include "encode.h"
 #include "order.h"

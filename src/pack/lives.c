@@ -4,7 +4,7 @@
  *
  * The motion of each Gaussian is developed about the middle of its chunk's time: a polynomial of degree 3 in t is one
  * in u = (t - middle) / unit too. */
-#include "moving.h"
+#include "lives.h"
 
 #include <math.h>
 #include <stdlib.h>
