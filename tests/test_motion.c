@@ -226,9 +226,141 @@ static void memory_threads_and_kernels_give_the_same_bytes(void)
     free_cloud(&c);
 }
 
+/* ---- Bad input --------------------------------------------------------------------------------------------------- */
+
+static unsigned char *motion_of(const fxs_packed_scene *packed, fxs_motion_header *header)
+{
+    fxs_scene scene;
+    CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes) && scene.motion);
+    memcpy(header, scene.motion, sizeof *header);
+    fxs_motion_header_turn(header);
+    return (unsigned char *)packed->data + (scene.motion - (unsigned char *)packed->data);
+}
+
+static void put_header(unsigned char *to, fxs_motion_header header)
+{
+    fxs_motion_header_turn(&header);
+    memcpy(to, &header, sizeof header);
+}
+
+static int draws(const fxs_packed_scene *packed)
+{
+    static drawing d;
+    return draw(&d, packed->data, packed->bytes, 0.7, 0.2, &fxs_kernels_c, 0, 1);
+}
+
+static void wrong_motion_is_refused(void)
+{
+    cloud c = make_cloud(COUNT, every);
+    fxs_packed_scene packed;
+    fxs_motion_header h, wrong;
+    fxs_chunk_motion chunk;
+    if (!CHECK(!pack_cloud(&c, 0, FXS_PROFILE_DEFAULT, -1, &packed)))
+        return;
+    unsigned char *at = motion_of(&packed, &h);
+    CHECK(!draws(&packed) && h.degree == 3 && h.flags == (FXS_MOTION_LOOPS | FXS_MOTION_TURNS | FXS_MOTION_FADES));
+    for (int field = 0; field < 6; field++) {
+        wrong = h;
+        switch (field) {
+        case 0: wrong.magic++; break;
+        case 1: wrong.duration_q16 = 0; break;
+        case 2: wrong.degree = 2; break;
+        case 3: wrong.flags &= ~FXS_MOTION_TURNS; break;
+        case 4: wrong.most_chunks = 0; break;
+        case 5: wrong.most_chunks = 1; break;        /* opens, but a frame finds more chunks than it has room for */
+        }
+        put_header(at, wrong);
+        CHECK(draws(&packed) == FXS_ERR_SCENE);
+    }
+    put_header(at, h);
+    memcpy(&chunk, at + sizeof h, sizeof chunk);
+    chunk.unit = 31;
+    memcpy(at + sizeof h, &chunk, sizeof chunk);
+    CHECK(draws(&packed) == FXS_ERR_SCENE);
+    fxs_packed_scene_free(&packed);
+    free_cloud(&c);
+}
+
+/* Any bytes of motion give a picture or FXS_ERR_SCENE. Sanitizers watch. */
+static void random_motion_is_safe(void)
+{
+    cloud c = make_cloud(COUNT / 4, every);
+    fxs_packed_scene packed;
+    fxs_motion_header h;
+    if (!CHECK(!pack_cloud(&c, 1, FXS_PROFILE_SMALL, -1, &packed)))
+        return;
+    unsigned char *at = motion_of(&packed, &h);
+    const size_t left = (size_t)((unsigned char *)packed.data + packed.bytes - at);
+    for (int i = 0; i < 200; i++) {
+        for (int k = 0; k < 50; k++)
+            at[(size_t)uniform(k < 40 ? 64 : 0, k < 10 ? 128 : (double)left)] ^= (unsigned char)uniform(1, 256);
+        const int error = draws(&packed);
+        CHECK(error == 0 || error == FXS_ERR_SCENE);
+        put_header(at, h);
+    }
+    fxs_packed_scene_free(&packed);
+    free_cloud(&c);
+}
+
+/* Motions that cannot be drawn are dropped and counted. */
+static void wrong_gaussians_are_dropped(void)
+{
+    cloud c = make_cloud(300, every);
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    fxs_message message;
+    c.motions[0].centre = NAN;
+    c.motions[1].fade = 0;
+    c.motions[2].fade = -1;
+    c.motions[3].drift[2][1] = INFINITY;
+    c.motions[4].turn[3] = NAN;
+    c.motions[5].from = c.motions[5].to = 1;
+    c.motions[6].fade = NAN;
+    c.motions[7].drift[0][0] = 1e17f;            /* usable, but leaves every box */
+    CHECK(!open_cloud(&c, 0, &file, &info, &message));
+    CHECK(!fxs_pack(file, &info, &packed, &report, 0, &message));
+    CHECK(report.dropped.not_finite == 7 && report.packed == 293 && !draws(&packed));
+    fxs_packed_scene_free(&packed);
+    fxs_scene_file_close(file);
+    c.time.duration = NAN;
+    CHECK(open_cloud(&c, 0, &file, &info, &message) == FXS_ERR_ARGUMENT && !file);
+    c.time.duration = 1e6;
+    CHECK(open_cloud(&c, 0, &file, &info, &message) == FXS_ERR_ARGUMENT && !file);
+    free_cloud(&c);
+}
+
+/* A frame does not depend on the frames before it: times in any order, and times that loop. */
+static void frames_do_not_depend_on_the_order(void)
+{
+    enum { TIMES = 24 };
+    static drawing d;
+    static uint8_t first[TIMES][4 * PIXELS];
+    cloud c = make_cloud(COUNT, every);
+    fxs_packed_scene packed;
+    if (!CHECK(!pack_cloud(&c, 0, FXS_PROFILE_DEFAULT, -1, &packed)))
+        return;
+    for (int i = 0; i < TIMES; i++) {
+        CHECK(!draw(&d, packed.data, packed.bytes, 0.125 * i, 0.1 * i, &fxs_kernels_c, 0, 1));
+        memcpy(first[i], d.pixels, sizeof first[i]);
+    }
+    for (int k = 0; k < TIMES; k++) {
+        const int i = (k * 7 + 5) % TIMES;
+        CHECK(!draw(&d, packed.data, packed.bytes, 0.125 * i - 3 * (k % 4), 0.1 * i, &fxs_kernels_c, 0, 1));
+        CHECK(!memcmp(d.pixels, first[i], sizeof first[i]));
+    }
+    fxs_packed_scene_free(&packed);
+    free_cloud(&c);
+}
+
 int main(void)
 {
     RUN(pictures_follow_the_formulas);
     RUN(memory_threads_and_kernels_give_the_same_bytes);
+    RUN(frames_do_not_depend_on_the_order);
+    RUN(wrong_motion_is_refused);
+    RUN(random_motion_is_safe);
+    RUN(wrong_gaussians_are_dropped);
     return check_report();
 }
