@@ -1,22 +1,12 @@
 /* Reads .splatv of splaTV (antimatter15/splaTV at 8b313fe): a magic number, the length of a JSON text, the text, then
  * the data of its chunks. A chunk of type "splat" has a record of 64 bytes for each Gaussian. Times are 0 to 1. */
-#include <cjson/cJSON.h>
-
 #include "src/base/byte_reader.h"
-#include "src/base/text_internal.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
-enum { RECORD = 64, HEAD = 8, BATCH = 4096, ROTATION = 12, SCALE = 20, COLOUR = 28, MOTION = 32, TURN = 52, TIME = 60 };
-
 #define MAGIC 0x674bu
-#define LEAST 0.02      /* splaTV skips a Gaussian below this share of its opacity */
 
-typedef struct splatv_reader {
-    uint64_t at, count, read;
-    fxs_byte_reader bytes;
-    fxs_motion motions[BATCH];
-} splatv_reader;
+enum { HEAD = 8 };
 
 static int is_splatv(const fxs_head *head, fxs_message *message)
 {
@@ -24,6 +14,22 @@ static int is_splatv(const fxs_head *head, fxs_message *message)
     return head->size >= HEAD + 2 && fxs_load_u32((const uint8_t *)head->bytes) == MAGIC &&
            (head->bytes[HEAD] == '[' || head->bytes[HEAD] == ' ');
 }
+
+#ifdef FXS_WITH_CJSON
+
+#include <cjson/cJSON.h>
+
+#include "src/base/text_internal.h"
+
+enum { RECORD = 64, BATCH = 4096, ROTATION = 12, SCALE = 20, COLOUR = 28, MOTION = 32, TURN = 52, TIME = 60 };
+
+#define LEAST 0.02      /* splaTV skips a Gaussian below this share of its opacity */
+
+typedef struct splatv_reader {
+    uint64_t at, count, read;
+    fxs_byte_reader bytes;
+    fxs_motion motions[BATCH];
+} splatv_reader;
 
 /* Finds the chunk of Gaussians; chunks of other types before it are skipped. */
 static int find_chunk(splatv_reader *r, const fxs_scene_source *source, const cJSON *list, uint64_t at,
@@ -133,3 +139,15 @@ static const fxs_motion *splatv_motions(const void *handle)
 const fxs_reader fxs_read_splatv = {
     is_splatv, sizeof(splatv_reader), splatv_open, splatv_read, splatv_rewind, NULL, splatv_motions
 };
+
+#else
+
+static int splatv_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    (void)handle, (void)info;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read .splatv: built without cJSON", source->path);
+}
+
+const fxs_reader fxs_read_splatv = {is_splatv, 0, splatv_open, NULL, NULL, NULL, NULL};
+
+#endif
