@@ -98,47 +98,58 @@ static float square_to(const box *b, const float p[3])
     return square_of(away[0], away[1], away[2]);
 }
 
-static void look_at_leaf(const item *items, size_t count, const item *self, float nearest[3])
+/* The nearest points found so far, from near to far. */
+typedef struct found {
+    float squares[FXS_FIT_NEAR];   /* squared distances; INFINITY: none */
+    uint32_t points[FXS_FIT_NEAR];
+    int wanted;
+} found;
+
+static void look_at_leaf(const item *items, size_t count, const item *self, found *f)
 {
     for (size_t i = 0; i < count; i++) {
         if (&items[i] == self)
             continue;
         float d = square_of(items[i].at[0] - self->at[0], items[i].at[1] - self->at[1], items[i].at[2] - self->at[2]);
-        for (int k = 0; k < 3; k++)
-            if (d < nearest[k]) {
-                const float farther = nearest[k];
-                nearest[k] = d;
+        uint32_t point = items[i].point;
+        for (int k = 0; k < f->wanted; k++)
+            if (d < f->squares[k]) {
+                const float farther = f->squares[k];
+                const uint32_t other = f->points[k];
+                f->squares[k] = d;
+                f->points[k] = point;
                 d = farther;
+                point = other;
             }
     }
 }
 
-static void look(const tree *t, size_t node, size_t first, size_t count, const item *self, float nearest[3])
+static void look(const tree *t, size_t node, size_t first, size_t count, const item *self, found *f)
 {
     if (count <= LEAF) {
-        look_at_leaf(t->items + first, count, self, nearest);
+        look_at_leaf(t->items + first, count, self, f);
         return;
     }
     const float lower = square_to(&t->boxes[2 * node + 1], self->at);
     const float upper = square_to(&t->boxes[2 * node + 2], self->at);
     for (int turn = 0; turn < 2; turn++) {
         const int is_upper = turn ^ (upper < lower);
-        if (!((is_upper ? upper : lower) < nearest[2]))
+        if (!((is_upper ? upper : lower) < f->squares[f->wanted - 1]))
             continue;
         if (is_upper)
-            look(t, 2 * node + 2, first + count / 2, count - count / 2, self, nearest);
+            look(t, 2 * node + 2, first + count / 2, count - count / 2, self, f);
         else
-            look(t, 2 * node + 1, first, count / 2, self, nearest);
+            look(t, 2 * node + 1, first, count / 2, self, f);
     }
 }
 
 static float mean_of(const float nearest[3])
 {
     float sum = 0;
-    int found = 0;
-    while (found < 3 && nearest[found] < INFINITY)
-        sum += nearest[found++];
-    return found ? sum / (float)found : 1;
+    int count = 0;
+    while (count < 3 && nearest[count] < INFINITY)
+        sum += nearest[count++];
+    return count ? sum / (float)count : 1;
 }
 
 static size_t nodes_of(size_t count)
@@ -151,21 +162,57 @@ static size_t nodes_of(size_t count)
     return nodes;
 }
 
+static int tree_build(tree *t, const float *const planes[3], size_t step, size_t count)
+{
+    *t = (tree){malloc((count + 1) * sizeof *t->items), malloc(nodes_of(count) * sizeof *t->boxes)};
+    if (!t->items || !t->boxes)
+        return FXS_ERR_MEMORY;
+    for (size_t i = 0; i < count; i++)
+        t->items[i] = (item){{planes[0][i * step], planes[1][i * step], planes[2][i * step]}, (uint32_t)i};
+    if (count)
+        build(t, 0, 0, count);
+    return 0;
+}
+
+static void tree_free(tree *t)
+{
+    free(t->items);
+    free(t->boxes);
+}
+
+static found look_around(const tree *t, size_t count, size_t i, int wanted)
+{
+    found f = {.wanted = wanted};
+    for (int k = 0; k < wanted; k++) {
+        f.squares[k] = INFINITY;
+        f.points[k] = t->items[i].point;
+    }
+    look(t, 0, 0, count, &t->items[i], &f);
+    return f;
+}
+
 int fxs_fit_nearest(const fxs_fit_point *points, size_t count, float *squares)
 {
-    tree t = {malloc((count + 1) * sizeof *t.items), malloc(nodes_of(count) * sizeof *t.boxes)};
-    const int error = t.items && t.boxes ? 0 : FXS_ERR_MEMORY;
-    if (!error && count) {
-        for (size_t i = 0; i < count; i++)
-            t.items[i] = (item){{points[i].position[0], points[i].position[1], points[i].position[2]}, (uint32_t)i};
-        build(&t, 0, 0, count);
-        for (size_t i = 0; i < count; i++) {
-            float nearest[3] = {INFINITY, INFINITY, INFINITY};
-            look(&t, 0, 0, count, &t.items[i], nearest);
-            squares[t.items[i].point] = mean_of(nearest);
-        }
+    const float *const first[3] = {points->position, points->position + 1, points->position + 2};
+    tree t;
+    const int error = tree_build(&t, first, sizeof *points / sizeof(float), count);
+    for (size_t i = 0; i < count && !error; i++) {
+        const found f = look_around(&t, count, i, 3);
+        squares[t.items[i].point] = mean_of(f.squares);
     }
-    free(t.items);
-    free(t.boxes);
+    tree_free(&t);
+    return error;
+}
+
+int fxs_fit_neighbours(const float *const planes[3], size_t count, uint32_t *near)
+{
+    tree t;
+    const int error = tree_build(&t, planes, 1, count);
+    for (size_t i = 0; i < count && !error; i++) {
+        const found f = look_around(&t, count, i, FXS_FIT_NEAR);
+        for (int k = 0; k < FXS_FIT_NEAR; k++)
+            near[(size_t)t.items[i].point * FXS_FIT_NEAR + (size_t)k] = f.points[k];
+    }
+    tree_free(&t);
     return error;
 }

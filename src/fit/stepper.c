@@ -34,7 +34,7 @@ struct fxs_fit_stepper {
     const uint8_t *photograph;     /* pixels of the photograph at the camera's size */
     const uint8_t *errors_of;
     const uint8_t *mask;           /* mask of the photograph at the camera's size, or null */
-    float *errors;
+    float *errors, *weights;
     fxs_fit_camera posed[FXS_FIT_BATCH];
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;
@@ -754,8 +754,8 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-/* Sets a tile's pixel gradients to squared colour differences from the photograph. The backward pass then distributes
-   them over splats by their blending weights. */
+/* Sets a tile's pixel gradients to squared colour differences from the photograph, in red, and to 1 in green. The
+   backward pass then distributes them over splats by their blending weights. Pixels that the mask ignores have 0. */
 static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;
@@ -767,9 +767,12 @@ static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gra
         for (int32_t x = 0; x < 3 * columns; x++) {
             const fxs_fit_plane *picture = &s->loss[x % 3].picture;
             const ptrdiff_t row = top + y, column = left + x / 3;
+            if (s->mask && !s->mask[row * s->camera->width + column])
+                continue;
             const float a = picture->first[row * picture->stride + column];
             const float b = (float)s->errors_of[3 * (row * s->camera->width + column) + x % 3] * (1 / 255.0f);
             g->colour[0][FXS_FIT_AT(x / 3, y)] += (a - b) * (a - b);
+            g->colour[1][FXS_FIT_AT(x / 3, y)] = 1;
         }
 }
 
@@ -790,11 +793,13 @@ static void gather_error_job(void *argument, uint32_t job)
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
         gather(s, first, count, sums);
         memcpy(s->errors + first, sums[FXS_FIT_RED], count * sizeof(float));
+        if (s->weights)
+            memcpy(s->weights + first, sums[FXS_FIT_GREEN], count * sizeof(float));
     }
 }
 
 int fxs_fit_find_errors(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_photograph *photograph,
-                        const fxs_fit_step_options *options, float *errors)
+                        const fxs_fit_step_options *options, float *errors, float *weights)
 {
     fxs_fit_report report = {0};
     s->model = model;
@@ -802,7 +807,9 @@ int fxs_fit_find_errors(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_
     s->options = options;
     s->photograph = NULL;
     s->errors_of = photograph->pixels;
+    s->mask = photograph->mask;
     s->errors = errors;
+    s->weights = weights;
     if (draw(s, &report) || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))
         return FXS_ERR_MEMORY;
     run(s, error_job, s->tile_count);

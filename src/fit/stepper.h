@@ -63,11 +63,12 @@ int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fi
 int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photographs,
                          uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report);
 
-/* Draws the Gaussians over black with a photograph's camera. Distributes each pixel's squared difference from the
-   photograph over the Gaussians by their blending weights. errors: sum for each Gaussian. Adds 1 to `views` of each
-   visible Gaussian in the model. */
+/* Draws the Gaussians over the background with a photograph's camera. Distributes each pixel's squared difference from
+   the photograph over the Gaussians by their blending weights. errors: sum for each Gaussian; weights: sum of its
+   weights, may be null. Both have the model's stride, and leave out pixels that the mask ignores. Adds 1 to `views` of
+   each visible Gaussian in the model. */
 int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
-                        const fxs_fit_step_options *options, float *errors);
+                        const fxs_fit_step_options *options, float *errors, float *weights);
 
 /* Sets the parameters of an Adam step. Gradients are sums over all pixels and channels of the batch, so epsilon and the
    regularisers' weights are scaled accordingly. */

@@ -259,7 +259,8 @@ static int measure_cover(refiner *r, int level)
     int error = found ? 0 : fail_memory(r, r->model.stride * sizeof *found);
     for (uint32_t v = 0; v < r->views.count && !error; v++) {
         memset(r->model.views, 0, r->model.stride * sizeof *r->model.views);
-        if (fxs_fit_find_errors(r->stepper, &r->model, &r->views.photographs[FXS_REFINE_SMALL][v], &options, found))
+        if (fxs_fit_find_errors(r->stepper, &r->model, &r->views.photographs[FXS_REFINE_SMALL][v], &options, found,
+                                NULL))
             error = fail_memory(r, 0);
         for (uint32_t i = 0; i < r->cover_nodes && !error; i++)
             if (r->levels[r->cover[i]] == level)
