@@ -27,6 +27,7 @@ typedef struct fxs_listed_view {
     char *mask;
     enum fxs_view_part part;
     enum fxs_view_size sizeless;
+    double time;                   /* moment of the photograph, in the file's unit; NAN: the file states none */
 } fxs_listed_view;
 
 typedef struct fxs_view_list {

@@ -122,6 +122,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     FXS_TRY(fxs_view_list_add(list, fxs_json_string(frame, "file_path"), &listed));
     FXS_TRY(fxs_view_list_mask(list, listed, fxs_json_string(frame, "mask_path")));
     fxs_view *view = &listed->view;
+    listed->time = number(frame, "time", NAN);
     if (isnan(width) && isnan(height)) {
         width = height = 800;   /* Blender's synthetic scenes state no picture size */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;

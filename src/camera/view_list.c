@@ -34,6 +34,7 @@ int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **a
         FXS_TRY(enlarge(list));
     fxs_listed_view *listed = *added = memset(&list->views[list->count], 0, sizeof *listed);
     fxs_view *view = &listed->view;
+    listed->time = NAN;
     if (name) {
         snprintf(view->name, sizeof view->name, "%s", name);
         listed->image = malloc(strlen(name) + 1);
