@@ -328,6 +328,7 @@ void fxs_fit_destroy(fxs_fit *f)
         return;
     if (f->engine)
         f->engine->free(f->self);
+    fxs_fit_moving_free(f->moving);
     fxs_fit_profile_free(&f->profile);
     fxs_fit_model_free(&f->model);
     fxs_fit_stepper_free(f->stepper);
@@ -436,6 +437,13 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     if (!error && plan->reset)
         error = f->engine->reset_opacity(f->self, 0.01f, message);
     return error;
+}
+
+void fxs_fit_take_photograph(fxs_fit *f, uint64_t number, int32_t divisor, fxs_fit_photograph *photograph)
+{
+    *photograph = *choose_photograph(f, number);
+    if (divisor > 1)
+        reduce(photograph, divisor);
 }
 
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)

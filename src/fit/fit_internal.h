@@ -24,6 +24,8 @@ struct fxs_fit {
     fxs_fit_far far;
     size_t sky_count;              /* number of initial Gaussians that form the sky; 0 in a resumed fit */
     uint32_t step;
+    int is_moving;                 /* 1: the first moment of a moving scene, whose codes are not fitted */
+    struct fxs_fit_moving *moving; /* state of moving.c; null: before the end of the first moment */
 };
 
 /* Sets a fit's camera from a view, with cut-off by Mahalanobis distance and without antialiasing. */
@@ -49,5 +51,10 @@ int fxs_fit_keep(fxs_fit *fit, const fxs_fit_origin *origins, size_t count, fxs_
 /* Shuffles the photographs for one pass over all of them. `number` counts the photographs that the fit has used; it
    selects the pass and its order. */
 void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
+
+/* Sets *photograph to the one that a fit uses as number `number`, reduced by a divisor. */
+void fxs_fit_take_photograph(fxs_fit *fit, uint64_t number, int32_t divisor, fxs_fit_photograph *photograph);
+
+void fxs_fit_moving_free(struct fxs_fit_moving *moving);    /* Frees the state of moving.c; null is allowed. */
 
 #endif

@@ -51,7 +51,7 @@ int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;
     const fxs_pack_options options = pack_options(f);
     const int is_within = f->step >= first && f->step < f->options.steps, has_begun = f->profile.chunks != NULL;
-    const int begins = is_within && !has_begun && f->model.count, ends = has_begun && f->step < first;
+    const int begins = is_within && !has_begun && f->model.count && !f->is_moving, ends = has_begun && f->step < first;
     const int codes = is_within && has_begun && (f->step - first) % every == 0;
     if (ends)
         return end(f, message);

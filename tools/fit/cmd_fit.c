@@ -90,6 +90,13 @@ static const option_row own_rows[] = {
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .basic = 1, .help =
      "longest side of a photograph, pixels (default 1600); larger photographs are averaged down"},
     {"sh-degree", "D", INT(frame.render.sh_degree, 0, 3), .help = "highest SH degree, 0 to 3 (default 3)"},
+    {"moving", 0, FLAG(moving), .basic = 1, .help =
+     "fit a scene that moves: photographs of several moments by the same cameras, from a transforms.json with times or "
+     "a folder or a film for each camera. OUT is an .fxs"},
+    {"moment-steps", "N", UINT32(moment_steps, 1, 1000000), .help =
+     "steps of each moment of --moving after the first (default 300)"},
+    {"fps", "N", REAL(fps, ABOVE_0, 1000, "photographs per second above 0, at most 1000"), .help =
+     "moments a second of --moving (default: by the times in the file, else 30)"},
     {"batch", "N", UINT32(options.batch, 1, 8), .help =
      "photographs per step, 1 to 8 (default 1; with several devices, one per device)"},
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 4096", .help =
@@ -240,6 +247,9 @@ static const option_rule rules[] = {
     {"of photos", "block", 0, "a block follows its --coarse fit"},
     {"coarse", 0, "block", "I/N"},
     {"port", 0, "preview", 0},
+    {"moment-steps fps", 0, "moving", 0},
+    {"exposure refine-poses block coarse crop-to-subject cameras-only save-every measure write-cameras "
+     "preview photos of frames", "moving", 0, "it is for still scenes"},
     {0}
 };
 
@@ -251,6 +261,8 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (check_rules(rules))
         return EXIT_USAGE;
+    if (c->moving && !ends_with(c->out, ".fxs"))
+        return fail(EXIT_USAGE, "--moving: %s: expected a name ending in .fxs", c->out);
     if (other)
         return fail(EXIT_USAGE, "--cameras-only: nothing is fitted: leave out --%s", other);
     if (c->blocks && !c->block && (c->cameras || c->log_name || c->compare || c->metrics_every))
@@ -281,6 +293,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     fxs_photos_options_init(&c->reading);
     c->reading.hold_out = 8;
     c->port = 8080;
+    c->moment_steps = 300;
     c->quality = QUALITY_GOOD;
     if (take_options(&command_fit, c, argc, argv))
         return EXIT_USAGE;
@@ -363,7 +376,9 @@ const command command_fit = {
     "                      files\n"
     "  a camera file       with images beside it: transforms.json of nerfstudio or Blender, Inria's cameras.json,\n"
     "                      Metashape .xml, RealityCapture .csv or Bundler .out; or a folder with one of them\n"
-    "  photographs         a folder of them, or a film: COLMAP and ffmpeg find the cameras, in OUT.cameras\n\n"
+    "  photographs         a folder of them, or a film: COLMAP and ffmpeg find the cameras, in OUT.cameras\n"
+    "  moments             with --moving: a transforms.json with times, or a camera file with a folder or film for\n"
+    "                      each camera\n\n"
     "At the end, the packed scene is rendered from the cameras of the held-out photographs, and PSNR and SSIM are\n"
     "printed.\n",
     0,
@@ -373,6 +388,7 @@ const command command_fit = {
     "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
+    "  $ fixsplat fit rig -o rig.fxs --moving --fps 30\n"
     "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
     "  $ fixsplat fit city -o coarse.fit --recipe reference --resolution 400 --steps 3000\n"
     "  $ fixsplat fit city -o part-1.ply --recipe reference --coarse coarse.fit --block 1/16\n",

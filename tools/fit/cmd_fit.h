@@ -20,6 +20,9 @@ typedef struct fit_command {
     uint32_t block, blocks;         /* number of the block to fit, and number of all blocks; 0: no blocks */
     uint64_t save_every, metrics_every;   /* steps between saves, and between measurements; 0: never */
     int preview;
+    int moving;
+    double fps;                     /* photographs of a camera a second; 0: as the files say, or 30 */
+    uint32_t moment_steps;          /* steps of each moment of a moving scene but the first */
     uint64_t port;
     const fit_watcher *watcher;     /* callbacks that show the running fit; null: no preview */
     int json;
@@ -31,6 +34,15 @@ extern const char *const fit_recipes[];
 /* Fits a scene to all photographs, or to the photographs of a block (part of the scene). With --measure, measures a
    scene instead. */
 int fit_photos(fit_command *c);
+
+/* Fits a scene that moves to photographs of several moments. */
+int fit_moving(fit_command *c);
+
+/* Opens the fit of the command: a new one, a resumed one, or one of a block, which may be null. */
+int fit_open(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit);
+
+/* Prints what was read; `begins`: number of Gaussians at the start. */
+void fit_say_photos(const fit_command *c, const fxs_photos *photos, size_t begins);
 
 /* Runs the remaining steps of a fit. A signal saves the fit and ends the program. */
 int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *progress);

@@ -80,7 +80,7 @@ static int check_masks(const fit_command *c, const fxs_photos *photos)
                ? fail(EXIT_FAILED, "--invert-masks: no photograph of %s has a mask", c->in) : 0;
 }
 
-static void say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
+void fit_say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
 {
     if (photos->skipped)
         note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
@@ -115,7 +115,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
     return 0;
 }
 
-static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit)
+int fit_open(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit)
 {
     const fxs_fit_options *o = &c->options;
     fxs_message message;
@@ -161,7 +161,7 @@ static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_bloc
         result_tell_pictures(photos, c->compare);
     int status = files_check();     /* outputs are checked again, since the photographs' names are known now */
     if (!status)
-        status = open_fit(c, photos, block, &fit);
+        status = fit_open(c, photos, block, &fit);
     if (!status) {
         say_sky(c, fit);
         draw_as_fitted(c, fit);
@@ -181,7 +181,7 @@ static int fit_whole(fit_command *c)
     progress_end();
     if (error)
         return fail_for(&message);
-    say_photos(c, &photos, photos.point_count);
+    fit_say_photos(c, &photos, photos.point_count);
     if (c->of && c->options.sky && photos.points_are_random && !is_given("sky")) {
         note("%s has no points to find the sky from: --of outdoors adds none", c->in);
         c->options.sky = 0;
@@ -239,7 +239,7 @@ static int fit_block(fit_command *c)
         c->options.block = c->block;
         c->options.blocks = c->blocks;
         c->options.coarse = coarse ? fxs_fit_coarse_number(coarse) : 0;
-        say_photos(c, &block.photos, coarse ? block.gaussian_count : block.photos.point_count);
+        fit_say_photos(c, &block.photos, coarse ? block.gaussian_count : block.photos.point_count);
         status = make_fit(c, &block.photos, &block);
     } else if (!status) {
         status = fit_write_outside(c, &block);
@@ -283,7 +283,10 @@ int fit_photos(fit_command *c)
     c->reading.progress = (fxs_progress){show_reading, c};
     c->reading.left_out = say_left_out;
     c->reading.left_out_argument = c;
-    const int made = c->measure ? measure_scene(c) : c->blocks ? fit_block(c) : fit_whole(c);
+    const int made = c->measure  ? measure_scene(c)
+                     : c->moving ? fit_moving(c)
+                     : c->blocks ? fit_block(c)
+                                 : fit_whole(c);
     fxs_pool_destroy(pool);
     return made;
 }
