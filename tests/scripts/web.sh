@@ -302,7 +302,7 @@ else
 fi
 check "bodies without an end" reader endless "$work/700.ply" "$work/700-default.fxs"
 check "from https to http" reader redirected "$work/paged.fxs"
-check "size of both" both_at_most 181500
+check "size of both" both_at_most 197700
 if [ -e "$B/web/libs" ]; then
     readers
 else
