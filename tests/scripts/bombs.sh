@@ -72,7 +72,7 @@ for scene in pipe /dev/null /dev/zero; do
         refuses "$(echo "$command" | sed "s|%|$scene|g")" "$scene: not a regular file" $(echo "$command" | sed "s|%|$scene|g")
     done
 done
-refuses "a folder" "folder/meta.json: No such file" render folder --hash
+refuses "a folder" "folder: not a regular file, but a folder without an index" render folder --hash
 refuses "a folder of cameras" "folder: neither sparse/0 of COLMAP" render knot.ply --hash --cameras folder
 check "/dev/stdin that is a file" sh -c '"$0" render /dev/stdin --size 64x48 --hash <knot.ply >hash' "$fixsplat"
 check "/dev/stdin: the same picture" sh -c '"$0" render knot.ply --size 64x48 --hash | cmp - hash' "$fixsplat"

@@ -94,9 +94,9 @@ typedef struct fxs_scene_file_options {
                                         read of an .spz */
     uint64_t max_gaussians;          /* largest number of Gaussians in a scene, more is an error; 0: the limit by
                                         FXS_GAUSSIANS_ALWAYS */
-    double rate;                     /* frames a second of numbered files; 0: 30 */
     uint64_t max_memory;             /* most bytes that reading may hold at once, without the packed scene; 0: the limit
                                         by FXS_IMPORT_BYTES */
+    double rate;                     /* frames a second of numbered files; 0: 30 */
 } fxs_scene_file_options;
 FXS_INIT(fxs_scene_file_options)
 
