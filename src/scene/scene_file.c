@@ -58,6 +58,8 @@ static int begin(fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *m
     const fxs_format_row *format;
     FXS_TRY(fxs_import_count(&file->source, message));
     FXS_TRY(fxs_format_by_content(&file->source, &format, message));
+    if (file->source.options.rate > 0)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a rate (--rate) is for numbered files", file->source.path);
     if (file->source.options.axes && format->reader != &fxs_read_spz)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes (--axes) are for .spz", file->source.path);
     return fxs_stream_begin(file, format->about.name, format->reader, info, message);

@@ -3,12 +3,14 @@
 # each place, or is refused with one line.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/splatv.sh"
 
 "$fixsplat" make-scene knot --count 400 -o knot.ply >logs/out
 "$fixsplat" make-scene knot --count 700 -o 700.ply >logs/out
 "$fixsplat" convert knot.ply plain.fxs --quiet
 "$fixsplat" convert knot.ply start.fxs --start-view 1,-2,-7,0.1,0.2,0,40 --quiet
 "$fixsplat" convert 700.ply levels.fxs --levels --quiet
+splatv moving.splatv 300
 camera='"width":64,"height":36,"rotation":[[1,0,0],[0,1,0],[0,0,1]],"fx":50,"fy":50'
 echo "[{\"id\":0,\"img_name\":\"a\",\"position\":[0,-2,-9],$camera},{\"id\":1,\"img_name\":\"b\",\"position\":[1,-2,-9],
     $camera},{\"id\":2,\"img_name\":\"c\",\"position\":[2,-2,-9],$camera}]" >cameras.json
@@ -94,7 +96,7 @@ END
 }
 
 # Options of several commands.
-of_scenes='budget 100; detail 4; place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf'
+of_scenes='time 0.4; rate 12; budget 100; detail 4; place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf'
 shared="cameras ../cameras.json; view 1; eye 1,-2,-9; look 0,1,0; up 0.3,-1,0; auto-up; fov 30; tangents -1,1.2,1,-1;
     ortho 3; near 14; size 60x30; stereo 0.2; cutoff square; sh-degree 0; device 1; profile small; $of_scenes"
 
@@ -121,9 +123,10 @@ depth ../start.fxs --depth out.pfm
 ids ../start.fxs --ids out.png
 pick ../start.fxs --pick 32,18
 levels ../levels.fxs -o out.png
+moves ../moving.splatv -o out.png
 two ../knot.ply ../plain.fxs -o out.png'
 
-options="bg 303030; format ppm; quality 50; fps 12; orbit 4; frames 4; path ../cameras.json; seconds 0.2;
+options="bg 303030; format ppm; quality 50; fps 12; times 0..0.2; orbit 4; frames 4; path ../cameras.json; seconds 0.2;
     track 1; write-cameras views.json; shutter 180; aperture 0.5; focus 3; samples 4; alpha; depth d.png;
     depth-kind mean; depth-range 20; ids i.png; pick 30,18; panorama; lens; scissor 0,0,32,18; hash; stats; json;
     diff diff.png; gaze 0,0,0,4;
@@ -134,7 +137,7 @@ by_design='output threads max-memory cpu backend max-gaussians import-memory poo
 # These change an output of other scenes: one that is not upright, cameras with lens distortion, a disc at the pixel's
 # edge, and scenes with levels in several files.
 elsewhere='auto-up:plain auto-up:jpg auto-up:tangents auto-up:ortho auto-up:stereo auto-up:depth auto-up:ids
-    auto-up:pick auto-up:levels auto-up:two auto-up:eye auto-up:orbit auto-up:panorama lens:cameras lens:several
+    auto-up:pick auto-up:levels auto-up:moves sh-degree:moves auto-up:two auto-up:eye auto-up:orbit auto-up:panorama lens:cameras lens:several
     auto-up:shutter auto-up:aperture cutoff:pick'
 mask= more='--size 64x36' how=plainly path=$PATH notes=
 try render
@@ -152,7 +155,7 @@ compare ../knot.ply --compare ../700.ply --views 1
 packed-compare ../plain.fxs --compare ../knot.ply --views 1
 levels-compare ../levels.fxs --compare ../700.ply --views 2
 backends --backends'
-options="compare ../700.ply; cameras ../cameras.json; views 2; cutoff square; compare-cutoff square; size 60x30;
+options="compare ../700.ply; compare-time 0.3; cameras ../cameras.json; views 2; cutoff square; compare-cutoff square; size 60x30;
     board 60x30; stats; max-memory 1M; profile small; json; backends; $of_scenes"
 by_design='max-gaussians import-memory' elsewhere= mask='s/trial took.*lists//' more='--size 48x32'
 try info
@@ -170,7 +173,7 @@ levels ../levels.fxs --json
 packed ../plain.fxs --json
 two ../knot.ply ../plain.fxs --json
 compare ../tip.ply --compare ../before.json'
-options="orbit 11; frames 11; draw ids; gaze 0,0,0,4; json; compare ../before.json; threads 3; cpu c; max-memory 3M; $shared"
+options="times 0..0.4; fps 12; orbit 11; frames 11; draw ids; gaze 0,0,0,4; json; compare ../before.json; threads 3; cpu c; max-memory 3M; $shared"
 "$fixsplat" make-scene landscape --count 300 -o land.ply && "$fixsplat" convert land.ply tip.ply --rotate 90,0,0 --quiet
 "$fixsplat" bench tip.ply --size 64x36 --json >before.json
 # The place of a scene, its profile and a gaze change times alone.
@@ -244,11 +247,12 @@ levels ../meadow.ply out.fxs --levels
 refine ../meadow.ply out.fxs --levels --refine=0
 block ../meadow.ply out.fxs --block 1/2
 decimated ../meadow.ply out.ply --decimate 100
-parts ../part-1.fxs ../part-2.fxs out.fxs'
+parts ../part-1.fxs ../part-2.fxs out.fxs
+moves ../moving.splatv out.fxs'
 options='up 0,0,1; auto-up; level 0,0,0,1,0,0,0,1,1; rotate 10,0,0; scale 2; translate 1,0,0; crop -1,-1,-1,1,1,1;
     sphere 0,0,0,3; cylinder 0,-9,0,0,9,0,2; prune 0.9; drop-floaters=4; thing; edits ../edits.json; for board; sh-degree 0;
     decimate 50%; profile small; levels; refine=1; cameras ../cameras.json; block 2/3; start-view 1,-2,-9,0,0,0; spz-version 3; spz-fine; force;
-    place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf'
+    place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf; time 0.4; times 0..0.2; fps 12; rate 12'
 # --force allows what is not done here, and a .splat has no SH anyway.
 by_design='max-gaussians import-memory' elsewhere='force:all sh-degree:splat' mask= more=--quiet
 try convert
@@ -270,7 +274,7 @@ block ../set --steps 3 -o a.ply --block 1/2
 coarse ../set --steps 4 -o a.ply --block 1/2 --coarse ../saved.fit
 measure ../set --measure ../plain.fxs
 until-colmap ../photos -o a.fxs --cameras-only'
-options='output b.fxs; quality best; recipe mcmc; exposure affine; refine-poses; antialiased; sky=50; steps 5;
+options='output b.fxs; moving; moment-steps 5; fps 12; quality best; recipe mcmc; exposure affine; refine-poses; antialiased; sky=50; steps 5;
     of room; photos mixed; resolution 32; sh-degree 1; batch 2; block 2/3; coarse ../saved.fit; max-gaussians 90; seed 1; cutoff square;
     background 405060; profile small; crop-to-subject; hold-out 3; masks ../masks; invert-masks; alpha ignore;
     frames 9; cameras-only; measure ../start.fxs; compare pictures; write-cameras c.json; save-every 2;

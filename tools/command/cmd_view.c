@@ -116,6 +116,8 @@ static int check_web(const view_options *o)
     for (size_t i = 0; o->web && i < sizeof of_window / sizeof *of_window; i++)
         if ((name = given_of(of_window[i])) != 0)
             return fail(EXIT_USAGE, "view: --%s is for the window, not for --web", name);
+    if (o->web && is_given("rate"))
+        return fail(EXIT_USAGE, "view: --rate is for the window, not for --web");
     if (!o->certificate != !o->key)
         return fail(EXIT_USAGE, "view: --cert and --key: give both");
     return check_rules(headset_rules);

@@ -168,6 +168,8 @@ static int take_moment(const char *path, const load_options *o, fxs_scene_file *
     fxs_message message;
     if (!(info->time.duration > 0))
         return 0;
+    if (o->moved)
+        *o->moved = 1;
     if (o->has_moment)
         return fxs_scene_file_at(file, o->moment, info, &message) ? fail_scene(path, &message) : 0;
     return still ? fail(EXIT_FAILED, "%s: a scene that moves %s", shown(path), still) : 0;

@@ -35,6 +35,7 @@ typedef struct load_options {
     double rate;
     int has_moment;                         /* 1: a moving scene is read as it is at the time `moment`, seconds */
     double moment;
+    int *moved;                             /* set to 1 if a moving scene is read at the moment; may be null */
     const char *still;                      /* why a scene that moves is refused without a moment, the end of the error
                                                "a scene that moves ..."; null: it is read */
     uint64_t max_gaussians;

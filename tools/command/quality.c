@@ -21,10 +21,11 @@ typedef struct pair {
     double nudge_below;
     int has_moment;                         /* 1: scenes that move are compared at the time `moment`, seconds */
     double moment;
+    int moves;                              /* 1: the scene or a file of floats moves */
     picture pictures[3];
 } pair;
 
-static int read_floats(fxs_float_scene **floats, const pair *p, const float_files *files, uint32_t threads)
+static int read_floats(fxs_float_scene **floats, pair *p, const float_files *files, uint32_t threads)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
@@ -34,6 +35,7 @@ static int read_floats(fxs_float_scene **floats, const pair *p, const float_file
         load.has_moment = 1;
         load.moment = p->moment;
     }
+    load.moved = &p->moves;
     load.still = "is not compared with a still one: give --compare-time SECONDS";
     if (open_merged(files->placed, files->name, &load, &file, &info))
         return EXIT_FAILED;
@@ -48,7 +50,10 @@ static int open_pair(pair *p, const float_files *files, const float_files *origi
         return fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", threads);
     if (files && read_floats(&p->floats[0], p, files, threads))
         return EXIT_FAILED;
-    return read_floats(&p->floats[1], p, original, threads);
+    if (read_floats(&p->floats[1], p, original, threads))
+        return EXIT_FAILED;
+    return !is_given("compare-time") || p->moves ? 0
+           : fail(EXIT_FAILED, "%s: does not move: no --compare-time", original->name);
 }
 
 static void close_pair(pair *p)
@@ -214,7 +219,8 @@ static void choose_moment(pair *p, frame_options *options)
 {
     const fxs_time time = world_time(p->scene);
     const double half = time.duration / 2;
-    p->has_moment = is_given("compare-time") || time.duration > 0;
+    p->moves = time.duration > 0;
+    p->has_moment = is_given("compare-time") || p->moves;
     p->moment = is_given("compare-time") ? ldexp((double)options->render.time_q32, -32)
                 : time.rate > 0          ? (floor(half * time.rate) + 0.5) / time.rate : half;
     options->render.time_q32 = seconds_q32(p->moment);

@@ -137,6 +137,7 @@ static int open_frame(const numbered_reader *r, const names *n, uint32_t i, fxs_
     fxs_scene_file_options options = r->source->options;
     path_of(n, i, path, sizeof path);
     options.progress = (fxs_progress){NULL, NULL};
+    options.rate = 0;
     if (fxs_file_kind(path) == FXS_FILE_FOLDER)
         return fxs_fail(message, "%s: a folder, not a frame", path);
     FXS_TRY(fxs_scene_file_open(path, &options, file, info, message));
