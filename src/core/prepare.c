@@ -36,9 +36,16 @@ int fxs_prepare_animate(fxs_frame *f, uint32_t number, uint32_t place, uint32_t 
                                room_of(f, block));
 }
 
-static int32_t project_animated(fxs_frame *f, const fxs_object_view *object, uint32_t chunk, uint32_t slot,
+/* A chunk outside the picture is not moved: its box holds its Gaussians at all times. */
+static int32_t project_animated(fxs_frame *f, uint32_t number, uint32_t place, uint32_t chunk, uint32_t slot,
                                 uint32_t block)
 {
+    const fxs_object_view *object = &f->views[number];
+    fxs_chunk_view cv;
+    const int seen = fxs_chunk_view_init(&cv, &object->view, &object->scene, chunk);
+    const int error = seen <= 0 ? seen : fxs_prepare_animate(f, number, place, block);
+    if (seen <= 0 || error)
+        return error;
     const fxs_object_view moved = animated(f, object, block);
     const int32_t count = fxs_object_project(&moved, f->context->config.kernels, 0, 256, 0, f->splats + slot,
                                              f->bounds + slot, f->indices + slot, f->depths + slot);
@@ -67,10 +74,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
         return FXS_ERR_SCENE;
     if (!fxs_band_has_chunk(f, place) || !object->visible)
         return 0;
-    const int error = fxs_prepare_animate(f, number, place, block);
-    const int32_t count = error ? error
-                          : moves(f, place)
-                              ? project_animated(f, object, chunk, slot, block)
+    const int32_t count = moves(f, place)
+                              ? project_animated(f, number, place, chunk, slot, block)
                               : fxs_object_project(object, f->context->config.kernels, chunk, share_q8, grow_q8,
                                                    f->splats + slot, f->bounds + slot, indices, f->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)
