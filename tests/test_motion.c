@@ -322,6 +322,7 @@ static void wrong_gaussians_are_dropped(void)
     CHECK(!open_cloud(&c, 0, &file, &info, &message));
     CHECK(!fxs_pack(file, &info, &packed, &report, 0, &message));
     CHECK(report.dropped.not_finite == 7 && report.packed == 293 && !draws(&packed));
+    CHECK(report.limited == 1);
     fxs_packed_scene_free(&packed);
     fxs_scene_file_close(file);
     c.time.duration = NAN;

@@ -18,11 +18,6 @@ typedef struct fxs_chunk_time {
     float drift[3];                /* largest coefficients of u of its positions, scene units */
 } fxs_chunk_time;
 
-/* The largest errors that come from limits of the codes. */
-typedef struct fxs_motion_loss {
-    uint64_t cut;                  /* numbers of Gaussians with a turn beyond the range of its codes */
-} fxs_motion_loss;
-
 /* Returns 1 if all numbers of a motion are finite, or infinite where that has a meaning, and `fade` is above 0. */
 int fxs_motion_usable(const fxs_motion *motion);
 

@@ -782,11 +782,13 @@ static int finish(packer *p)
 static void sum_losses(packer *p)
 {
     fxs_loss all = {{0}, {0}};
-    for (const findings *f = p->findings; f < p->findings + PARTS; f++)
+    for (const findings *f = p->findings; f < p->findings + PARTS; f++) {
+        p->report->limited += f->limited;
         for (int i = 0; i < FXS_LOSSES; i++) {
             all.largest[i] = fmax(all.largest[i], f->loss.largest[i]);
             all.squares[i] += f->loss.squares[i];
         }
+    }
     const double one = (double)p->report->packed, three = 3 * one, sh = three * FXS_SH_COUNT(p->encoder.sh_degree);
     const double *most = all.largest, *sum = all.squares;
     p->report->largest = (fxs_pack_error){most[FXS_LOSS_POSITION], most[FXS_LOSS_SCALE] / FXS_LOG2_E,

@@ -53,6 +53,9 @@ void note_packed(const char *path, const fxs_pack_report *report)
     if (report->brought_in)
         note("%s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the origin", path,
              report->brought_in);
+    if (report->limited)
+        note("%s: limited the motion of %" PRIu64 " Gaussians, which move or turn too fast for its codes", path,
+             report->limited);
 }
 
 static int fail_scene(const char *path, const fxs_message *message)

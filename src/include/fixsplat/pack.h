@@ -32,6 +32,7 @@ typedef struct fxs_pack_report {
     double low[3], high[3];   /* bounds of the Gaussians' centres */
     double inner_low[3], inner_high[3];   /* bounds of the visible part of the scene, for framing a first view:
                                              docs/format.md */
+    uint64_t limited;         /* number of moving Gaussians with a motion that was limited to the range of its codes */
 } fxs_pack_report;
 
 typedef struct fxs_packed_scene {
