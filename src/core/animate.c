@@ -28,7 +28,7 @@ FXS_STAGE int32_t fxs_time_of(const fxs_motion_header *motion, int64_t time_q32)
     return (int32_t)(time < 0 ? 0 : time < duration ? time : duration);
 }
 
-/* u = (time - middle) 2^-unit, as Q15, in 32 bits that wrap. */
+/* u = (time - middle) / 2^(unit - 16 seconds), Q15, limited to +-32767. */
 FXS_STAGE int fxs_moment_of(fxs_moment *out, const fxs_scene *scene, uint32_t chunk, int32_t time_q16)
 {
     fxs_chunk_motion m;

@@ -67,7 +67,7 @@ typedef struct item {
     float key;
 } item;
 
-/* Descending in length for ties, so that the order is one. */
+/* Equal keys are ordered by index, so that every sort gives the same order. */
 static int by_key(const void *a, const void *b)
 {
     const item *x = a, *y = b;

@@ -1,14 +1,14 @@
-/* Turns frames of Gaussians into Gaussians that move, in groups of frames.
+/* Turns frames into moving Gaussians, in groups of frames.
  *
- * If the Gaussians of all frames of a group keep their order, a Gaussian's track over the group is a polynomial of
- * degree 3 for its position and a line for its quaternion, where that is exact enough; else the window of frames is
- * halved, down to single frames. What stays as it is, is one Gaussian for as long as it does.
+ * In an ordered group, Gaussian number g is the same thing in all frames. Its track is a polynomial of degree 3 for the
+ * position and a line for the quaternion. If the errors of a track are too large, its window of frames is halved, down
+ * to single frames. A Gaussian that does not change is one track for as long as it stays.
  *
- * If the order changes, each Gaussian is one of its frame alone, but a Gaussian with the same numbers in the next frame
- * is the same one.
+ * In an unordered group, a Gaussian belongs to its frame. A Gaussian with equal numbers in the next frame continues the
+ * track.
  *
- * A Gaussian with an opacity of 0 in a frame is not there: formats with a constant number of Gaussians have those too
- * that do not exist yet. */
+ * A Gaussian with an opacity of 0 is absent from that frame: some formats give every frame the same number of
+ * Gaussians, including those that do not exist yet. */
 #include "sequence.h"
 
 #include <math.h>
