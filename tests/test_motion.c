@@ -9,6 +9,7 @@
 #include <fixsplat/scene.h>
 #include <fixsplat/system.h>
 #include "check.h"
+#include "uniform.h"
 
 enum { COUNT = 6000, WIDTH = 200, HEIGHT = 150, PIXELS = WIDTH * HEIGHT };
 
@@ -19,16 +20,6 @@ typedef struct cloud {
     fxs_gaussian *gaussians;
     fxs_motion *motions;
 } cloud;
-
-static uint64_t state = 1;
-
-static double uniform(double low, double high)
-{
-    uint64_t z = state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return low + (high - low) * ldexp((double)((z ^ z >> 31) >> 11), -53);
-}
 
 static void make_one(const cloud *c, fxs_gaussian *g, fxs_motion *m)
 {

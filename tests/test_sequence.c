@@ -6,21 +6,12 @@
 #include <fixsplat/scene.h>
 #include "check.h"
 #include "folder.h"
+#include "uniform.h"
 #include "src/scene/sequence.h"
 
 enum { STILL = 300, MOVING = 100, COUNT = STILL + MOVING, FRAMES = 75 };
 
 static const double rate = 25;
-static uint64_t state = 1;
-
-static double uniform(double low, double high)
-{
-    uint64_t z = state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return low + (high - low) * ldexp((double)((z ^ z >> 31) >> 11), -53);
-}
-
 /* Gaussian i in a frame. Those from STILL on move on ellipses and roll; number COUNT - 1 jumps in the middle. */
 static fxs_gaussian gaussian_of(uint32_t i, uint32_t frame)
 {
