@@ -877,15 +877,23 @@ static int stop_playing(viewer *v)
     return !v->play.on;
 }
 
+/* Opens a moving scene of a second, and steps until it is shown. Returns 0 after a failure. */
+static int open_moving(viewer *v, const frame_options *options)
+{
+    make_moving(other, 1);
+    if (!CHECK(!open_file(v, options, other, shot)))
+        return 0;
+    while (!v->path)
+        viewer_step(v, 10);
+    return 1;
+}
+
 static void test_playing(void)
 {
     viewer v;
     const frame_options options = small_options();
-    make_moving(other, 1);
-    if (!CHECK(!open_file(&v, &options, other, shot)))
+    if (!open_moving(&v, &options))
         return;
-    while (!v.path)
-        viewer_step(&v, 10);
     CHECK(v.play.on && v.play.loops && near(v.play.time.duration, 1) && near(v.play.time.rate, 20));
     play_on(&v);
     const double at = v.play.at;
@@ -930,11 +938,8 @@ static void test_time_bar(void)
 {
     viewer v;
     const frame_options options = small_options();
-    make_moving(other, 1);
-    if (!CHECK(!open_file(&v, &options, other, shot)))
+    if (!open_moving(&v, &options))
         return;
-    while (!v.path)
-        viewer_step(&v, 10);
     CHECK(stop_playing(&v));
     const fxs_view view = v.view;
     click(&v, 1, 16, 46);
