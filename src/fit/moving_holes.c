@@ -1,24 +1,24 @@
-/* Fills the holes of a moving scene: places that were hidden before, behind or below what has moved. A hole is filled
- * as far away as what is beside it in the picture, if the photographs that have it show the place in one colour. */
+/* Fills the holes of a moving scene. A hole is a place that a thing hid before it moved. A spare Gaussian fills a hole
+ * at the depth of its neighbours in the picture, if the photographs agree on its colour. */
 #include <stdlib.h>
 
 #include "src/fit/stages/planes.h"
 #include "moving_internal.h"
 
 enum {
-    AGREE_LEAST = 3,               /* a hole is filled if as many photographs agree */
-    CELL = 8,                      /* pixels of a cell, in which a hole looks for what is beside it */
-    CELLS_AROUND = 4,              /* farthest cell of them */
-    HOLES_ACROSS = 100             /* pixels are looked at in steps of this part of the picture's width */
+    AGREE_LEAST = 3,               /* fewest photographs that must agree on a hole's colour */
+    CELL = 8,                      /* width of a cell of the depth grid, pixels */
+    CELLS_AROUND = 4,              /* largest distance to a neighbour's cell, cells */
+    HOLES_ACROSS = 100             /* number of pixels tested along a row */
 };
 
-#define HOLE_LEAST 0.3f            /* share of the light that passes a hole */
-#define HOLE_DIFFERENCE 0.01f      /* squared difference of a hole's pixel, summed over channels */
-#define AGREE_DIFFERENCE 0.02f     /* likewise, of the same place in another photograph */
-#define AGREE_SHARE 0.6f           /* and if this share of those that have the hole does */
+#define HOLE_LEAST 0.3f            /* least transmittance of a hole */
+#define HOLE_DIFFERENCE 0.01f      /* least squared difference to the background, summed over channels */
+#define AGREE_DIFFERENCE 0.02f     /* largest squared difference between two photographs that agree */
+#define AGREE_SHARE 0.6f           /* least share of photographs that must agree */
 
-/* What a view shows: in which pixels a hole is, and in each cell the depth of the nearest Gaussian that stays; 0:
-   none. */
+/* The holes of a view, a flag for each pixel, and a grid of depths: for each cell, the depth of its nearest still
+   Gaussian, or 0. */
 typedef struct look {
     const fxs_fit_photograph *photograph;
     uint8_t *holes;
@@ -43,8 +43,8 @@ static int draw_over(fxs_fit *f, const fxs_fit_camera *camera, float background,
     return fxs_fit_draw(f->stepper, &f->model, camera, &options, planes);
 }
 
-/* Finds the pixels through which light passes, by pictures over white and black, and where the photograph shows
-   something else than the background. */
+/* Finds the holes of a view. A hole's transmittance follows from pictures over white and over black, and its photograph
+   differs from the background. */
 static int find_holes(fxs_fit *f, look *l)
 {
     const fxs_fit_photograph *p = l->photograph;
@@ -114,7 +114,7 @@ static int look_through(fxs_fit *f, size_t view, look *l)
     return 0;
 }
 
-/* Returns the depth of the nearest cell around a pixel that has one; 0: none has. */
+/* Returns the depth of the nearest filled cell around a pixel, or 0. */
 static float depth_beside(const look *l, int32_t x, int32_t y)
 {
     for (int32_t r = 0; r <= CELLS_AROUND; r++)
@@ -125,7 +125,7 @@ static float depth_beside(const look *l, int32_t x, int32_t y)
     return 0;
 }
 
-/* Finds the pixel of a place in a view. Returns 0 if the view does not have it in its frame. */
+/* Projects a place to a pixel of a view. Returns 0 if the pixel is outside the picture. */
 static int find_pixel(const look *l, const float place[3], int32_t *x, int32_t *y)
 {
     const fxs_fit_camera *c = &l->photograph->camera;
@@ -139,7 +139,7 @@ static int find_pixel(const look *l, const float place[3], int32_t *x, int32_t *
     return 1;
 }
 
-/* True if most photographs that have a hole at a place show it in the same colour. */
+/* Returns 1 if most photographs with a hole at a place agree on its colour. */
 static int photographs_agree(const look *looks, size_t count, const float place[3], const uint8_t colour[3])
 {
     float holes = 0, agreeing = 0;
@@ -159,7 +159,7 @@ static int photographs_agree(const look *looks, size_t count, const float place[
     return agreeing >= AGREE_LEAST && agreeing >= AGREE_SHARE * holes;
 }
 
-/* Closes a hole around a place in all views, in a square of 2 reach + 1 pixels. */
+/* Clears the hole flags around a place in all views, in a square of 2 reach + 1 pixels. */
 static void close_hole(const look *looks, size_t count, const float place[3], int32_t reach)
 {
     for (size_t v = 0; v < count; v++) {
@@ -189,8 +189,7 @@ static void put_spare(fxs_fit *f, const float place[3], float sigma, const uint8
     plane(&f->model, FXS_FIT_OPACITY)[i] = logit_of(0.8f);
 }
 
-/* Fills a hole at a pixel of a view, as far away as what is beside it. step: distance of the pixels that are looked
-   at. */
+/* Fills the hole at a pixel of a view, at the depth of its neighbours. `step` is the distance between tested pixels. */
 static void fill_hole(fxs_fit *f, const look *looks, const look *l, int32_t x, int32_t y, int32_t step)
 {
     const fxs_fit_camera *c = &l->photograph->camera;
