@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include <fixsplat/fixsplat.h>         /* before any arithmetic: its pragma forbids fused a * b + c */
+
 #ifndef LANES
 #define LANES 1
 typedef float real;
