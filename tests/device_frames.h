@@ -186,7 +186,7 @@ static int random_frame(int kind, uint32_t eyes)
             fill_wild(&packed[i]);
         if (!CHECK(!fxs_scene_open(&scenes[i], packed[i].data, packed[i].bytes)))
             return 0;
-        if (kind == MOVING && !scenes[i].nodes && between(0, 3))
+        if (kind == MOVING && between(0, 3))
             set_moving(&packed[i], &scenes[i]);
     }
     for (uint32_t i = 0; i < count; i++) {

@@ -50,7 +50,28 @@ static inline void fill_motion_table(unsigned char *out, uint32_t chunks, uint32
     free(motions);
 }
 
-/* Makes a moving scene of the Gaussians of a still one, which has neither a tree nor holes. `degree` and `flags` are
+/* Copies the rows of chunks, with random rows of motion behind them. Returns the end. */
+static inline unsigned char *fill_moving_rows(unsigned char *at, const unsigned char *rows, uint32_t chunks,
+                                              uint32_t chunk_bytes, uint32_t motion_bytes)
+{
+    for (uint32_t i = 0; i < chunks; i++) {
+        memcpy(at, rows + (size_t)i * chunk_bytes, chunk_bytes);
+        fill_words(at + chunk_bytes, motion_bytes);
+        at += chunk_bytes + motion_bytes;
+    }
+    return at;
+}
+
+/* Copies a level-of-detail tree. Its nodes are alive at random times, as the leaves are. */
+static inline void fill_moving_tree(unsigned char *at, const fxs_scene *still, uint32_t motion_bytes)
+{
+    const unsigned char *head = still->nodes - sizeof(fxs_tree_header);
+    const size_t bytes = (size_t)(still->node_rows - head);
+    memcpy(at, head, bytes);
+    fill_moving_rows(at + bytes, still->node_rows, still->chunk_count - 1, still->chunk_bytes, motion_bytes);
+}
+
+/* Makes a moving scene of the Gaussians of a still one, which has no holes. `degree` and `flags` are
    those of its motion header; the rest of its motion follows from `seed`. Returns its bytes, which the caller frees,
    and their number in *bytes. */
 static inline unsigned char *make_moving(const fxs_scene *still, uint32_t degree, uint32_t flags, uint64_t seed,
@@ -59,12 +80,15 @@ static inline unsigned char *make_moving(const fxs_scene *still, uint32_t degree
     const uint64_t before = state;
     const uint32_t chunks = still->chunk_count, motion_bytes = fxs_motion_bytes(degree, flags);
     const size_t headers = chunks * sizeof(fxs_chunk);
-    fxs_packed_header h = {.magic = FXS_PACKED_MAGIC, .version = FXS_PACKED_VERSION_MOTION, .count = still->count,
+    const int has_tree = still->nodes != 0;
+    fxs_packed_header h = {.magic = FXS_PACKED_MAGIC, .version = fxs_packed_version(1, has_tree), .count = still->count,
                            .chunk_count = chunks, .chunk_bytes = still->chunk_bytes + motion_bytes,
                            .sh_degree = (uint32_t)still->sh_degree, .profile = (uint32_t)still->profile,
                            .flags = still->antialiased ? FXS_PACKED_ANTIALIASED : 0,
                            .palette_entries = still->palette_entries, .palette_step_q19 = still->palette_step_q19};
-    *bytes = fxs_moving_scene_bytes(h.count, still->sh_degree, still->profile, h.palette_entries, degree, flags);
+    *bytes = fxs_moving_scene_bytes(h.count, still->sh_degree, still->profile, h.palette_entries, degree, flags,
+                                    has_tree) +
+             (has_tree ? fxs_tree_bytes(chunks, h.chunk_bytes) : 0);
     unsigned char *data = *bytes ? check_aligned(*bytes) : 0, *at = data;
     if (!data)
         abort();
@@ -78,13 +102,11 @@ static inline unsigned char *make_moving(const fxs_scene *still, uint32_t degree
     if (still->palette)
         memcpy(at, still->palette, fxs_palette_bytes(still));
     at += fxs_palette_bytes(still);
-    fill_motion_table(at, chunks, degree, flags);
-    at += fxs_motion_table_bytes(chunks);
-    for (uint32_t i = 0; i < chunks; i++) {
-        memcpy(at, still->rows + (size_t)i * still->chunk_bytes, still->chunk_bytes);
-        fill_words(at + still->chunk_bytes, motion_bytes);
-        at += still->chunk_bytes + motion_bytes;
-    }
+    fill_motion_table(at, fxs_scene_chunks(still), degree, flags);
+    at += fxs_motion_table_bytes(fxs_scene_chunks(still));
+    at = fill_moving_rows(at, still->rows, chunks, still->chunk_bytes, motion_bytes);
+    if (has_tree)
+        fill_moving_tree(at, still, motion_bytes);
     state = before;
     return data;
 }

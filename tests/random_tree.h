@@ -43,7 +43,7 @@ static inline packed_scene random_tree(enum fxs_profile profile, uint32_t leaves
     const int degree = between(0, 2);
     packed_scene all = packed_scene_make(profile, degree, leaves * FXS_CHUNK, between(0, 1)), tree;
     const packed_scene nodes = packed_scene_make(profile, degree, (leaves - 1) * FXS_CHUNK, 0);
-    const size_t bytes = all.bytes + fxs_tree_bytes(leaves, degree, profile);
+    const size_t bytes = all.bytes + fxs_tree_bytes(leaves, fxs_chunk_bytes(profile, degree));
     tree = all;
     tree.data = (unsigned char *)check_aligned(bytes);
     if (!tree.data)

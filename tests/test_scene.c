@@ -102,7 +102,7 @@ static void test_open_damaged_header(void)
     fxs_packed_header *h = s.header;
     for (int bit = 0; bit < 32; bit++) {
         GIVES(FXS_ERR_SCENE, h->magic, FXS_PACKED_MAGIC ^ 1u << bit);
-        GIVES((FXS_PACKED_VERSION ^ 1u << bit) == FXS_PACKED_VERSION_MOTION ? FXS_ERR_SCENE : FXS_ERR_VERSION,
+        GIVES(fxs_version_moves(FXS_PACKED_VERSION ^ 1u << bit) ? FXS_ERR_SCENE : FXS_ERR_VERSION,
               h->version, FXS_PACKED_VERSION ^ 1u << bit);
         GIVES(FXS_ERR_SCENE, h->chunk_count, CHUNKS ^ 1u << bit);
         GIVES(FXS_ERR_SCENE, h->chunk_bytes, fxs_chunk_bytes(FXS_PROFILE_DEFAULT, DEGREE) ^ 1u << bit);

@@ -174,7 +174,7 @@ static void check_threads(enum fxs_profile profile)
                                                          .tree = 1}) ||
         !pack(&plain, &scene, COUNT, &(fxs_pack_options){.size = sizeof(fxs_pack_options), .profile = profile}))
         return;
-    CHECK(!scene.nodes && alone.bytes == plain.bytes + fxs_tree_bytes(scene.chunk_count, 3, profile));
+    CHECK(!scene.nodes && alone.bytes == plain.bytes + fxs_tree_bytes(scene.chunk_count, scene.chunk_bytes));
     CHECK(!memcmp((char *)alone.data + 8, (char *)plain.data + 8, plain.bytes - 8));
     for (uint32_t threads = 2; threads <= 3; threads++) {
         fxs_pool *pool = fxs_pool_create(threads);

@@ -41,7 +41,7 @@ static int moves(const fxs_scene_parts *p)
 
 static uint32_t chunks_of(const fxs_scene_parts *p, uint32_t leaves)
 {
-    return p->bytes > p->tree ? 2 * leaves - 1 : leaves;
+    return fxs_chunks_with_nodes(leaves, p->bytes > p->tree);
 }
 
 /* Checks the header of an .fxs file. Returns 0 if the scene is still and has no levels of detail. Out: bytes of the

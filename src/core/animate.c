@@ -9,7 +9,7 @@ FXS_STAGE int fxs_motion_read(fxs_motion_header *header, const fxs_scene *scene)
     memcpy(header, scene->motion, sizeof *header);
     fxs_motion_header_turn(header);
     const uint32_t still = fxs_chunk_bytes(scene->profile, scene->sh_degree);
-    return fxs_motion_header_valid(header, scene->chunk_count) &&
+    return fxs_motion_header_valid(header, fxs_scene_chunks(scene)) &&
                    scene->chunk_bytes == still + fxs_motion_bytes(header->degree, header->flags)
                ? 0 : FXS_ERR_SCENE;
 }

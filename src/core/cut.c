@@ -29,7 +29,15 @@ typedef struct visit {
     uint8_t needed;
     uint8_t absent;
     uint8_t hidden;                /* 1: the chunk is not loaded, or an ancestor is drawn in its place */
+    fxs_moment moment;
 } visit;
+
+/* The time of an object, and its chunks if it has no level-of-detail tree. */
+typedef struct whole_object {
+    const fxs_scene *scene;
+    uint32_t chunks;
+    int32_t time_q16;
+} whole_object;
 
 typedef struct search {
     fxs_cut *cut;
@@ -41,6 +49,8 @@ typedef struct search {
     uint32_t visit_room;
     fxs_fading fading;
     fxs_stage_view *views;         /* `eyes` views of each object */
+    whole_object of;               /* object whose tree is searched */
+    uint32_t of_number;
     int full, error;
 } search;
 
@@ -60,7 +70,7 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
         trees |= scene->nodes != 0;
         in_part |= scene->places || scene->motion;
         least += scene->nodes ? 1 : fxs_most_alive(scene);
-        most += scene->nodes ? fxs_scene_chunks(scene) : fxs_most_alive(scene);
+        most += scene->nodes && !scene->motion ? fxs_scene_chunks(scene) : fxs_most_alive(scene);
         gaussians += scene->count;
     }
     const int limited = options->budget && options->budget < gaussians;
@@ -122,13 +132,44 @@ int fxs_cut_views(const fxs_cut *cut, fxs_stage_view *views)
     return error;
 }
 
+static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
+{
+    const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
+    return scene->nodes ? 0 : scene->chunk_count;
+}
+
+static int whole_of(whole_object *out, const fxs_cut *cut, uint32_t number)
+{
+    fxs_object object;
+    fxs_motion_header motion;
+    int error = fxs_object_read(&object, cut->objects, number);
+    if (error)
+        return error;
+    *out = (whole_object){object.scene, whole_chunks(cut, number), 0};
+    if (!object.scene->motion || (error = fxs_motion_read(&motion, object.scene)) != 0)
+        return error;
+    /* unsigned, so that the sum of two times may wrap */
+    out->time_q16 = fxs_time_of(&motion, (int64_t)((uint64_t)cut->options->time_q32 + (uint64_t)object.time_q32));
+    return 0;
+}
+
+/* Returns 1 if a chunk is drawn or wanted, 0, or FXS_ERR_SCENE. */
+static int is_alive(const whole_object *w, uint32_t chunk, fxs_moment *moment)
+{
+    *moment = (fxs_moment){{0, 0, 0}, 0, 0};
+    return w->scene->motion ? fxs_moment_of(moment, w->scene, chunk, w->time_q16) : 1;
+}
+
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
-    const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
     fxs_sight sight;
-    const int found = s->error ? s->error : fxs_see(&sight, s->views + object * cut->eyes, cut->eyes, scene, chunk,
-                                                    cut->options->detail_q8);
+    fxs_moment moment;
+    if (!s->error && object != s->of_number)
+        s->error = whole_of(&s->of, cut, s->of_number = object);
+    int found = s->error ? s->error : is_alive(&s->of, chunk, &moment);
+    if (found > 0)
+        found = fxs_see(&sight, s->views + object * cut->eyes, cut->eyes, s->of.scene, chunk, cut->options->detail_q8);
     s->error = found < 0 ? found : 0;
     if (found <= 0)
         return;
@@ -138,7 +179,8 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
     }
     if (parent != FXS_NOTHING)
         fxs_see_below(&sight, &s->visits[parent].sight);
-    s->visits[s->visit_count++] = (visit){.chunk = chunk, .object = object, .parent = parent, .sight = sight};
+    s->visits[s->visit_count++] = (visit){.chunk = chunk, .object = object, .parent = parent, .sight = sight,
+                                          .moment = moment};
     if (fxs_is_openable(&sight))
         push(s, s->visit_count - 1);
     s->drawn++;
@@ -273,46 +315,13 @@ static void list_drawn(search *s)
     for (visit *v = s->visits; v < s->visits + s->visit_count; v++) {
         const visit *parent = parent_of(s, v);
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
-        if (v->needed && !v->hidden)
-            cut->drawn[cut->count++] = fxs_drawn_of(cut->views[v->object].first_chunk + v->chunk,
-                                                    own_share_q8(s, v), v->sight.swell_q8);
+        if (v->needed && !v->hidden) {
+            cut->drawn[cut->count] = fxs_drawn_of(cut->views[v->object].first_chunk + v->chunk,
+                                                  own_share_q8(s, v), v->sight.swell_q8);
+            cut->drawn[cut->count++].moment = v->moment;
+        }
     }
     sort_by_chunk(cut->drawn, cut->count);
-}
-
-static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
-{
-    const fxs_scene *scene = fxs_object_at(cut->objects, object)->scene;
-    return scene->nodes ? 0 : scene->chunk_count;
-}
-
-/* The chunks of an object without a level-of-detail tree. In a moving scene, only those that are alive. */
-typedef struct whole_object {
-    const fxs_scene *scene;
-    uint32_t chunks;
-    int32_t time_q16;
-} whole_object;
-
-static int whole_of(whole_object *out, const fxs_cut *cut, uint32_t number)
-{
-    fxs_object object;
-    fxs_motion_header motion;
-    int error = fxs_object_read(&object, cut->objects, number);
-    if (error)
-        return error;
-    *out = (whole_object){object.scene, whole_chunks(cut, number), 0};
-    if (!object.scene->motion || (error = fxs_motion_read(&motion, object.scene)) != 0)
-        return error;
-    /* unsigned, so that the sum of two times may wrap */
-    out->time_q16 = fxs_time_of(&motion, (int64_t)((uint64_t)cut->options->time_q32 + (uint64_t)object.time_q32));
-    return 0;
-}
-
-/* Returns 1 if a chunk is drawn or wanted, 0, or FXS_ERR_SCENE. */
-static int is_alive(const whole_object *w, uint32_t chunk, fxs_moment *moment)
-{
-    *moment = (fxs_moment){{0, 0, 0}, 0, 0};
-    return w->scene->motion ? fxs_moment_of(moment, w->scene, chunk, w->time_q16) : 1;
 }
 
 /* Adds all chunks of the objects without a level-of-detail tree to the drawn chunks, in place from the back of the
@@ -371,7 +380,8 @@ static void begin(search *s)
 int fxs_cut_find(fxs_cut *cut)
 {
     const uint32_t fading = cut->room / FADING;
-    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS};
+    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS,
+                .of_number = FXS_NOTHING};
     s.views = (fxs_stage_view *)cut->memory;
     s.visits = (visit *)(void *)(s.views + cut->object_count * cut->eyes);
     s.heap = (uint32_t *)(void *)(s.visits + s.visit_room);

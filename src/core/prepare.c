@@ -37,8 +37,8 @@ int fxs_prepare_animate(fxs_frame *f, uint32_t number, uint32_t place, uint32_t 
 }
 
 /* A chunk outside the picture is not moved: its box holds its Gaussians at all times. */
-static int32_t project_animated(fxs_frame *f, uint32_t number, uint32_t place, uint32_t chunk, uint32_t slot,
-                                uint32_t block)
+static int32_t project_animated(fxs_frame *f, uint32_t number, uint32_t place, uint32_t chunk, uint32_t share_q8,
+                                uint32_t grow_q8, uint32_t slot, uint32_t block)
 {
     const fxs_object_view *object = &f->views[number];
     fxs_chunk_view cv;
@@ -47,8 +47,9 @@ static int32_t project_animated(fxs_frame *f, uint32_t number, uint32_t place, u
     if (seen <= 0 || error)
         return error;
     const fxs_object_view moved = animated(f, object, block);
-    const int32_t count = fxs_object_project(&moved, f->context->config.kernels, 0, 256, 0, f->splats + slot,
-                                             f->bounds + slot, f->indices + slot, f->depths + slot);
+    const int32_t count = fxs_object_project(&moved, f->context->config.kernels, 0, share_q8, grow_q8,
+                                             f->splats + slot, f->bounds + slot, f->indices + slot,
+                                             f->depths + slot);
     for (int32_t i = 0; i < count; i++)
         f->indices[slot + (uint32_t)i] += chunk * FXS_CHUNK;
     return count;
@@ -75,7 +76,7 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     if (!fxs_band_has_chunk(f, place) || !object->visible)
         return 0;
     const int32_t count = moves(f, place)
-                              ? project_animated(f, number, place, chunk, slot, block)
+                              ? project_animated(f, number, place, chunk, share_q8, grow_q8, slot, block)
                               : fxs_object_project(object, f->context->config.kernels, chunk, share_q8, grow_q8,
                                                    f->splats + slot, f->bounds + slot, indices, f->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)

@@ -18,9 +18,9 @@ static layout lay_out(uint64_t chunks, uint64_t chunk_bytes, uint64_t palette_by
     return l;
 }
 
-static void add_motion(layout *l, uint64_t chunks, uint64_t chunk_bytes)
+static void add_motion(layout *l, uint32_t chunks, uint64_t chunk_bytes, int has_tree)
 {
-    l->rows = l->motion + fxs_motion_table_bytes(chunks);
+    l->rows = l->motion + fxs_motion_table_bytes(fxs_chunks_with_nodes(chunks, has_tree));
     l->bytes = l->rows + chunks * chunk_bytes;
 }
 
@@ -43,13 +43,13 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
 }
 
 size_t fxs_moving_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries,
-                              uint32_t degree, uint32_t flags)
+                              uint32_t degree, uint32_t flags, int has_tree)
 {
     layout l;
     if (!layout_of(&l, count, sh_degree, profile, palette_entries) || degree > FXS_MOTION_DEGREE)
         return 0;
     add_motion(&l, fxs_chunks_of(count),
-               (uint64_t)fxs_chunk_bytes(profile, sh_degree) + fxs_motion_bytes(degree, flags));
+               (uint64_t)fxs_chunk_bytes(profile, sh_degree) + fxs_motion_bytes(degree, flags), has_tree);
     return l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
@@ -66,12 +66,11 @@ static tree_layout lay_out_tree(uint64_t nodes, uint64_t chunk_bytes)
     return l;
 }
 
-size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
+size_t fxs_tree_bytes(uint32_t chunks, uint32_t chunk_bytes)
 {
-    if (chunks < 2 || chunks > FXS_MAX_COUNT / FXS_CHUNK || sh_degree < 0 || sh_degree > 3 ||
-        (uint32_t)profile > FXS_PROFILE_SMALL)
+    if (chunks < 2 || chunks > FXS_MAX_COUNT / FXS_CHUNK)
         return 0;
-    const uint64_t bytes = lay_out_tree(chunks - 1, fxs_chunk_bytes(profile, sh_degree)).bytes;
+    const uint64_t bytes = lay_out_tree(chunks - 1, chunk_bytes).bytes;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -90,16 +89,16 @@ static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void 
     fxs_packed_header_turn(h);
     if (h->magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
-    if (h->version < FXS_PACKED_VERSION || h->version > FXS_PACKED_VERSION_MOTION)
+    if (h->version < FXS_PACKED_VERSION || h->version > FXS_PACKED_VERSION_MOTION_TREE)
         return FXS_ERR_VERSION;
-    const int has_tree = h->version == FXS_PACKED_VERSION_TREE, moves = h->version == FXS_PACKED_VERSION_MOTION;
+    const int has_tree = fxs_version_has_tree(h->version), moves = fxs_version_moves(h->version);
     if (h->sh_degree > 3 || h->profile > FXS_PROFILE_SMALL || h->palette_step_q19 > 32767 ||
         !layout_of(&l, h->count, (int)h->sh_degree, (enum fxs_profile)h->profile, h->palette_entries) ||
         h->chunk_count != fxs_chunks_of(h->count) || h->holes > h->count || (has_tree && h->chunk_count < 2) ||
         (moves && !h->chunk_count) || !chunk_bytes_valid(h, moves))
         return FXS_ERR_SCENE;
     if (moves)
-        add_motion(&l, h->chunk_count, h->chunk_bytes);
+        add_motion(&l, h->chunk_count, h->chunk_bytes, has_tree);
     *parts = (fxs_scene_parts){.palette = l.palette, .motion = l.motion, .rows = l.rows, .tree = l.bytes,
                                .node_chunks = l.bytes, .node_rows = l.bytes, .bytes = l.bytes};
     if (has_tree) {
@@ -159,13 +158,13 @@ static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigne
     scene->palette_step_q19 = h.palette_step_q19;
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
-    if (parts.rows > parts.motion)
-        error = open_motion(scene, head + parts.motion);
-    if (!error && parts.bytes > parts.tree) {
+    if (parts.bytes > parts.tree) {
         tree = bytes ? head + parts.tree : tree;
         error = tree ? open_tree(scene, &parts, tree) : FXS_ERR_ARGUMENT;
         scene->node_rows = bytes ? head + parts.node_rows : 0;
     }
+    if (!error && parts.rows > parts.motion)
+        error = open_motion(scene, head + parts.motion);
     for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
         fxs_chunk header;
         error = fxs_chunk_read(&header, scene, i);

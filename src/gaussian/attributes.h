@@ -57,4 +57,13 @@ static inline void fxs_rotation_matrix(double rows[3][3], double w, double x, do
     rows[2][0] = s * (x * z - w * y), rows[2][1] = s * (y * z + w * x), rows[2][2] = 1 - s * (x * x + y * y);
 }
 
+/* Computes the product a b of quaternions w, x, y, z. */
+static inline void fxs_quaternion_product(double out[4], const double a[4], const double b[4])
+{
+    out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    out[2] = a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3];
+    out[3] = a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1];
+}
+
 #endif

@@ -52,11 +52,36 @@ void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6])
     fxs_set_covariance(gaussian, c, 1e-37);
 }
 
+static fxs_way way_of(const fxs_merger *m, uint32_t i)
+{
+    fxs_way way = m->ways[i];
+    way.centre = m->fields[i][CENTRE];
+    way.width = sqrtf(m->fields[i][WIDTH]);
+    return way;
+}
+
+/* The largest opacity follows from the mean. Above the cap by a factor r, the variances grow by sqrt(r). */
+static void set_largest_opacity(const fxs_merger *m, uint32_t i, fxs_coarse *out)
+{
+    const fxs_way way = way_of(m, i);
+    const float opacity = m->fields[i][OPACITY] / (float)fxs_way_share(&way);
+    const float over = opacity > OPACITY_MOST ? opacity / OPACITY_MOST : 1;
+    out->opacity = opacity / over + FXS_FAINTEST;
+    out->area *= sqrtf(over);
+    for (int k = 0; k < 6; k++)
+        out->covariance[k] *= sqrtf(over);
+}
+
 static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 {
     *out = *m->from[i];
-    if (!m->age[i])
+    if (!m->age[i]) {
+        if (m->moves && !m->fades && m->ways[i].mean < 1) {
+            out->opacity = m->fields[i][OPACITY] + FXS_FAINTEST;
+            out->gaussian.opacity = fxs_logit_of_opacity(out->opacity);
+        }
         return;
+    }
     for (int k = 0; k < 3; k++) {
         out->gaussian.position[k] = m->fields[i][X + k];
         out->gaussian.dc[k] = fxs_dc_of_colour(m->fields[i][COLOUR + k]);
@@ -67,6 +92,8 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
         out->covariance[k] = m->fields[i][XX + k];
     out->area = m->fields[i][AREA];
     out->opacity = m->fields[i][OPACITY] + FXS_FAINTEST;
+    if (m->moves && m->fades)
+        set_largest_opacity(m, i, out);
     fxs_coarse_axes(&out->gaussian, out->covariance);
     out->gaussian.opacity = fxs_logit_of_opacity(out->opacity);
 }
@@ -74,6 +101,7 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 void fxs_merge_begin(fxs_merger *m, int sh_degree)
 {
     m->count = 0;
+    m->moves = 0;
     m->sh_count = 3 * (uint32_t)FXS_SH_COUNT(sh_degree);
 }
 
@@ -101,6 +129,28 @@ void fxs_merge_add(fxs_merger *m, const fxs_coarse *gaussians, uint32_t count)
 {
     for (uint32_t i = 0; i < count && m->count < MOST; i++)
         add(m, &gaussians[i]);
+}
+
+void fxs_merge_add_moving(fxs_merger *m, const fxs_coarse *gaussians, const fxs_way *ways, uint32_t count, int fades)
+{
+    const uint32_t first = m->count;
+    fxs_merge_add(m, gaussians, count);
+    m->moves = 1;
+    m->fades = fades;
+    for (uint32_t i = first; i < m->count; i++) {
+        const fxs_way *way = &ways[i - first];
+        m->ways[i] = *way;
+        m->fields[i][OPACITY] *= way->mean;
+        m->fields[i][CENTRE] = way->centre;
+        m->fields[i][WIDTH] = way->width * way->width;
+    }
+}
+
+void fxs_merge_ways(const fxs_merger *m, fxs_way *ways)
+{
+    for (uint32_t i = 0; i < m->count; i++)
+        if (m->into[i] == i)
+            *ways++ = way_of(m, i);
 }
 
 void fxs_merge_into(const fxs_merger *m, uint16_t *into)

@@ -109,6 +109,92 @@ static inline void join(group *out, lanes share, const group *a, const group *b,
     find_roots(out, count);
 }
 
+/* Merges the times of pairs as positions are merged. A width is at most that of the span. */
+static inline void join_times(group *out, const group *a, const group *b, const lanes share, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const float v = share[i], w = 1 - v, apart = b->f[CENTRE][i] - a->f[CENTRE][i];
+        out->f[CENTRE][i] = a->f[CENTRE][i] + w * apart;
+        out->f[WIDTH][i] = smaller(v * a->f[WIDTH][i] + w * b->f[WIDTH][i] + 2 * v * w * (apart * apart), 1);
+    }
+}
+
+/* Computes the inner products of opacities in time, for opacities of mean 1: sqrt(2 / (a + b)) e^-(d^2 / (a + b)), with
+   the squared widths a, b and the distance d of the centres. */
+static inline void find_meetings(lanes meeting, const group *a, const group *b)
+{
+    for (int i = 0; i < LANES; i++) {
+        const float sum = a->f[WIDTH][i] + b->f[WIDTH][i], apart = b->f[CENTRE][i] - a->f[CENTRE][i];
+        meeting[i] = sqrtf(2 / larger(sum, LEAST)) * falling(apart * apart / larger(sum, LEAST));
+    }
+}
+
+/* How far the second Gaussians of pairs move from the first until u = -sqrt(3 / 5) and u = sqrt(3 / 5). */
+static inline void find_departures(lanes apart[2][3], const fxs_merger *m, const pair *pairs, uint32_t count)
+{
+    memset(apart, 0, 2 * sizeof *apart);
+    for (uint32_t i = 0; i < count; i++)
+        for (int side = 0; side < 2; side++)
+            for (int axis = 0; axis < 3; axis++) {
+                const float u = side ? 0.774596669f : -0.774596669f;
+                const fxs_way *a = &m->ways[pairs[i].a], *b = &m->ways[pairs[i].b];
+                float sum = 0;
+                for (int k = 2; k >= 0; k--)
+                    sum = u * (sum + (b->drift[k][axis] - a->drift[k][axis]));
+                apart[side][axis][i] = sum;
+            }
+}
+
+/* Replaces inner products at u = 0 by their means over the span: Gauss's rule, with the weights 5/18, 8/18, 5/18. The
+   second Gaussians depart from the first by `share` times `apart`. */
+static inline void average_products(lanes products[PLANES], const group *a, const group *b, lanes apart[2][3],
+                                    const lanes share)
+{
+    group moved = *b;
+    lanes there;
+    for (int p = 0; p < PLANES; p++)
+        for (int i = 0; i < LANES; i++)
+            products[p][i] *= 8.0f / 18;
+    for (int side = 0; side < 2; side++) {
+        for (int axis = 0; axis < 3; axis++)
+            for (int i = 0; i < LANES; i++)
+                moved.f[X + axis][i] = b->f[X + axis][i] + share[i] * apart[side][axis][i];
+        for (int p = 0; p < PLANES; p++) {
+            find_products(there, a, &moved, p, LANES);
+            for (int i = 0; i < LANES; i++)
+                products[p][i] += 5.0f / 18 * there[i];
+        }
+    }
+}
+
+/* Inner products of the opacities in time of pairs a, b and their merged Gaussians m. */
+typedef struct meetings {
+    lanes aa, bb, ab, am, bm, mm;
+} meetings;
+
+static void meet(meetings *out, const fxs_merger *m, const pair *pairs, uint32_t count, const group *one,
+                 const group *other, group *both, const lanes share, lanes ab[PLANES], lanes am[PLANES],
+                 lanes bm[PLANES])
+{
+    lanes apart[2][3], whole, first, second;
+    for (int i = 0; i < LANES; i++) {
+        whole[i] = 1;
+        first[i] = 1 - share[i];
+        second[i] = -share[i];
+    }
+    join_times(both, one, other, share, LANES);
+    find_departures(apart, m, pairs, count);
+    average_products(ab, one, other, apart, whole);
+    average_products(am, one, both, apart, first);
+    average_products(bm, other, both, apart, second);
+    find_meetings(out->aa, one, one);
+    find_meetings(out->bb, other, other);
+    find_meetings(out->ab, one, other);
+    find_meetings(out->am, one, both);
+    find_meetings(out->bm, other, both);
+    find_meetings(out->mm, both, both);
+}
+
 /* Returns the weight of a pair's merge error. The weight grows with each earlier merge of the two Gaussians. Otherwise
    some Gaussians would absorb all their neighbours. */
 static float grown(const pair *p)
@@ -128,6 +214,7 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
 {
     group one, other, both;
     lanes share, ab[PLANES], am[PLANES], bm[PLANES], dots = {0}, sums;
+    meetings in_time;
     uint16_t a[LANES], b[LANES];
     for (uint32_t i = 0; i < count; i++) {
         a[i] = pairs[i].a;
@@ -143,6 +230,8 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
         find_products(am[p], &one, &both, p, LANES);
         find_products(bm[p], &other, &both, p, LANES);
     }
+    if (m->moves)
+        meet(&in_time, m, pairs, count, &one, &other, &both, share, ab, am, bm);
     for (int i = 0; i < LANES; i++) {
         const float v = share[i], w = 1 - v, x = one.f[OPACITY][i], y = other.f[OPACITY][i], z = both.f[OPACITY][i];
         float aa = one.f[SQUARE][i] + ALPHA_WEIGHT, bb = other.f[SQUARE][i] + ALPHA_WEIGHT, mixed_ab = dots[i], sum = 0;
@@ -153,7 +242,15 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
             bb += b_colour * b_colour;
             mixed_ab += a_colour * b_colour;
         }
-        const float with_a = v * aa + w * mixed_ab, with_b = v * mixed_ab + w * bb, mm = v * with_a + w * with_b;
+        float with_a = v * aa + w * mixed_ab, with_b = v * mixed_ab + w * bb, mm = v * with_a + w * with_b;
+        if (m->moves) {
+            aa *= in_time.aa[i];
+            bb *= in_time.bb[i];
+            mixed_ab *= in_time.ab[i];
+            with_a *= in_time.am[i];
+            with_b *= in_time.bm[i];
+            mm *= in_time.mm[i];
+        }
         for (int p = 0; p < PLANES; p++)
             sum += x * x * aa * one.f[ROOT + p][i] + y * y * bb * other.f[ROOT + p][i] +
                    z * z * mm * both.f[ROOT + p][i] +
@@ -399,6 +496,22 @@ static void find_all_roots(fxs_merger *m)
     }
 }
 
+static void merge_ways(fxs_merger *m, uint32_t a, uint32_t b, group *both, const group *one, const group *other,
+                       const lanes share)
+{
+    const float v = share[0], w = 1 - v;
+    fxs_way *to = &m->ways[a];
+    const fxs_way *from = &m->ways[b];
+    join_times(both, one, other, share, 1);
+    m->fields[a][CENTRE] = both->f[CENTRE][0];
+    m->fields[a][WIDTH] = both->f[WIDTH][0];
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            to->drift[k][i] = v * to->drift[k][i] + w * from->drift[k][i];
+    for (int i = 0; i < 4; i++)
+        to->turn[i] = v * to->turn[i] + w * from->turn[i];
+}
+
 static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge_error *sums)
 {
     group one, other, both;
@@ -410,6 +523,8 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
     for (int p = 0; p < PLANES; p++)
         find_products(products[p], &one, &other, p, 1);
     join(&both, share, &one, &other, products, 1);
+    if (m->moves)
+        merge_ways(m, a, b, &both, &one, &other, share);
     for (int k = 0; k < COLOUR; k++)
         m->fields[a][k] = both.f[k][0];
     for (int k = COLOUR; k < SQUARE; k++)

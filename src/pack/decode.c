@@ -113,10 +113,8 @@ static void take_turn(const unsigned char *row, uint32_t g, double centre, doubl
     double t[4], q[4] = {(double)r[0], (double)r[1], (double)r[2], (double)r[3]};
     for (int i = 0; i < 4; i++)
         t[i] = fxs_signed_half_at(row + 2 * FXS_CHUNK * i, g) * 0x1p-14;
-    const double d[4] = {t[0] * q[0] - t[1] * q[1] - t[2] * q[2] - t[3] * q[3],
-                         t[0] * q[1] + t[1] * q[0] + t[2] * q[3] - t[3] * q[2],
-                         t[0] * q[2] + t[2] * q[0] + t[3] * q[1] - t[1] * q[3],
-                         t[0] * q[3] + t[3] * q[0] + t[1] * q[2] - t[2] * q[1]};
+    double d[4];
+    fxs_quaternion_product(d, t, q);
     for (int i = 0; i < 4; i++) {
         r[i] = (float)(q[i] + d[i] * centre);
         turn[i] = (float)(d[i] / seconds);

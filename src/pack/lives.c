@@ -225,9 +225,8 @@ void fxs_chunk_time_set(fxs_chunk_time *time, fxs_chunk_motion *motion, const fx
         motion->to_q16 = ticks(all->end);
 }
 
-/* The coefficients of u, u^2, u^3 of one axis, scene units; *rest is the position at u = 0. */
-static void develop(double out[3], double *rest, const fxs_gaussian *g, const fxs_motion *m, int axis,
-                    const fxs_chunk_time *time)
+void fxs_motion_develop(double out[3], double *rest, const fxs_gaussian *g, const fxs_motion *m, int axis,
+                        const fxs_chunk_time *time)
 {
     const double d = time->middle - m->centre, u = time->unit;
     const double a = m->drift[0][axis], b = m->drift[1][axis], c = m->drift[2][axis];
@@ -249,7 +248,7 @@ void fxs_motion_rest(fxs_gaussian *g, const fxs_motion *m, const fxs_chunk_time 
     rotation_at(rotation, g, m, time->middle);
     const fxs_gaussian given = *g;
     for (int i = 0; i < 3; i++) {
-        develop(coefficients, &rest, &given, m, i, time);
+        fxs_motion_develop(coefficients, &rest, &given, m, i, time);
         g->position[i] = (float)rest;
     }
     for (int i = 0; i < 4; i++)
@@ -262,7 +261,7 @@ void fxs_motion_take(fxs_chunk_time *time, const fxs_gaussian *g, const fxs_moti
 {
     for (int i = 0; i < 3; i++) {
         double coefficients[3], rest;
-        develop(coefficients, &rest, g, m, i, time);
+        fxs_motion_develop(coefficients, &rest, g, m, i, time);
         for (int k = 0; k < 3; k++)
             time->drift[i] = fmaxf(time->drift[i], (float)fabs(coefficients[k]));
     }
@@ -293,11 +292,13 @@ static int put_limited(unsigned char **to, double x, double low, double high)
     return !(x >= low && x <= high);
 }
 
-/* The coefficients of u of the quaternion that rotates from the chunk's middle: turn (rotation)^-1. */
-static void relative_turn(double out[4], const double r[4], const fxs_motion *m, double unit)
+/* turn (rotation)^-1 */
+void fxs_motion_turn(double out[4], const fxs_gaussian *g, const fxs_motion *m, const fxs_chunk_time *time)
 {
-    const double square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3];
-    const double f = square > 0 ? unit / square : 0, *q = r;
+    double q[4];
+    rotation_at(q, g, m, time->middle);
+    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const double f = square > 0 ? time->unit / square : 0;
     const float *w = m->turn;
     out[0] = f * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2] + w[3] * q[3]);
     out[1] = f * (-w[0] * q[1] + w[1] * q[0] - w[2] * q[3] + w[3] * q[2]);
@@ -309,16 +310,15 @@ int fxs_motion_encode(unsigned char *to, const fxs_time *scene, const fxs_chunk_
                       const fxs_chunk_motion *chunk_motion, const fxs_chunk *chunk, const fxs_gaussian *g,
                       const fxs_motion *m)
 {
-    double drift[3][3], rest, rotation[4], turn[4];
+    double drift[3][3], rest, turn[4];
     int limited = 0;
     for (int i = 0; i < 3; i++)
-        develop(drift[i], &rest, g, m, i, time);
+        fxs_motion_develop(drift[i], &rest, g, m, i, time);
     for (int k = 0; k < scene->degree; k++)
         for (int i = 0; i < 3; i++)
             limited |= put_limited(&to, ldexp(drift[i][k] * codes_per_unit(chunk, i), -chunk_motion->shift), -32767,
                                    32767);
-    rotation_at(rotation, g, m, time->middle);
-    relative_turn(turn, rotation, m, time->unit);
+    fxs_motion_turn(turn, g, m, time);
     for (int i = 0; i < 4 && scene->turns; i++)
         limited |= put_limited(&to, turn[i] * 16384, -TURN_MOST, TURN_MOST);
     if (!scene->fades)

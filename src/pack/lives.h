@@ -38,6 +38,15 @@ int fxs_order_in_time(fxs_order_entry *entries, const fxs_life *lives, uint32_t 
 void fxs_chunk_time_set(fxs_chunk_time *time, fxs_chunk_motion *motion, const fxs_life *all, double centre_low,
                         double centre_high, const fxs_time *scene);
 
+/* Computes the coefficients of u, u^2, u^3 of a Gaussian's position on one axis, scene units; *rest is the position at
+   u = 0. */
+void fxs_motion_develop(double coefficients[3], double *rest, const fxs_gaussian *gaussian, const fxs_motion *motion,
+                        int axis, const fxs_chunk_time *time);
+
+/* Computes the coefficients of u of the quaternion 1 + turn u that rotates a Gaussian from its rotation at u = 0. */
+void fxs_motion_turn(double turn[4], const fxs_gaussian *gaussian, const fxs_motion *motion,
+                     const fxs_chunk_time *time);
+
 /* Changes a Gaussian to its position and rotation at the middle of its chunk's time. */
 void fxs_motion_rest(fxs_gaussian *gaussian, const fxs_motion *motion, const fxs_chunk_time *time);
 

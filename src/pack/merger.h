@@ -21,9 +21,10 @@ enum {
 };
 
 /* Fields of a Gaussian in a merger. ROOT: square root of the determinant of the covariance, per coordinate plane.
-   LOCAL: mean colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. */
+   LOCAL: mean colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. CENTRE, WIDTH: of the
+   opacity in time; WIDTH is squared. The OPACITY of a moving Gaussian is its mean over the span of time. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
-       SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
+       SQUARE = LOCAL + 3, CENTRE, WIDTH, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
 #define OPACITY_MOST (0.99f - FXS_FAINTEST)   /* largest opacity of a merged Gaussian, unless an input is more opaque */
 /* share of a pair's mutual occlusion that is subtracted from the merged mass (opacity times area) */
@@ -59,6 +60,8 @@ struct fxs_merger {
     float sh[MOST][SH];
     float compared[MOST][COMPARED];
     uint32_t sh_count;
+    int moves, fades;
+    fxs_way ways[MOST];                /* of moving Gaussians; CENTRE and WIDTH replace their centre and width */
     uint16_t order[MOST];
     float places[3][WINDOW + MOST + WINDOW];
     float distances[MOST][NEAREST];

@@ -488,7 +488,7 @@ static int plan_part(packer *p)
                            (unsigned)p->parts, (unsigned)chunks, FXS_CHUNK);
     FXS_TRY(find_boxes(p));
     if (p->options.tree && chunks > 1)
-        FXS_TRY(fxs_tree_plan(&p->tree, p->boxes, chunks, &p->options, p->message));
+        FXS_TRY(fxs_tree_plan(&p->tree, p->boxes, NULL, chunks, &p->options, p->message));
     p->first = fxs_part_first(chunks, p->part, p->parts);
     p->end = fxs_part_first(chunks, p->part + 1, p->parts);
     return 0;
@@ -866,13 +866,12 @@ static void begin_tree(unsigned char *to, uint32_t nodes)
     memcpy(to, &header, sizeof header);
 }
 
-static fxs_packed_header header_of(const packer *p, size_t tree)
+static fxs_packed_header header_of(const packer *p, int has_tree)
 {
     const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);
     const enum fxs_profile profile = p->encoder.profile;
     fxs_packed_header h = {.magic = FXS_PACKED_MAGIC,
-                           .version = p->lives ? FXS_PACKED_VERSION_MOTION
-                                      : tree   ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION,
+                           .version = fxs_packed_version(p->lives != NULL, has_tree),
                            .count = count, .holes = count - (uint32_t)p->report->packed, .chunk_count = chunks,
                            .chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree) +
                                           FXS_CHUNK * p->motion_bytes,
@@ -925,11 +924,11 @@ static void begin_motion(packer *p, unsigned char *to)
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
     const uint32_t chunks = fxs_chunks_of((uint32_t)p->slot_count);
-    const size_t tree = p->options.tree ? fxs_tree_bytes(chunks, p->encoder.sh_degree, p->encoder.profile) : 0;
-    const fxs_packed_header h = header_of(p, tree);
+    const fxs_packed_header h = header_of(p, p->options.tree && chunks > 1);
+    const size_t tree = fxs_version_has_tree(h.version) ? fxs_tree_bytes(chunks, h.chunk_bytes) : 0;
     const size_t leaves =
         p->lives ? fxs_moving_scene_bytes(h.count, p->encoder.sh_degree, p->encoder.profile, h.palette_entries,
-                                          (uint32_t)p->info->time.degree, motion_flags(&p->info->time))
+                                          (uint32_t)p->info->time.degree, motion_flags(&p->info->time), tree > 0)
                  : fxs_scene_bytes(h.count, p->encoder.sh_degree, p->encoder.profile, h.palette_entries);
     FXS_TRY(allocate_packed(p, scene, leaves && leaves <= SIZE_MAX - 63 - tree ? leaves + tree : SIZE_MAX));
     p->header = scene->data;
@@ -938,7 +937,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     p->palette_bytes = (unsigned char *)(p->chunks + chunks);
     p->rows = (unsigned char *)scene->data + leaves - (size_t)chunks * h.chunk_bytes;
     if (p->lives) {
-        begin_motion(p, p->rows - fxs_motion_table_bytes(chunks));
+        begin_motion(p, p->rows - fxs_motion_table_bytes(fxs_chunks_with_nodes(chunks, tree > 0)));
         FXS_TRY(find_times(p));
     }
     if (tree)
@@ -992,8 +991,10 @@ static int build_part_of_tree(packer *p, unsigned char *bytes, const fxs_part_la
     const fxs_scene scene = {.profile = p->encoder.profile, .sh_degree = p->encoder.sh_degree,
                              .chunk_bytes = h->chunk_bytes, .palette = (int8_t *)p->palette_bytes,
                              .palette_entries = h->palette_entries, .palette_step_q19 = h->palette_step_q19};
-    const fxs_tree_run run = {&scene, p->palette, p->first, p->end, bytes + l->chunks, bytes + l->rows,
-                              bytes + l->node_chunks, bytes + l->node_rows, bytes + l->sums, bytes + l->tops};
+    const fxs_tree_run run = {.scene = &scene, .palette = p->palette, .first = p->first, .end = p->end,
+                              .chunks = bytes + l->chunks, .rows = bytes + l->rows,
+                              .node_chunks = bytes + l->node_chunks, .node_rows = bytes + l->node_rows,
+                              .sums = bytes + l->sums, .tops = bytes + l->tops};
     fxs_pack_options options = p->options;
     begin(p, tree_share(p));
     options.progress = (fxs_progress){report_progress, p};
@@ -1021,12 +1022,30 @@ static int finish_part_of_scene(packer *p, unsigned char *bytes)
     return p->tree ? build_part_of_tree(p, bytes, &l, &h) : 0;
 }
 
+/* Counts the chunks that are alive at one time, nodes included. */
+static int count_alive(packer *p, uint32_t chunks)
+{
+    fxs_chunk_motion *motions = fxs_allocate(p->options.allocator, chunks, sizeof *motions);
+    int32_t *ticks = fxs_allocate(p->options.allocator, 2 * (size_t)chunks, sizeof *ticks);
+    const int enough = motions && ticks;
+    for (uint32_t i = 0; enough && i < chunks; i++) {
+        motions[i] = p->motions[i];
+        fxs_chunk_motion_turn(&motions[i]);
+    }
+    if (enough)
+        p->motion_header->most_chunks = fxs_little_32(fxs_motion_most(motions, chunks, ticks));
+    fxs_release(p->options.allocator, motions);
+    fxs_release(p->options.allocator, ticks);
+    return enough ? 0 : fail_memory(p, p->info->count);
+}
+
 static int build_tree(packer *p, const fxs_scene *scene, void *data)
 {
     fxs_pack_options options = p->options;
     begin(p, tree_share(p));
     options.progress = (fxs_progress){report_progress, p};
-    return fxs_tree_build(scene, data, p->coded ? p->coded->palette : p->palette, &options, p->message);
+    FXS_TRY(fxs_tree_build(scene, data, p->coded ? p->coded->palette : p->palette, &options, p->message));
+    return p->lives ? count_alive(p, fxs_scene_chunks(scene)) : 0;
 }
 
 static int prepare_motion(packer *p)
@@ -1134,7 +1153,7 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     if (!p.options.workers.run)
         p.options.workers.run = fxs_run_here;
     p.options.workers.count += p.options.workers.count == 0;
-    p.options.tree &= FXS_BUILDS_TREES && !(info->time.duration > 0);
+    p.options.tree &= FXS_BUILDS_TREES;
     const int result = pack(&p, scene);
     if (!result && fxs_has_origin(info->origin))
         move_to_origin(scene, info, report);

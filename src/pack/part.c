@@ -22,7 +22,7 @@ int fxs_part_lay_out(fxs_part_layout *l, const fxs_part_header *part, const fxs_
         return FXS_ERR_FILE;
     const uint32_t first = fxs_part_first(scene->chunk_count, part->number, part->count);
     const uint32_t chunks = fxs_part_first(scene->chunk_count, part->number + 1, part->count) - first;
-    const int has_tree = scene->version == FXS_PACKED_VERSION_TREE;
+    const int has_tree = fxs_version_has_tree(scene->version);
     if (part->first != first || part->chunk_count != chunks || part->node_count >= chunks + !has_tree ||
         (!has_tree && part->node_count) || part->top_count > part->node_count)
         return FXS_ERR_FILE;

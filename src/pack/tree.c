@@ -23,6 +23,8 @@
 #include "encode.h"
 #include "coarsen.h"
 #include "order.h"
+#include "ways.h"
+#include "src/core/animate.h"
 
 enum {
     FREE_LEVELS = 40,   /* runs of leaves below this level of the level-of-detail tree are halved, to bound the depth */
@@ -44,15 +46,18 @@ typedef struct node {
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
-    double opacity;
+    double opacity;                    /* sum of opacities, of a moving scene their means over the span */
     fxs_range reach[3];
     float scale;                       /* log2 of the largest sigma in all chunks below the node */
+    fxs_motion motions[FXS_CHUNK];     /* of a moving scene, like the next two */
+    int32_t from_q16, to_q16;          /* when the chunk is alive, as in fxs_chunk_motion */
 } held;
 
 typedef struct worker {
     held *slots;
     held merged;
     fxs_merger *merger;
+    fxs_way ways[2][FXS_CHUNK];        /* of a moving scene: of the two children's Gaussians, then of the merged ones */
     fxs_sh_item items[FXS_CHUNK];
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
 } worker;
@@ -73,7 +78,12 @@ struct fxs_tree {
     uint32_t count;
     node *nodes;                       /* nodes of the tree; each node comes before its children */
     uint32_t *places;                  /* index of each node by its number */
+    fxs_motion_header motion;          /* of a moving scene; else zeros */
+    fxs_motion_rows rows_of_motion;
+    fxs_time time;
+    uint32_t motion_bytes;             /* bytes of a Gaussian's motion codes */
     float (*boxes)[6];                 /* low and high corner of each leaf's box; only while planning */
+    float (*spans)[2];                 /* when each leaf of a moving scene is alive, scaled to the boxes; or null */
     float *costs;
     uint32_t *subtrees, subtree_count;
     uint32_t built;
@@ -111,27 +121,38 @@ static void widen(float box[6], const float by[6])
     }
 }
 
-static float cost_of(const float box[6], uint32_t leaves)
+static void widen_span(float span[2], const float by[2])
 {
-    const float x = box[3] - box[0], y = box[4] - box[1], z = box[5] - box[2];
-    return (x * x + y * y + z * z) * (float)leaves;
+    span[0] = by[0] < span[0] ? by[0] : span[0];
+    span[1] = by[1] > span[1] ? by[1] : span[1];
+}
+
+static float cost_of(const float box[6], const float span[2], uint32_t leaves)
+{
+    const float x = box[3] - box[0], y = box[4] - box[1], z = box[5] - box[2], time = span[1] - span[0];
+    return (x * x + y * y + z * z + time * time) * (float)leaves;
 }
 
 static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
 {
+    static const float always[2];
     uint32_t best = leaves / 2;
-    float box[6], least = INFINITY;
+    float box[6], span[2], least = INFINITY;
     if (level >= FREE_LEVELS)
         return best;
     memcpy(box, t->boxes[first + leaves - 1], sizeof box);
+    memcpy(span, t->spans ? t->spans[first + leaves - 1] : always, sizeof span);
     for (uint32_t i = leaves - 1; i > 0; i--) {
         widen(box, t->boxes[first + i]);
-        t->costs[i] = cost_of(box, leaves - i);
+        widen_span(span, t->spans ? t->spans[first + i] : always);
+        t->costs[i] = cost_of(box, span, leaves - i);
     }
     memcpy(box, t->boxes[first], sizeof box);
+    memcpy(span, t->spans ? t->spans[first] : always, sizeof span);
     for (uint32_t i = 1; i < leaves; i++) {
         widen(box, t->boxes[first + i - 1]);
-        const float cost = cost_of(box, i) + t->costs[i];
+        widen_span(span, t->spans ? t->spans[first + i - 1] : always);
+        const float cost = cost_of(box, span, i) + t->costs[i];
         if (cost < least) {
             least = cost;
             best = i;
@@ -226,13 +247,45 @@ static void widen_range(fxs_range *range, const fxs_range *by)
     range->high = by->high > range->high ? by->high : range->high;
 }
 
-static void read_coded(const tree *t, const unsigned char *header, const unsigned char *rows, held *to)
+static int moves(const tree *t)
+{
+    return t->run.node_motions != NULL;
+}
+
+static fxs_lifespan span_of(const held *h)
+{
+    return (fxs_lifespan){ldexp(h->from_q16, -16), ldexp(h->to_q16, -16)};
+}
+
+/* Reads the motion of the Gaussian that was decoded last. Returns the mean of its opacity, as a share of its largest. */
+static double read_motion(const tree *t, const fxs_chunk_motion *m, const fxs_chunk *chunk, const unsigned char *rows,
+                          uint32_t g, held *to)
+{
+    fxs_gaussian *gaussian = &to->gaussians[to->count].gaussian, copy;
+    fxs_motion *motion = &to->motions[to->count];
+    fxs_way way;
+    fxs_decode_motion(&t->rows_of_motion, &t->motion, m, chunk, rows, g, gaussian, motion);
+    copy = *gaussian;
+    fxs_way_of(&way, &copy, motion, span_of(to), span_of(to));
+    return (double)way.mean;
+}
+
+/* `motion` is null if the scene is still. */
+static void read_coded(const tree *t, const unsigned char *header, const unsigned char *motion,
+                       const unsigned char *rows, held *to)
 {
     const fxs_scene *s = t->run.scene;
     fxs_chunk chunk;
+    fxs_chunk_motion m;
     memcpy(&chunk, header, sizeof chunk);
     fxs_chunk_turn(&chunk);
     find_reach(to, &chunk);
+    if (motion) {
+        memcpy(&m, motion, sizeof m);
+        fxs_chunk_motion_turn(&m);
+        to->from_q16 = m.from_q16;
+        to->to_q16 = m.to_q16;
+    }
     to->opacity = 0;
     to->count = 0;
     for (uint32_t g = 0; g < FXS_CHUNK; g++)
@@ -240,14 +293,17 @@ static void read_coded(const tree *t, const unsigned char *header, const unsigne
             fxs_gaussian gaussian;
             fxs_decode(s, &chunk, rows, g, &gaussian);
             fxs_coarse_set(&to->gaussians[to->count], &gaussian);
-            to->opacity += (double)fxs_coarse_drawn(&to->gaussians[to->count++]);
+            const double mean = motion ? read_motion(t, &m, &chunk, rows, g, to) : 1;
+            to->opacity += mean * (double)fxs_coarse_drawn(&to->gaussians[to->count++]);
         }
 }
 
 static void read_leaf(const tree *t, uint32_t leaf, held *to)
 {
     const size_t at = leaf - t->run.first;
-    read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), t->run.rows + at * t->run.scene->chunk_bytes, to);
+    const unsigned char *motions = moves(t) ? t->run.scene->motion + sizeof(fxs_motion_header) : NULL;
+    read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), motions ? motions + at * sizeof(fxs_chunk_motion) : NULL,
+               t->run.rows + at * t->run.scene->chunk_bytes, to);
 }
 
 static void copy_sorted(held *to, const held *from)
@@ -258,9 +314,51 @@ static void copy_sorted(held *to, const held *from)
         order[i].index = i;
     }
     fxs_order_chunk(order, from->count);
-    for (uint32_t i = 0; i < from->count; i++)
+    for (uint32_t i = 0; i < from->count; i++) {
         to->gaussians[i] = from->gaussians[order[i].index];
+        to->motions[i] = from->motions[order[i].index];
+    }
     to->count = from->count;
+}
+
+/* Finds the time of a node's chunk and the largest drifts in it. */
+static void time_chunk(const tree *t, const held *h, fxs_chunk_time *time, fxs_chunk_motion *motion)
+{
+    const fxs_lifespan span = span_of(h);
+    const fxs_life all = {(float)span.from, (float)span.to, -INFINITY, INFINITY, 0};
+    double low = INFINITY, high = -INFINITY;
+    for (uint32_t i = 0; i < h->count; i++)
+        if (h->motions[i].fade < INFINITY) {
+            low = fmin(low, h->motions[i].centre);
+            high = fmax(high, h->motions[i].centre);
+        }
+    fxs_chunk_time_set(time, motion, &all, fmin(low, span.to), fmax(high, span.from), &t->time);
+    motion->from_q16 = h->from_q16;
+    motion->to_q16 = h->to_q16;
+    for (uint32_t i = 0; i < h->count; i++)
+        fxs_motion_take(time, &h->gaussians[i].gaussian, &h->motions[i]);
+}
+
+/* Writes the motion of a node's chunk, and the motions of its Gaussians behind their records. */
+static void write_motion(const tree *t, worker *w, const held *h, size_t at, fxs_chunk *chunk,
+                         const fxs_chunk_time *time, fxs_chunk_motion *motion)
+{
+    const uint32_t bytes = t->run.scene->chunk_bytes / FXS_CHUNK;
+    fxs_chunk_shift_set(motion, time, chunk);
+    for (uint32_t i = 0; i < h->count; i++)
+        fxs_motion_encode(w->records + (i + 1) * bytes - t->motion_bytes, &t->time, time, motion, chunk,
+                          &h->gaussians[i].gaussian, &h->motions[i]);
+    fxs_chunk_motion_turn(motion);
+    memcpy(t->run.node_motions + at * sizeof *motion, motion, sizeof *motion);
+}
+
+/* Returns a Gaussian as its codes have it: of a moving scene, in the middle of the chunk's time. */
+static fxs_gaussian at_rest(const tree *t, const held *h, uint32_t i, const fxs_chunk_time *time)
+{
+    fxs_gaussian g = h->gaussians[i].gaussian;
+    if (moves(t))
+        fxs_motion_rest(&g, &h->motions[i], time);
+    return g;
 }
 
 static void write_chunk(const tree *t, worker *w, held *h, size_t at)
@@ -272,40 +370,52 @@ static void write_chunk(const tree *t, worker *w, held *h, size_t at)
     fxs_chunk chunk;
     fxs_loss loss = {{0}, {0}};
     fxs_sh_loss sh_loss = {0, 0};
+    fxs_chunk_time time = {0, 0, {0, 0, 0}};
+    fxs_chunk_motion motion;
+    if (moves(t))
+        time_chunk(t, h, &time, &motion);
     fxs_ranges_clear(&ranges);
     for (uint32_t i = 0; i < h->count; i++) {
         fxs_hold_scales(&h->gaussians[i].gaussian);
-        fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, (double)h->gaussians[i].opacity, t->encoder.sh_degree);
+        const fxs_gaussian g = at_rest(t, h, i, &time);
+        fxs_ranges_take(&ranges, &g, (double)h->gaussians[i].opacity, t->encoder.sh_degree);
     }
     for (int i = 0; i < 3; i++)        /* a node's box and sigma cover its descendants, so a node is visible
                                           whenever a descendant is */
         widen_range(&ranges.position[i], &h->reach[i]);
     ranges.scale.high = h->scale > ranges.scale.high ? h->scale : ranges.scale.high;
     fxs_encode_header(&chunk, &ranges, &any);
+    if (moves(t))
+        chunk.opacity_law = 0;           /* codes in proportion to the opacity, so that a fade is a product */
     find_reach(h, &chunk);
     memset(w->records, 0, s->chunk_bytes);
     for (uint32_t i = 0; i < h->count; i++) {
-        const fxs_gaussian *g = &h->gaussians[i].gaussian;
+        const fxs_gaussian g = at_rest(t, h, i, &time);
         const double opacity = (double)h->gaussians[i].opacity;
         unsigned char record[FXS_RECORD_BYTES] = {0};
-        fxs_encode(&t->encoder, &chunk, g, opacity, record, &loss);
+        fxs_encode(&t->encoder, &chunk, &g, opacity, record, &loss);
         memcpy(w->records + i * bytes, record, bytes);
         if (t->run.palette)
-            fxs_sh_item_set(&w->items[i], g, opacity, t->encoder.sh_degree);
+            fxs_sh_item_set(&w->items[i], &g, opacity, t->encoder.sh_degree);
     }
     if (t->run.palette)
         fxs_palette_code_chunk(t->run.palette, w->items, h->count, chunk.sh_mean,
-                               w->records + bytes - fxs_sh_bytes(s->profile, s->sh_degree), bytes, &sh_loss);
-    fxs_encode_rows(&t->encoder, 0, w->records, t->run.node_rows + at * s->chunk_bytes);
+                               w->records + bytes - t->motion_bytes - fxs_sh_bytes(s->profile, s->sh_degree), bytes,
+                               &sh_loss);
+    if (moves(t))
+        write_motion(t, w, h, at, &chunk, &time, &motion);
+    fxs_encode_rows(&t->encoder, t->motion_bytes, w->records, t->run.node_rows + at * s->chunk_bytes);
     fxs_chunk_turn(&chunk);
     memcpy(t->run.node_chunks + at * sizeof chunk, &chunk, sizeof chunk);
 }
 
-static void add_own(node *n, const held *h)
+/* `ways` is null if the scene is still. */
+static void add_own(const tree *t, node *n, const held *h, const fxs_way *ways)
 {
     n->sums.own = n->sums.area = 0;
     for (uint32_t i = 0; i < h->count; i++) {
-        const double drawn = (double)fxs_coarse_drawn(&h->gaussians[i]);
+        const double share = ways && t->time.fades ? fxs_way_share(&ways[i]) : 1;
+        const double drawn = share * (double)fxs_coarse_drawn(&h->gaussians[i]);
         n->sums.own += drawn;
         n->sums.area += SEEN * drawn * (double)h->gaussians[i].area;
     }
@@ -328,21 +438,66 @@ static void hold_places(held *h, const held *child)
         }
 }
 
-static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
+/* Adds the moving Gaussians of a child to the set. Adds the error of Gaussians that cannot fade, and are drawn with a
+   share s of their opacity at times when they are not there: s (1 - s) of their square. */
+static void add_moving(const tree *t, worker *w, held *h, fxs_way *ways, fxs_lifespan set, fxs_merge_error *error)
+{
+    const fxs_lifespan own = span_of(h);
+    for (uint32_t i = 0; i < h->count; i++) {
+        fxs_gaussian g = h->gaussians[i].gaussian;
+        fxs_way_of(&ways[i], &g, &h->motions[i], own, set);
+        fxs_coarse_set(&h->gaussians[i], &g);
+        const double drawn = (double)fxs_coarse_drawn(&h->gaussians[i]), share = (double)ways[i].mean;
+        const double square = drawn * drawn * (double)h->gaussians[i].area * share * (1 - share);
+        error->error += t->time.fades ? 0 : square;
+        error->size += t->time.fades ? 0 : square * (double)h->gaussians[i].area;
+    }
+    fxs_merge_add_moving(w->merger, h->gaussians, ways, h->count, t->time.fades);
+    h->opacity *= (own.to - own.from) / (set.to - set.from);
+}
+
+/* Merges the moving Gaussians of two children. The first becomes alive when the node is. */
+static void merge_moving(const tree *t, worker *w, held *first, held *second, fxs_merge_error *error)
+{
+    held *out = &w->merged;
+    fxs_merge_error windows = {0, 0};
+    fxs_way *ways = w->ways[0];
+    const int32_t from_q16 = first->from_q16 < second->from_q16 ? first->from_q16 : second->from_q16;
+    const int32_t to_q16 = first->to_q16 > second->to_q16 ? first->to_q16 : second->to_q16;
+    const fxs_lifespan set = {ldexp(from_q16, -16), ldexp(to_q16, -16)};
+    add_moving(t, w, first, w->ways[0], set, &windows);
+    add_moving(t, w, second, w->ways[1], set, &windows);
+    out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, error);
+    error->error += windows.error;
+    error->size += windows.size;
+    fxs_merge_ways(w->merger, ways);
+    for (uint32_t i = 0; i < out->count; i++) {
+        ways[i].width = t->time.fades ? ways[i].width : 1;
+        fxs_way_motion(&out->motions[i], &out->gaussians[i].gaussian, &ways[i], set);
+    }
+    first->from_q16 = from_q16;
+    first->to_q16 = to_q16;
+}
+
+static void merge_children(tree *t, worker *w, uint32_t place, held *first, held *second)
 {
     node *n = &t->nodes[place];
     fxs_merge_error error;
     held *out = &w->merged;
     fxs_merge_begin(w->merger, t->encoder.sh_degree);
-    fxs_merge_add(w->merger, first->gaussians, first->count);
-    fxs_merge_add(w->merger, second->gaussians, second->count);
-    out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
+    if (moves(t))
+        merge_moving(t, w, first, second, &error);
+    else {
+        fxs_merge_add(w->merger, first->gaussians, first->count);
+        fxs_merge_add(w->merger, second->gaussians, second->count);
+        out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
+    }
     hold_places(out, first);
     n->sums.error = error.error;
     n->sums.size = error.size;
     first->opacity += second->opacity;
     n->sums.opacity = first->opacity;
-    add_own(n, out);
+    add_own(t, n, out, moves(t) ? w->ways[0] : NULL);
     copy_sorted(first, out);
     widen_held(first, second);
     write_chunk(t, w, first, n->at);
@@ -424,7 +579,7 @@ static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
     }
     if (!n) {
         FXS_TRY(t->source->leaf(t->source->argument, child - t->count, &header, &rows, message));
-        read_coded(t, header, rows, h);
+        read_coded(t, header, NULL, rows, h);
         return 0;
     }
     FXS_TRY(t->source->top(t->source->argument, n->part, n->at, &chunk, h->gaussians, &h->count, message));
@@ -604,8 +759,23 @@ static uint32_t parts_of(uint32_t leaves)
     return leaves / PARTS > 4 ? leaves / PARTS : 4;
 }
 
-int fxs_tree_plan(fxs_tree **planned, float (*boxes)[6], uint32_t leaves, const fxs_pack_options *options,
-                  fxs_message *message)
+/* Scales times so that the duration of a moving scene is as long as the diagonal of its box. */
+static void scale_spans(tree *t, float (*spans)[2], uint32_t leaves)
+{
+    static const float always[2];
+    float box[6];
+    memcpy(box, t->boxes[0], sizeof box);
+    for (uint32_t i = 1; i < leaves; i++)
+        widen(box, t->boxes[i]);
+    const float unit = sqrtf(cost_of(box, always, 1));
+    for (uint32_t i = 0; i < leaves; i++)
+        for (int k = 0; k < 2; k++)
+            spans[i][k] *= unit;
+    t->spans = spans;
+}
+
+int fxs_tree_plan(fxs_tree **planned, float (*boxes)[6], float (*spans)[2], uint32_t leaves,
+                  const fxs_pack_options *options, fxs_message *message)
 {
     tree *t = *planned = fxs_allocate_zeroed(options->allocator, 1, sizeof *t);
     if (!t)
@@ -614,8 +784,11 @@ int fxs_tree_plan(fxs_tree **planned, float (*boxes)[6], uint32_t leaves, const 
     t->boxes = boxes;
     t->count = leaves - 1;
     t->large = parts_of(leaves);
+    if (spans)
+        scale_spans(t, spans, leaves);
     const int error = find_shape(t);
     t->boxes = 0;
+    t->spans = 0;
     return error ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
@@ -679,6 +852,18 @@ static void write_run(const tree *t)
     }
 }
 
+static int take_motion(tree *t, fxs_message *message)
+{
+    fxs_motion_header *m = &t->motion;
+    if (fxs_motion_read(m, t->run.scene))
+        return fxs_fail(message, "the scene's motion is damaged");
+    t->rows_of_motion = fxs_motion_rows_of(t->run.scene, m);
+    t->motion_bytes = fxs_motion_bytes(m->degree, m->flags) / FXS_CHUNK;
+    t->time = (fxs_time){.duration = ldexp(m->duration_q16, -16), .degree = (int)m->degree,
+                         .turns = (m->flags & FXS_MOTION_TURNS) != 0, .fades = (m->flags & FXS_MOTION_FADES) != 0};
+    return 0;
+}
+
 static int build_run(tree *t, const fxs_tree_run *run, const fxs_pack_options *options, fxs_message *message)
 {
     if (FLT_EVAL_METHOD != 0)
@@ -688,6 +873,8 @@ static int build_run(tree *t, const fxs_tree_run *run, const fxs_pack_options *o
     t->options = *options;
     t->encoder = (fxs_encoder){run->scene->profile, run->scene->sh_degree};
     t->limit = t->source ? 0 : parts_of(run->end - run->first);
+    if (moves(t))
+        FXS_TRY(take_motion(t, message));
     if (find_subtrees(t) || make_workers(t))
         return fxs_fail_memory(message, NULL, 0);
     if (build_subtrees(t))
@@ -705,21 +892,42 @@ int fxs_tree_build_run(fxs_tree *t, const fxs_tree_run *run, const fxs_pack_opti
     return error;
 }
 
+/* Finds when the leaves are alive, as shares of the duration. */
+static void find_spans(const fxs_scene *scene, float (*spans)[2])
+{
+    fxs_motion_header header;
+    fxs_chunk_motion m;
+    memcpy(&header, scene->motion, sizeof header);
+    fxs_motion_header_turn(&header);
+    for (uint32_t i = 0; i < scene->chunk_count; i++) {
+        memcpy(&m, scene->motion + sizeof header + i * sizeof m, sizeof m);
+        fxs_chunk_motion_turn(&m);
+        spans[i][0] = (float)m.from_q16 / (float)header.duration_q16;
+        spans[i][1] = (float)m.to_q16 / (float)header.duration_q16;
+    }
+}
+
 int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
                    fxs_message *message)
 {
     unsigned char *bytes = data;
+    const size_t before = sizeof(fxs_motion_header) + scene->chunk_count * sizeof(fxs_chunk_motion);
+    unsigned char *node_motions = scene->motion ? bytes + (scene->motion - bytes) + before : NULL;
     const fxs_tree_run run = {.scene = scene, .palette = palette, .end = scene->chunk_count, .chunks = scene->chunks,
                               .rows = scene->rows, .node_chunks = bytes + (scene->node_chunks - bytes),
-                              .node_rows = bytes + (scene->node_rows - bytes)};
+                              .node_rows = bytes + (scene->node_rows - bytes), .node_motions = node_motions};
     float (*boxes)[6] = fxs_allocate(options->allocator, scene->chunk_count, sizeof *boxes);
+    float (*spans)[2] = fxs_allocate(options->allocator, scene->chunk_count, sizeof *spans);
     fxs_tree *t = NULL;
-    int error = boxes ? 0 : fxs_fail_memory(message, NULL, scene->chunk_count * sizeof *boxes);
+    int error = boxes && spans ? 0 : fxs_fail_memory(message, NULL, scene->chunk_count * sizeof *boxes);
     if (!error) {
         fxs_chunk_boxes(scene->chunks, scene->chunk_count, boxes);
-        error = fxs_tree_plan(&t, boxes, scene->chunk_count, options, message);
+        if (scene->motion)
+            find_spans(scene, spans);
+        error = fxs_tree_plan(&t, boxes, scene->motion ? spans : NULL, scene->chunk_count, options, message);
     }
     fxs_release(options->allocator, boxes);
+    fxs_release(options->allocator, spans);
     if (!error)
         error = fxs_tree_build_run(t, &run, options, message);
     if (!error)
@@ -821,7 +1029,7 @@ static void read_child(const tree *t, uint32_t child, held *to)
 {
     const fxs_scene *s = t->run.scene;
     if (child < t->count)
-        read_coded(t, s->node_chunks + (size_t)child * sizeof(fxs_chunk),
+        read_coded(t, s->node_chunks + (size_t)child * sizeof(fxs_chunk), NULL,
                    s->node_rows + (size_t)child * s->chunk_bytes, to);
     else
         read_leaf(t, child - t->count, to);

@@ -26,10 +26,11 @@ void fxs_chunk_box(const fxs_chunk *chunk, float box[6]);
 
 void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6]);
 
-/* Plans the shape of a level-of-detail tree over at least 2 leaves from their bounding boxes. Copies the options.
-   Returns 0, or FXS_ERR_MEMORY and a message. Free *tree with fxs_tree_free in either case; null is accepted. */
-int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], uint32_t leaves, const fxs_pack_options *options,
-                  fxs_message *message);
+/* Plans the shape of a level-of-detail tree over at least 2 leaves from their bounding boxes. `spans` are the times in
+   which the leaves of a moving scene are alive, as shares of its duration; null: the scene is still. Copies the
+   options. Returns 0, or FXS_ERR_MEMORY and a message. Free *tree with fxs_tree_free in either case; null is accepted. */
+int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], float (*spans)[2], uint32_t leaves,
+                  const fxs_pack_options *options, fxs_message *message);
 void fxs_tree_free(fxs_tree *tree);
 
 /* Counts the tree nodes with all leaves in first..end - 1, and the topmost of these nodes. The parent of a topmost node
@@ -59,6 +60,7 @@ typedef struct fxs_tree_run {
     uint32_t first, end;               /* the run consists of the tree's leaves first..end - 1 */
     const unsigned char *chunks, *rows;
     unsigned char *node_chunks, *node_rows;
+    unsigned char *node_motions;       /* fxs_chunk_motion of the nodes; null: the scene is still */
     unsigned char *sums, *tops;    /* fxs_node_sums of all nodes of the run, and its topmost nodes; null: not written */
 } fxs_tree_run;
 

@@ -404,7 +404,7 @@ static int plan_tree(merger *m)
     if (!boxes)
         return fxs_fail_memory(m->message, NULL, m->header.chunk_count * sizeof *boxes);
     fxs_chunk_boxes(m->head + sizeof m->header, m->header.chunk_count, boxes);
-    const int error = fxs_tree_plan(&m->tree, boxes, m->header.chunk_count, &options, m->message);
+    const int error = fxs_tree_plan(&m->tree, boxes, NULL, m->header.chunk_count, &options, m->message);
     fxs_release(NULL, boxes);
     return error;
 }

@@ -1228,7 +1228,7 @@ static void test_stream_order(void)
 
 enum { MOVING = 2, MOVING_OBJECTS = 5, MOVING_FRAMES = 5 };
 
-/* Two moving scenes, a still one and one with a level-of-detail tree. The first scene is that of two objects. */
+/* Two moving scenes, the second mostly with a level-of-detail tree, a still one and one with a tree. The first scene is that of two objects. */
 typedef struct moving_world {
     unsigned char *data[MOVING];
     fxs_scene scenes[MOVING];
@@ -1248,7 +1248,9 @@ static void random_moving(moving_world *w, int i, int32_t most)
 {
     for (int k = 0; k < MOVING; k++) {
         size_t bytes;
-        packed_scene still = random_scene((enum fxs_profile)((i + k) % 3), most);
+        const enum fxs_profile profile = (enum fxs_profile)((i + k) % 3);
+        packed_scene still = k && i % 3 ? random_tree(profile, (uint32_t)between(2, 12), 0, 0)
+                                        : random_scene(profile, most);
         w->data[k] = make_moving(&still.scene, (uint32_t)((i / 3 + k) % 4), (uint32_t)between(0, 7), next(), &bytes);
         if (fxs_scene_open(&w->scenes[k], w->data[k], bytes))
             abort();

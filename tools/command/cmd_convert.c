@@ -475,7 +475,6 @@ static int to_fxs(const convert_options *o, const load_options *how)
     world w;
     fxs_message message;
     load_options load = *how;
-    load.still = load.tree ? "has no levels of detail: give --time SECONDS" : 0;
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];

@@ -60,7 +60,7 @@ static int take_motion(fxs_file_reader *r, const fxs_packed_header *h, fxs_time 
     fxs_motion_header *m = &r->motion;
     FXS_TRY(fxs_scene_source_read(r->source, r->parts.motion, m, sizeof *m, message));
     fxs_motion_header_turn(m);
-    if (!fxs_motion_header_valid(m, r->scene.chunk_count) ||
+    if (!fxs_motion_header_valid(m, fxs_chunks_with_nodes(h->chunk_count, fxs_version_has_tree(h->version))) ||
         h->chunk_bytes != fxs_chunk_bytes(r->scene.profile, r->scene.sh_degree) + fxs_motion_bytes(m->degree, m->flags))
         return damaged(r, "the motion's header", message);
     *time = (fxs_time){ldexp(m->duration_q16, -16), ldexp(m->rate_q16, -16), (m->flags & FXS_MOTION_LOOPS) != 0,
@@ -134,7 +134,7 @@ static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_f
     fxs_start_of(&info->start, &header);
     fxs_packed_header_turn(&header);
     FXS_TRY(take_palette(r, &header, message));
-    if (header.version == FXS_PACKED_VERSION_MOTION)
+    if (fxs_version_moves(header.version))
         FXS_TRY(take_motion(r, &header, &info->time, message));
     FXS_TRY(choose_origin(r, message));
     info->count = r->scene.count;

@@ -14,12 +14,13 @@
  *   fxs_chunk[chunk_count - 1]             each node's chunk of coarse Gaussians, which replace all leaves below it
  *   rows[chunk_count - 1]                  the codes of the nodes' chunks
  *
- * Version 7 is a moving scene, without a tree. Behind the palette, before the rows, it has:
+ * Version 7 is a moving scene without a tree, version 8 one with a tree. Behind the palette, before the rows, it has:
  *
  *   fxs_motion_header                      64 bytes
- *   fxs_chunk_motion[chunk_count]          16 bytes per chunk, when the chunk is drawn; zeros pad to a multiple of 64
+ *   fxs_chunk_motion[chunks]               16 bytes per chunk, when the chunk is drawn; in version 8, those of the
+ *                                          nodes' chunks follow the leaves'; zeros pad to a multiple of 64
  *
- * and a chunk's rows continue, behind the SH, with the rows of its motion (FXS_MOTION_BYTES), below.
+ * and a chunk's rows continue, behind the SH, with the rows of its motion (fxs_motion_bytes), below.
  *
  * Rows of a chunk, by profile:
  *
@@ -45,7 +46,7 @@
  *                                          bit 31 of b, the rest is 0
  *       uint8_t  sh[256][4 or 6]           4 signed palette indices for degree 1, 6 for degrees 2 and 3
  *
- *   motion, in version 7, with degree 0 to 3 of the motion header:
+ *   motion, in versions 7 and 8, with degree 0 to 3 of the motion header:
  *       int16_t  drift[degree][3][256]     coefficients of u, u^2, u^3 of the position codes x, y, z
  *       int16_t  turn[4][256]              with FXS_MOTION_TURNS: coefficients of u of the quaternion w, x, y, z, Q14
  *       int16_t  centre[256]               with FXS_MOTION_FADES: u of the largest opacity, Q13
@@ -72,7 +73,8 @@ extern "C" {
 #define FXS_PACKED_MAGIC 0x31535846u      /* first four bytes of a packed scene, "FXS1" */
 #define FXS_PACKED_VERSION 5u             /* file version of scenes without a level-of-detail tree */
 #define FXS_PACKED_VERSION_TREE 6u        /* file version of scenes with a level-of-detail tree */
-#define FXS_PACKED_VERSION_MOTION 7u      /* file version of moving scenes */
+#define FXS_PACKED_VERSION_MOTION 7u      /* file version of moving scenes without a level-of-detail tree */
+#define FXS_PACKED_VERSION_MOTION_TREE 8u /* file version of moving scenes with a level-of-detail tree */
 #define FXS_PACKED_ANTIALIASED 1u
 #define FXS_PACKED_UP 0x80000000u       /* header flag: the lower bits of `flags` store the up vector
                                            (docs/format.md) */
@@ -252,6 +254,23 @@ static inline void fxs_chunk_motion_turn(fxs_chunk_motion *motion)
     fxs_little_endian(motion, offsetof(fxs_chunk_motion, reserved), 1, 2);
 }
 
+/* Returns the file version of a scene. */
+static inline uint32_t fxs_packed_version(int moves, int has_tree)
+{
+    return moves ? (has_tree ? FXS_PACKED_VERSION_MOTION_TREE : FXS_PACKED_VERSION_MOTION)
+                 : (has_tree ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION);
+}
+
+static inline int fxs_version_has_tree(uint32_t version)
+{
+    return version == FXS_PACKED_VERSION_TREE || version == FXS_PACKED_VERSION_MOTION_TREE;
+}
+
+static inline int fxs_version_moves(uint32_t version)
+{
+    return version == FXS_PACKED_VERSION_MOTION || version == FXS_PACKED_VERSION_MOTION_TREE;
+}
+
 /* Returns the bytes of the rows of motion of a chunk. */
 static inline uint32_t fxs_motion_bytes(uint32_t degree, uint32_t flags)
 {
@@ -309,9 +328,14 @@ static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t
 }
 
 /* Returns the number of chunks of a scene, including the chunks of its tree. */
+static inline uint32_t fxs_chunks_with_nodes(uint32_t leaves, int has_tree)
+{
+    return has_tree ? 2 * leaves - 1 : leaves;
+}
+
 static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
 {
-    return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
+    return fxs_chunks_with_nodes(scene->chunk_count, scene->nodes != 0);
 }
 
 static inline uint32_t fxs_chunks_of(uint64_t slots)
@@ -408,13 +432,14 @@ static inline uint32_t fxs_palette_bytes(const fxs_scene *scene)
 FXS_EXPERIMENTAL size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
                                         uint32_t palette_entries);
 
-/* Returns the size in bytes of a moving scene, whose motion has the given degree and flags, as fxs_scene_bytes does. */
+/* Returns the size in bytes of a moving scene, whose motion has the given degree and flags, as fxs_scene_bytes does.
+   With `has_tree`, the motion has room for the tree's nodes; the size is without the tree. */
 FXS_EXPERIMENTAL size_t fxs_moving_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile,
-                                               uint32_t palette_entries, uint32_t degree, uint32_t flags);
+                                               uint32_t palette_entries, uint32_t degree, uint32_t flags, int has_tree);
 
-/* Returns the size in bytes of the level-of-detail tree that follows `chunks` chunks. Returns 0 for fewer than two
-   chunks, or if the size exceeds a size_t. */
-FXS_EXPERIMENTAL size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
+/* Returns the size in bytes of the level-of-detail tree that follows `chunks` chunks with rows of `chunk_bytes` bytes.
+   Returns 0 for fewer than two chunks, or if the size exceeds a size_t. */
+FXS_EXPERIMENTAL size_t fxs_tree_bytes(uint32_t chunks, uint32_t chunk_bytes);
 
 /* Writes the slot numbers of an open scene's Gaussians, as in fxs_id, to `numbers`, in the order of a stream of the
    scene. `numbers` has room for scene->count of them. They are 0, 1, 2 ... except in scenes with holes (empty slots
