@@ -83,16 +83,21 @@ static int open_cloud(cloud *c, int sh_degree, fxs_scene_file **file, fxs_scene_
     return fxs_scene_file_open_moving("cloud", &gaussians, &motions, 0, file, info, message);
 }
 
-/* Packs a cloud; with seconds >= 0 as it is then, else with its motion. */
-static int pack_cloud(cloud *c, int sh_degree, enum fxs_profile profile, double seconds, fxs_packed_scene *packed)
+/* Packs a cloud; with seconds >= 0 as it is then, else with its motion. With `threads`, it gets levels of detail. */
+static int pack_levels(cloud *c, int sh_degree, enum fxs_profile profile, double seconds, uint32_t threads,
+                       fxs_packed_scene *packed)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;
     fxs_pack_options options;
     fxs_message message;
+    fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : 0;
     fxs_pack_options_init(&options);
     options.profile = profile;
+    options.tree = threads > 0;
+    if (pool)
+        options.workers = (fxs_workers){fxs_pool_run, pool, threads};
     int error = open_cloud(c, sh_degree, &file, &info, &message);
     if (!error && seconds >= 0)
         error = fxs_scene_file_at(file, seconds, &info, &message);
@@ -101,7 +106,14 @@ static int pack_cloud(cloud *c, int sh_degree, enum fxs_profile profile, double 
     if (error)
         printf("  %s\n", message.text);
     fxs_scene_file_close(file);
+    if (pool)
+        fxs_pool_destroy(pool);
     return error;
+}
+
+static int pack_cloud(cloud *c, int sh_degree, enum fxs_profile profile, double seconds, fxs_packed_scene *packed)
+{
+    return pack_levels(c, sh_degree, profile, seconds, 0, packed);
 }
 
 typedef struct drawing {
@@ -109,6 +121,8 @@ typedef struct drawing {
     fxs_object object;
     fxs_scene scene;
     uint8_t pixels[4 * PIXELS];
+    uint32_t budget;
+    fxs_stats stats;
 } drawing;
 
 static void look(fxs_camera *camera, double turn)
@@ -137,11 +151,12 @@ static int draw(drawing *d, const void *data, size_t bytes, double seconds, doub
     fxs_request_init(&d->request, &d->object, 1);
     look(&d->request.cameras[0], turn);
     d->request.options.time_q32 = (int64_t)llrint(ldexp(seconds, 32));
+    d->request.options.budget = d->budget;
     d->request.targets[0].colour = (fxs_image){d->pixels, 4 * WIDTH};
     const size_t whole = error ? 0 : fxs_request_bytes(&context, &d->request, 0);
     const size_t room = memory_bytes && memory_bytes < whole ? memory_bytes : whole;
     void *memory = check_aligned(room);
-    error = error ? error : fxs_render(&context, &d->request, memory, room, 0);
+    error = error ? error : fxs_render(&context, &d->request, memory, room, &d->stats);
     free(memory);
     if (pool)
         fxs_pool_destroy(pool);
@@ -217,6 +232,73 @@ static void memory_threads_and_kernels_give_the_same_bytes(void)
     free_cloud(&c);
 }
 
+/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
+
+static void node_times_hold_those_below(const fxs_packed_scene *packed)
+{
+    fxs_scene scene;
+    CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes) && scene.nodes && scene.motion);
+    const fxs_chunk_motion *motions = (const fxs_chunk_motion *)(const void *)(scene.motion + sizeof(fxs_motion_header));
+    for (uint32_t i = 0; i < scene.chunk_count - 1; i++) {
+        fxs_node node;
+        fxs_chunk_motion own = motions[scene.chunk_count + i];
+        memcpy(&node, scene.nodes + i * sizeof node, sizeof node);
+        fxs_node_turn(&node);
+        fxs_chunk_motion_turn(&own);
+        for (int side = 0; side < 2; side++) {
+            fxs_chunk_motion below = motions[node.children[side]];
+            fxs_chunk_motion_turn(&below);
+            CHECK(own.from_q16 <= below.from_q16 && own.to_q16 >= below.to_q16);
+        }
+    }
+}
+
+/* Without a budget, the picture is that of the scene without levels. With one, it is like it. The bytes of scene and
+   pictures do not depend on threads, memory and kernels. */
+static void levels_of(cloud *c, enum fxs_profile profile, double floor)
+{
+    static drawing whole, some, other;
+    fxs_packed_scene plain, alone, levels;
+    fxs_kernels fastest;
+    fxs_kernels_choose(&fastest, fxs_cpu_detect());
+    if (!CHECK(!pack_cloud(c, 1, profile, -1, &plain)) || !CHECK(!pack_levels(c, 1, profile, -1, 1, &alone)) ||
+        !CHECK(!pack_levels(c, 1, profile, -1, 3, &levels)))
+        return;
+    CHECK(alone.bytes == levels.bytes && !memcmp(alone.data, levels.data, levels.bytes));
+    node_times_hold_those_below(&levels);
+    double sum = 0;
+    for (int i = 0; i < 6; i++) {
+        const double t = 0.499 * i, turn = 0.5 * i;
+        some.budget = other.budget = 0;
+        CHECK(!draw(&whole, plain.data, plain.bytes, t, turn, &fxs_kernels_c, 0, 1));
+        CHECK(!draw(&some, levels.data, levels.bytes, t, turn, &fxs_kernels_c, 0, 1));
+        CHECK(!memcmp(whole.pixels, some.pixels, sizeof whole.pixels));
+        some.budget = other.budget = COUNT / 2;
+        CHECK(!draw(&some, levels.data, levels.bytes, t, turn, &fxs_kernels_c, 0, 1));
+        CHECK(some.stats.drawn <= some.budget && memcmp(whole.pixels, some.pixels, sizeof whole.pixels));
+        CHECK(!draw(&other, levels.data, levels.bytes, t, turn, &fastest, 160000, 3));
+        CHECK(!memcmp(other.pixels, some.pixels, sizeof some.pixels));
+        sum += psnr(whole.pixels, some.pixels) / 6;
+    }
+    printf("  profile %d: %.2f dB with half of the Gaussians\n", (int)profile, sum);
+    CHECK(sum >= floor);
+    fxs_packed_scene_free(&plain);
+    fxs_packed_scene_free(&alone);
+    fxs_packed_scene_free(&levels);
+}
+
+static void moving_scenes_have_levels(void)
+{
+    for (int profile = 0; profile < 3; profile++)
+        for (int fades = 0; fades < 2; fades++) {
+            fxs_time time = every;
+            time.fades = fades;
+            cloud c = make_cloud(COUNT, time);
+            levels_of(&c, (enum fxs_profile)profile, 23);
+            free_cloud(&c);
+        }
+}
+
 /* ---- Bad input --------------------------------------------------------------------------------------------------- */
 
 static unsigned char *motion_of(const fxs_packed_scene *packed, fxs_motion_header *header)
@@ -273,23 +355,32 @@ static void wrong_motion_is_refused(void)
 }
 
 /* Any bytes of motion give a picture or FXS_ERR_SCENE. Sanitizers watch. */
-static void random_motion_is_safe(void)
+/* `threads` as for pack_levels. */
+static void random_motion_of(cloud *c, uint32_t threads)
 {
-    cloud c = make_cloud(COUNT / 4, every);
+    static drawing d;
     fxs_packed_scene packed;
     fxs_motion_header h;
-    if (!CHECK(!pack_cloud(&c, 1, FXS_PROFILE_SMALL, -1, &packed)))
+    if (!CHECK(!pack_levels(c, 1, FXS_PROFILE_SMALL, -1, threads, &packed)))
         return;
     unsigned char *at = motion_of(&packed, &h);
     const size_t left = (size_t)((unsigned char *)packed.data + packed.bytes - at);
     for (int i = 0; i < 200; i++) {
         for (int k = 0; k < 50; k++)
             at[(size_t)uniform(k < 40 ? 64 : 0, k < 10 ? 128 : (double)left)] ^= (unsigned char)uniform(1, 256);
-        const int error = draws(&packed);
+        d.budget = i % 3 ? (uint32_t)uniform(1, COUNT / 4) : 0;
+        const int error = draw(&d, packed.data, packed.bytes, 0.7, 0.2, &fxs_kernels_c, 0, 1);
         CHECK(error == 0 || error == FXS_ERR_SCENE);
         put_header(at, h);
     }
     fxs_packed_scene_free(&packed);
+}
+
+static void random_motion_is_safe(void)
+{
+    cloud c = make_cloud(COUNT / 4, every);
+    random_motion_of(&c, 0);
+    random_motion_of(&c, 1);
     free_cloud(&c);
 }
 
@@ -351,6 +442,7 @@ int main(void)
     RUN(pictures_follow_the_formulas);
     RUN(memory_threads_and_kernels_give_the_same_bytes);
     RUN(frames_do_not_depend_on_the_order);
+    RUN(moving_scenes_have_levels);
     RUN(wrong_motion_is_refused);
     RUN(random_motion_is_safe);
     RUN(wrong_gaussians_are_dropped);
