@@ -1,8 +1,8 @@
 // Streams scenes with levels of detail, and moving scenes, by range requests. The tables of the file (palette, tree,
 // motion, first headers) are loaded first. A chunk has the data of 256 Gaussians, and is loaded into a pool of memory
 // when a picture needs it. A full pool evicts the least recently used chunk. Leaves are the chunks of the finest level,
-// nodes the coarser chunks. Chunk numbers begin with the leaves. A moving scene has leaves only, each with the time in
-// which it is alive (drawn).
+// nodes the coarser chunks. Chunk numbers begin with the leaves. A chunk of a moving scene has a time in which it is
+// alive (drawn).
 
 import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
@@ -220,7 +220,7 @@ export class Pager {
 
   async open(header, total, { memory = MEMORY, progress }) {
     this.#allocate(header, total, memory)
-    const facts = await (this.#layout.motion ? this.#openMoving(progress) : this.#openTree(progress))
+    const facts = await (this.#layout.hasTree ? this.#openTree(progress) : this.#openMoving(progress))
     this.#core.check(this.#core.c.paged_coarse(this.#at, this.#used))
     return { at: this.#at, facts }
   }
@@ -231,12 +231,13 @@ export class Pager {
     const top = Math.min(TOP, leaves - 1)
     const block = Math.min(BLOCK, leaves - 1)
     await this.#readAll([
-      { ...palette },
+      ...this.#piecesOf(palette),
       { ...nodeHeaders, bytes: block * CHUNK_HEADER },
       { at: this.#layout.pool, from: nodeRows, bytes: top * chunkBytes },
       ...this.#piecesOf(tree),
     ], progress)
     const facts = this.#spread(block)
+    this.#orderInTime()
     for (let i = 0; i < top; i++) this.#take(leaves + i, i)
     this.#used = top
     this.#check('paged_headers', leaves, leaves + block)
@@ -246,7 +247,7 @@ export class Pager {
     return facts
   }
 
-  /** Loads the tables of a moving scene, and then the first chunks in time. */
+  /** Loads the tables of a moving scene without a tree, and then the first chunks in time. */
   async #openMoving(progress) {
     await this.#readAll(this.#piecesOf(this.#layout.palette), progress)
     const facts = this.#spread(0)
@@ -296,10 +297,11 @@ export class Pager {
   // ---- Moving scenes ------------------------------------------------------------------------------------------
 
   #orderInTime() {
-    const { leaves, motion } = this.#layout
+    const { chunks, motion } = this.#layout
+    if (!motion) return
     const [, duration, , flags] = this.#words(motion, MOTION_HEADER)
-    this.#times = new Int32Array(this.#core.c.memory.buffer, motion + 4 * MOTION_HEADER, 4 * leaves).slice()
-    this.#inTime = Uint32Array.from({ length: leaves }, (_, chunk) => chunk)
+    this.#times = new Int32Array(this.#core.c.memory.buffer, motion + 4 * MOTION_HEADER, 4 * chunks).slice()
+    this.#inTime = Uint32Array.from({ length: chunks }, (_, chunk) => chunk)
     this.#inTime.sort((a, b) => this.#times[4 * a] - this.#times[4 * b])
     Object.assign(this.#layout, { duration, loops: (flags & LOOPS) !== 0 })
   }
@@ -333,10 +335,14 @@ export class Pager {
   }
 
   /** Requests chunks that are alive between two times in seconds, the earliest first, after the chunks that the last
-      picture lacked. At most half of the pool is for them. Returns the number of missing chunks. */
+      picture lacked. With a tree, these are the nodes, the coarsest first: pictures request the leaves that they need.
+      At most half of the pool is for them. Returns the number of missing chunks. */
   prefetch(from, to) {
     if (!this.#times) return 0
-    const list = this.#aliveBetween(from, to).slice(0, this.#places >> 1)
+    const { leaves, hasTree } = this.#layout
+    const alive = this.#aliveBetween(from, to)
+    const coarse = () => alive.filter((chunk) => chunk >= leaves).sort((a, b) => a - b)
+    const list = (hasTree ? coarse() : alive).slice(0, this.#places >> 1)
     const { where, chunks, stamps } = this.#layout
     const [places, used] = [this.#words(where, chunks), this.#words(stamps, this.#places)]
     const missing = list.filter((chunk) => places[chunk] === NOTHING)
@@ -372,7 +378,7 @@ export class Pager {
     const [palette, tree, nodeHeaders, leafHeaders] = [1, 4, 7, 10].map(part)
     const leaves = numbers[0]
     this.#layout = { leaves, chunks, chunkBytes, palette, tree, nodeHeaders, leafHeaders, leafRows, nodeRows, pool }
-    Object.assign(this.#layout, { where, stamps, wanted, motion })
+    Object.assign(this.#layout, { where, stamps, wanted, motion, hasTree: chunks > leaves })
     this.#places = places
     this.#chunkOf = new Uint32Array(places)
     this.#marks = new Uint32Array(chunks)
@@ -382,21 +388,21 @@ export class Pager {
   }
 
   get budget() {
-    const { chunks, motion } = this.#layout
-    return motion || chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
+    const { chunks, hasTree } = this.#layout
+    return !hasTree || chunks <= Math.min(this.#places, BUDGET / GAUSSIANS) ? 0 : Math.min(BUDGET, this.most)
   }
 
   /** Returns the largest budget (number of Gaussians in a picture). The budget is half the pool, since coarse chunks
       stay in the pool while finer chunks are loaded. */
   get most() {
-    if (this.#layout.motion || this.#places >= this.#layout.chunks) return Infinity
+    if (!this.#layout.hasTree || this.#places >= this.#layout.chunks) return Infinity
     return ((this.#places - TOP) >> 1) * GAUSSIANS
   }
 
-  /** Returns the number of blocks of chunk headers that pictures may lack. Pictures of a moving scene lack none, since a
-      chunk without a header counts as missing. */
+  /** Returns the number of blocks of chunk headers that pictures may lack. Pictures of a scene without a tree lack none,
+      since a chunk without a header counts as missing. */
   get pending() {
-    return this.#layout.motion ? 0 : this.#pendingBlocks
+    return this.#layout.hasTree ? this.#pendingBlocks : 0
   }
 
   looked(ahead) {

@@ -229,7 +229,11 @@ for time in 0 0.5 0.99 -7.3; do
     check "at $time seconds" same_picture '{"eye":[2,-1,-4]}' '{"width":200,"height":150,"time":'$time'}' '[]' \
         "$work/moving.fxs" -- --size 200x150 --eye 2,-1,-4 --time $time
 done
-node --no-warnings tests/web/moving_parts.mjs "$package" "$work/moving.fxs" >"$work/asked" 2>&1 ||
+"$B/fixsplat" convert "$work/moving.fxs" "$work/moving_levels.fxs" --levels --quiet
+check "levels of detail of a moving scene" same_picture '{"eye":[2,-1,-4]}' \
+    '{"width":200,"height":150,"time":0.5,"budget":600}' '[]' "$work/moving_levels.fxs" -- \
+    --size 200x150 --eye 2,-1,-4 --time 0.5 --budget 600
+node --no-warnings tests/web/moving_parts.mjs "$package" "$work/moving.fxs" "$work/moving_levels.fxs" >"$work/asked" 2>&1 ||
     echo "FAIL moving_parts.mjs: a check above, or it ended early" >>"$work/asked"
 counts
 served_in_parts() {

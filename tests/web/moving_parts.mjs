@@ -1,12 +1,13 @@
-// node moving_parts.mjs PACKAGE SCENE: checks a moving scene that is streamed from a server. SCENE has more than 256
-// chunks (256 Gaussians each), and most of them are not seen at the start.
+// node moving_parts.mjs PACKAGE SCENE LEVELS: checks a moving scene that is streamed from a server. SCENE has more than
+// 256 chunks (256 Gaussians each), and most of them are not seen at the start. LEVELS is the same scene with levels of
+// detail.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
 import { serveRanges } from './ranges.mjs'
 
-const [folder, file] = process.argv.slice(2)
+const [folder, file, levels] = process.argv.slice(2)
 const { load, render } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const CAMERA = { eye: [2, -1, -4] }
 const SIZE = { width: 200, height: 150 }
@@ -21,8 +22,8 @@ const same = (scene, time) =>
 const { duration } = whole
 const times = [0, 0.1, 0.35, 0.5, 0.9, 1.25].map((share) => share * duration)
 
-async function served(options, run, paging = {}) {
-  const server = await serveRanges(file, options)
+async function served(options, run, paging = {}, path = file) {
+  const server = await serveRanges(path, options)
   let scene
   try {
     scene = await load(server.url, { threads: 1, paging })
@@ -85,6 +86,26 @@ const tests = {
       await exact(scene, duration / 2)
       assert.ok(sent > server.size, `${sent} of ${server.size}`)
     }, { memory: 1 })
+  },
+
+  async 'levels of detail: few chunks at first, a budget, and the bytes of the whole file'() {
+    const coarse = await load(levels, { threads: 1 })
+    const budget = { budget: coarse.count / 8 }
+    const drawn = (scene, time, more) => scene.render(CAMERA, { ...at(time), ...more })
+    await served({}, async (scene, server) => {
+      assert.ok(scene.paged && scene.levels && scene.duration === duration)
+      assert.ok(server.sent < server.size / 3, `${server.sent} of ${server.size}`)
+      for (const time of times) {
+        await scene.complete(CAMERA, { ...at(time), ...budget })
+        assert.deepEqual(drawn(scene, time, budget), drawn(coarse, time, budget), `${time} s`)
+      }
+      assert.ok(server.sent < server.size, `${server.sent} of ${server.size}`)
+      await fetched(scene, 0.2 * duration, 0.4 * duration)
+      const none = { budget: 0 }
+      await scene.complete(CAMERA, { ...at(times[2]), ...none })
+      assert.deepEqual(drawn(scene, times[2], none), whole.render(CAMERA, at(times[2])))
+    }, {}, levels)
+    coarse.free()
   },
 
   async 'objects at times of their own'() {
