@@ -5,9 +5,9 @@
 #include "vk.h"
 #include "shaders.h"
 
-/* The programs in SPIR-V; a row per variant of the device's features. */
+/* The programs in SPIR-V, packed; a row per variant of the device's features. */
 static const struct {
-    const uint32_t *words;
+    const uint8_t *packed;
     size_t bytes;
 } programs[1][FXS_VK_PROGRAMS] = {{
 #define PROGRAM(entry) {entry##_spv, sizeof entry##_spv},
@@ -88,6 +88,37 @@ static VkResult make_layouts(fxs_vulkan *v)
                   : v->vk.CreatePipelineLayout(v->options.device, &layout, v->options.allocator, &v->layout);
 }
 
+/* Unpacks 32-bit words of 7 bits a byte, lowest bits first; bit 7 is set in all bytes of a word but its last. Returns
+   the bytes of the words. */
+static size_t unpack(uint32_t *words, const uint8_t *packed, size_t bytes)
+{
+    size_t count = 0;
+    uint32_t word = 0;
+    for (size_t i = 0, shift = 0; i < bytes; i++) {
+        word |= (uint32_t)(packed[i] & 127) << shift;
+        shift += 7;
+        if (packed[i] < 128) {
+            words[count++] = word;
+            word = 0;
+            shift = 0;
+        }
+    }
+    return count * sizeof *words;
+}
+
+static VkResult make_module(const fxs_vulkan *v, const uint8_t *packed, size_t bytes, VkShaderModule *module)
+{
+    const fxs_vulkan_options *o = &v->options;
+    uint32_t *words = malloc(bytes * sizeof *words);       /* a word takes at least a byte */
+    if (!words)
+        return VK_ERROR_OUT_OF_HOST_MEMORY;
+    const VkShaderModuleCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                           .codeSize = unpack(words, packed, bytes), .pCode = words};
+    const VkResult result = v->vk.CreateShaderModule(o->device, &info, o->allocator, module);
+    free(words);
+    return result;
+}
+
 static VkResult make_pipelines(fxs_vulkan *v)
 {
     const fxs_vulkan_options *o = &v->options;
@@ -95,9 +126,7 @@ static VkResult make_pipelines(fxs_vulkan *v)
     VkComputePipelineCreateInfo infos[FXS_VK_PROGRAMS];
     VkResult result = VK_SUCCESS;
     for (int i = 0; i < FXS_VK_PROGRAMS && !result; i++) {
-        const VkShaderModuleCreateInfo module = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                                 .codeSize = programs[0][i].bytes, .pCode = programs[0][i].words};
-        result = v->vk.CreateShaderModule(o->device, &module, o->allocator, &modules[i]);
+        result = make_module(v, programs[0][i].packed, programs[0][i].bytes, &modules[i]);
         infos[i] = (VkComputePipelineCreateInfo){
             .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = v->layout,
             .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,

@@ -2,13 +2,22 @@
 # vulkan_shaders.sh FOLDER: makes FOLDER/ENTRY.spv, the compute shaders in SPIR-V for Vulkan 1.1, from
 # kernels/compute/generated/*.comp and kernels/vulkan/convert.comp, with glslangValidator and spirv-opt. The repository
 # stores these files in kernels/vulkan/generated.
-# vulkan_shaders.sh -c FILE...: prints SPIR-V files as C arrays of 32-bit words.
+# vulkan_shaders.sh -c FILE...: prints SPIR-V files as C arrays for kernels/vulkan/vk_device.c. A 32-bit word is one to
+# five bytes with 7 bits each, lowest bits first. Bit 7 is set in all of them but the last. This halves their size.
 # vulkan_shaders.sh -w: prints port/window/panel_shaders.h, from port/window/panel.vert and panel.frag.
 if [ "$1" = -c ]; then
     shift
     for file; do
-        echo "static const uint32_t $(basename "$file" | tr . _)[] = {"
-        od -An -v -tx1 -w64 "$file" | sed 's/ \(..\) \(..\) \(..\) \(..\)/0x\4\3\2\1,/g'
+        echo "static const uint8_t $(basename "$file" | tr . _)[] = {"
+        od -An -v -tu1 "$file" | awk '{
+            for (i = 1; i < NF; i += 4) {
+                word = $i + 256 * ($(i + 1) + 256 * ($(i + 2) + 256 * $(i + 3)))
+                for (; word > 127; word = int(word / 128))
+                    printf "%d,", word % 128 + 128
+                printf "%d,", word
+            }
+            print ""
+        }'
         echo '};'
     done
     exit
@@ -21,7 +30,10 @@ if [ "$1" = -w ]; then
         glslangValidator -V --target-env vulkan1.1 -g0 -o "$work/first" "port/window/panel.$stage" >"$work/said" ||
             { cat "$work/said" >&2; exit 1; }
         spirv-opt -O --strip-debug "$work/first" -o "$work/panel.$stage" || exit 1
-        sh "$0" -c "$work/panel.$stage" | sed 's/,/, /g' | fold -s -w 108 | sed 's/ *$//; s/^0x/    &/'
+        echo "static const uint32_t panel_$stage[] = {"
+        od -An -v -tx1 -w64 "$work/panel.$stage" | sed 's/ \(..\) \(..\) \(..\) \(..\)/0x\4\3\2\1, /g' |
+            fold -s -w 108 | sed 's/ *$//; s/^0x/    &/'
+        echo '};'
     done
     exit
 fi
@@ -40,5 +52,5 @@ for file in "$work"/*.comp; do
     name=$(basename "$file" .comp)
     glslangValidator -V --target-env vulkan1.1 -g0 -o "$work/$name.spv" "$file" >"$work/said" ||
         { cat "$work/said" >&2; exit 1; }
-    spirv-opt -O --strip-debug "$work/$name.spv" -o "$folder/$name.spv" || exit 1
+    spirv-opt -O --strip-debug --compact-ids "$work/$name.spv" -o "$folder/$name.spv" || exit 1
 done
