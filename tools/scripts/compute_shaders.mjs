@@ -11,20 +11,13 @@ const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
 
-// Removes functions that main never calls, directly or indirectly.
+// Removes functions, constants and structs that are used nowhere, and then those that only these used.
 function reachable(text)
 {
-    const functions = [...text.matchAll(/^(?!const|struct|layout)\w+ (\w+)\([^\n]*\) \{\n[^]*?^\}\n/gm)];
-    const needed = new Set(), look = ["main"];
-    while (look.length) {
-        const name = look.pop();
-        if (needed.has(name))
-            continue;
-        needed.add(name);
-        const body = functions.find((one) => one[1] === name)[0];
-        look.push(...functions.map((one) => one[1]).filter((other) => body.includes(`${other}(`)));
-    }
-    return functions.reduce((rest, one) => needed.has(one[1]) ? rest : rest.replace(one[0], ""), text);
+    const parts = /^(?:const \w+ (\w+) = .*|struct (\w+) \{\n[^]*?^\};|(?!layout)\w+ (\w+)\(.*\) \{\n[^]*?^\})\n/gm;
+    const isUsed = (name) => name === "main" || text.match(RegExp(`\\b${name}\\b`, "g")).length > 1;
+    const less = text.replace(parts, (part, ...names) => isUsed(names.find(Boolean)) ? part : "");
+    return less === text ? text : reachable(less);
 }
 
 // Joins a block of lines from naga (the shader translator) to one expression. A variable of a line `type name = value;`

@@ -11,58 +11,44 @@ focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset
 orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
 palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
 uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
-motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
-ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
-int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Projected{ivec3 camera;int zeros;uint
-inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};struct Covariance{uint a_q30_;uint c_q30_;int
-b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;};struct
-Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct Axes{ivec3
-axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;
-uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};struct Moment{ivec3 power_q15_;int shift;};
-struct Half{uint first_slot;uint place;uint index;bool inside;};const int FXS_CUT_Q11_=18432;const int
-FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
-FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
-ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
-MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
-const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;
-const uint SMALL=2u;const uint COMPACT=1u;const uint ROW=128u;layout(std140,binding=0)uniform Frame_block_0Compute{
-Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform Object_block_1Compute{Object _group_0_binding_1_cs;};
-layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,
-binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=3)buffer
-type_26_block_4Compute{uvec4 _group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}uvec2
-mul_wide(uint a_9,uint b_6){uint high;uint low;umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uint
-mul_high(uint a_10,uint b_7){uvec2 _e2=mul_wide(a_10,b_7);return _e2.y;}int zeros_of(uint x_2){return int(uint(31 -
-findMSB(x_2)));}uint reciprocal(uint m){uint y_q30_=0u;uint _e3=mul_high(m,2021161081u);y_q30_=(3031741620u - _e3);uint
-_e7=y_q30_;uint _e11=y_q30_;uint _e12=mul_high(m,_e11);uint _e15=mul_high((2u*_e7),(2u*(2147483648u - _e12)));
-y_q30_=_e15;uint _e17=y_q30_;uint _e21=y_q30_;uint _e22=mul_high(m,_e21);uint _e25=mul_high((2u*_e17),(2u*(2147483648u
-- _e22)));y_q30_=_e25;uint _e27=y_q30_;uint _e31=y_q30_;uint _e32=mul_high(m,_e31);uint _e35=mul_high((2u*_e27),
-(2u*(2147483648u - _e32)));return _e35;}uint rsqrt_step(uint m_1,uint y_q30_1){uint _e8=mul_high((2u*y_q30_1),y_q30_1);
-uint _e9=mul_high(m_1,_e8);uint _e12=mul_high((2u*y_q30_1),(2u*(1610612736u - _e9)));return _e12;}uint rsqrt(uint m_2){
-uint _e3=mul_high(m_2,1431655765u);uint _e5=rsqrt_step(m_2,(2369829601u - _e3));uint _e6=rsqrt_step(m_2,_e5);uint
-_e7=rsqrt_step(m_2,_e6);return _e7;}int exp2_q15_(int f_q15_){int p_1=0;p_1=(((256*f_q15_)+ 16384)>>15u);int _e8=p_1;
-p_1=((((_e8 - 1820)*f_q15_)+ 16384)>>15u);int _e16=p_1;p_1=((((_e16 + 7904)*f_q15_)+ 16384)>>15u);int _e24=p_1;
-p_1=((((_e24 - 22724)*f_q15_)+ 16384)>>15u);int _e32=p_1;return(32768 + _e32);}uint half_of(uint word,uint i){
-return((word>>(16u*(i%2u)))&65535u);}uint axis_bits(ivec3 falls_q16_){uint _e3=_group_0_binding_1_cs.profile;bool
-small=(_e3==SMALL);int gap=(min(abs((falls_q16_.y - falls_q16_.x)),abs((falls_q16_.z - falls_q16_.x)))>>4u);return
-uint(min(((small?8:11)+((5*gap)>>16u)),(small?10:14)));}ivec3 falls_of(uint scale_word,uint step_q24_){uvec3
-code_7=((uvec3(scale_word)>>uvec3(0u,10u,19u))&uvec3(1023u,1023u,1022u));return ivec3(((((code_7*code_7)*step_q24_)+
-uvec3(128u))>>uvec3(8u)));}bool axes_of(inout Axes axes,int x_8,int y){uint square_q30_=(uint((x_8*x_8))+ uint((y*y)));
-if((square_q30_>1073741824u)){return false;}uint m_4=(2147483648u - square_q30_);uint _e13=rsqrt(m_4);uint
-_e14=mul_high(m_4,_e13);int s_q15_=int(((_e14 + 8192u)>>14u));int xx_q15_=(((x_8*x_8)+ 16384)>>15u);int
-yy_q15_=(((y*y)+ 16384)>>15u);int xy_q15_1=(((x_8*y)+ 16384)>>15u);int xs_q15_=(((x_8*s_q15_)+ 16384)>>15u);int
-ys_q15_=(((y*s_q15_)+ 16384)>>15u);axes.axis_q15_=ivec3(xs_q15_,ys_q15_,(int(((m_4 + 16384u)>>15u))- 32768));
-axes.side_x_q15_=ivec3((32768 - xx_q15_),-(xy_q15_1),-(xs_q15_));axes.side_y_q15_=ivec3(-(xy_q15_1),(32768 - yy_q15_),
--(ys_q15_));return true;}bool read_axes(inout Axes axes_1,uint word_1,uint bits){bool _e10=axes_of(axes_1,
-(int(word_1)>>16u),(int((word_1<<bits))>>16u));if(!(_e10)){return false;}int u=(int((word_1<<(2u*bits)))>>16u);int
-uu_q15_=(((u*u)+ 16384)>>15u);int _e26=fxs_mul_q15_(uu_q15_,7373);int _e29=fxs_mul_q15_(uu_q15_,(40141 - _e26));
-axes_1.cos_q15_=(32768 - _e29);int _e34=fxs_mul_q15_(uu_q15_,2066);int _e37=fxs_mul_q15_(uu_q15_,(20619 - _e34));int
-_e40=fxs_mul_q15_(u,(51317 - _e37));axes_1.sin_q15_=_e40;return true;}uint byte_at(uint byte){uint
-_e5=_group_1_binding_0_cs[(byte/4u)];return((_e5>>(8u*(byte%4u)))&255u);}uint spread_11_(uint code_2){
-return((code_2<<5u)|(code_2>>6u));}uint spread_scale(uint x_15,uint y_1,uint z_1){
+motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Axes{ivec3 axis_q15_;ivec3 side_x_q15_;
+ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;uint scale;uint colour;};struct
+Moment{ivec3 power_q15_;int shift;};struct Half{uint first_slot;uint place;uint index;bool inside;};const uint
+CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint SPAN=8u;const uint
+DRAWN=3u;const uint MOTION_TURNS=1u;const uint MOTION_FADES=2u;const uint SMALL=2u;const uint ROW=128u;layout(std140,
+binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform
+Object_block_1Compute{Object _group_0_binding_1_cs;};layout(std430,binding=0)readonly buffer type_21_block_2Compute{
+uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};
+layout(std430,binding=3)buffer type_26_block_4Compute{uvec4 _group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){
+return(((a*b)+ 16384)>>15u);}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;umulExtended(a_9,b_6,high,low);return
+uvec2(low,high);}uint mul_high(uint a_10,uint b_7){uvec2 _e2=mul_wide(a_10,b_7);return _e2.y;}int zeros_of(uint x_2){
+return int(uint(31 - findMSB(x_2)));}uint reciprocal(uint m){uint y_q30_=0u;uint _e3=mul_high(m,2021161081u);
+y_q30_=(3031741620u - _e3);uint _e7=y_q30_;uint _e11=y_q30_;uint _e12=mul_high(m,_e11);uint _e15=mul_high((2u*_e7),
+(2u*(2147483648u - _e12)));y_q30_=_e15;uint _e17=y_q30_;uint _e21=y_q30_;uint _e22=mul_high(m,_e21);uint
+_e25=mul_high((2u*_e17),(2u*(2147483648u - _e22)));y_q30_=_e25;uint _e27=y_q30_;uint _e31=y_q30_;uint _e32=mul_high(m,
+_e31);uint _e35=mul_high((2u*_e27),(2u*(2147483648u - _e32)));return _e35;}uint rsqrt_step(uint m_1,uint y_q30_1){uint
+_e8=mul_high((2u*y_q30_1),y_q30_1);uint _e9=mul_high(m_1,_e8);uint _e12=mul_high((2u*y_q30_1),(2u*(1610612736u - _e9)));
+return _e12;}uint rsqrt(uint m_2){uint _e3=mul_high(m_2,1431655765u);uint _e5=rsqrt_step(m_2,(2369829601u - _e3));uint
+_e6=rsqrt_step(m_2,_e5);uint _e7=rsqrt_step(m_2,_e6);return _e7;}int exp2_q15_(int f_q15_){int p_1=0;
+p_1=(((256*f_q15_)+ 16384)>>15u);int _e8=p_1;p_1=((((_e8 - 1820)*f_q15_)+ 16384)>>15u);int _e16=p_1;p_1=((((_e16 +
+7904)*f_q15_)+ 16384)>>15u);int _e24=p_1;p_1=((((_e24 - 22724)*f_q15_)+ 16384)>>15u);int _e32=p_1;return(32768 + _e32);}
+uint half_of(uint word,uint i){return((word>>(16u*(i%2u)))&65535u);}uint axis_bits(ivec3 falls_q16_){uint
+_e3=_group_0_binding_1_cs.profile;bool small=(_e3==SMALL);int gap=(min(abs((falls_q16_.y - falls_q16_.x)),
+abs((falls_q16_.z - falls_q16_.x)))>>4u);return uint(min(((small?8:11)+((5*gap)>>16u)),(small?10:14)));}ivec3
+falls_of(uint scale_word,uint step_q24_){uvec3 code_7=((uvec3(scale_word)>>uvec3(0u,10u,19u))&uvec3(1023u,1023u,1022u));
+return ivec3(((((code_7*code_7)*step_q24_)+ uvec3(128u))>>uvec3(8u)));}bool axes_of(inout Axes axes,int x_8,int y){uint
+square_q30_=(uint((x_8*x_8))+ uint((y*y)));if((square_q30_>1073741824u)){return false;}uint m_4=(2147483648u -
+square_q30_);uint _e13=rsqrt(m_4);uint _e14=mul_high(m_4,_e13);int s_q15_=int(((_e14 + 8192u)>>14u));int
+xx_q15_=(((x_8*x_8)+ 16384)>>15u);int yy_q15_=(((y*y)+ 16384)>>15u);int xy_q15_1=(((x_8*y)+ 16384)>>15u);int
+xs_q15_=(((x_8*s_q15_)+ 16384)>>15u);int ys_q15_=(((y*s_q15_)+ 16384)>>15u);axes.axis_q15_=ivec3(xs_q15_,ys_q15_,
+(int(((m_4 + 16384u)>>15u))- 32768));axes.side_x_q15_=ivec3((32768 - xx_q15_),-(xy_q15_1),-(xs_q15_));
+axes.side_y_q15_=ivec3(-(xy_q15_1),(32768 - yy_q15_),-(ys_q15_));return true;}bool read_axes(inout Axes axes_1,uint
+word_1,uint bits){bool _e10=axes_of(axes_1,(int(word_1)>>16u),(int((word_1<<bits))>>16u));if(!(_e10)){return false;}int
+u=(int((word_1<<(2u*bits)))>>16u);int uu_q15_=(((u*u)+ 16384)>>15u);int _e26=fxs_mul_q15_(uu_q15_,7373);int
+_e29=fxs_mul_q15_(uu_q15_,(40141 - _e26));axes_1.cos_q15_=(32768 - _e29);int _e34=fxs_mul_q15_(uu_q15_,2066);int
+_e37=fxs_mul_q15_(uu_q15_,(20619 - _e34));int _e40=fxs_mul_q15_(u,(51317 - _e37));axes_1.sin_q15_=_e40;return true;}
+uint byte_at(uint byte){uint _e5=_group_1_binding_0_cs[(byte/4u)];return((_e5>>(8u*(byte%4u)))&255u);}uint
+spread_11_(uint code_2){return((code_2<<5u)|(code_2>>6u));}uint spread_scale(uint x_15,uint y_1,uint z_1){
 return((((x_15<<3u)|(x_15>>4u))|(((y_1<<3u)|(y_1>>4u))<<10u))|(((z_1<<3u)|(z_1>>3u))<<20u));}Codes small_codes(uint
 rows,uint g){uint a_27=_group_1_binding_0_cs[(rows + g)];uint b_36=_group_1_binding_0_cs[((rows + CHUNK)+ g)];uint
 c_5=_group_1_binding_0_cs[((rows + 512u)+ g)];uint _e23=byte_at((((4u*rows)+ 3072u)+ g));uint red=((b_36>>11u)&127u);

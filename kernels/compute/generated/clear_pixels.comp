@@ -4,48 +4,28 @@ size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint
 uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
 classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
 background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
-backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];
-ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;
-ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint
-focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int
-orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
-palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
-uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
-motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
-ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
-int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Pixel{int transmittance;ivec3 sum;};
-struct Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2 rows;uint list;uint count;};
-struct Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Share{uint tile;uint number;uvec2 rows;
-};struct Place{uint column;uint row;uvec2 at;bvec2 inside;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;
-const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int
-FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;
-const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint DRAWN=3u;const uint PAGE=4096u;const uint
-MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;
-const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint MOTION_FADES=2u;const int FAR_Q3_=-1048576;const
-int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;const uint LARGES=1u;const uint PAGES=2u;const uint
-DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint
-LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;
-const uint SIDE=8u;const uint SOME=32u;const uint APART=4u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
-_group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer type_11_block_1Compute{uint _group_1_binding_0_cs[];};
-layout(std430,binding=3)buffer type_11_block_2Compute{uint _group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){
-return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_accumulate_q13_(int
-sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ +
-_e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int
-_e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);
-return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+
-16384)>>15u);}ivec3 background_of(uint word_1){uvec3 rgb=uvec3((word_1&255u),((word_1>>8u)&255u),((word_1>>16u)&255u));
-return ivec3((((rgb*8192u)+ uvec3(127u))/uvec3(255u)));}void put_colour(inout Pixel p_3,uint at){ivec3
-background_q13_1=ivec3(0);uint word_2=0u;ivec3 _e3=p_3.sum;ivec3 sum=min(_e3,ivec3(32767));int
-transmittance=p_3.transmittance;uint _e11=_group_0_binding_0_cs.format;if((_e11==3u)){uvec3
-rgb_1=uvec3(min((((sum*65535)+ ivec3(4096))>>uvec3(13u)),ivec3(65535)));uint alpha=uint(((((FXS_CLEAR_Q15_ -
-transmittance)*65535)+ 16384)>>15u));uint _e38=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[(_e38
-+(2u*at))]=(rgb_1.x|(rgb_1.y<<16u));uint _e51=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[((_e51 +(2u*at))+
-1u)]=(rgb_1.z|(alpha<<16u));return;}ivec4 _e64=_group_0_binding_0_cs.background_q13_;background_q13_1=_e64.xyz;uint
-_e69=_group_0_binding_0_cs.backdrop;if((_e69!=NOTHING)){uint _e75=_group_0_binding_0_cs.backdrop;uint
-_e78=_group_1_binding_3_cs[(_e75 + at)];ivec3 _e79=background_of(_e78);background_q13_1=_e79;}int
-_e82=background_q13_1.x;int _e83=fxs_resolve_8bit(sum.x,transmittance,_e82);uint r=uint(_e83);int
-_e87=background_q13_1.y;int _e88=fxs_resolve_8bit(sum.y,transmittance,_e87);uint g_1=uint(_e88);int
-_e92=background_q13_1.z;int _e93=fxs_resolve_8bit(sum.z,transmittance,_e92);uint b_3=uint(_e93);
+backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Pixel{int transmittance;ivec3 sum;};const int
+FXS_CLEAR_Q15_=32767;const uint ROW_OF_GROUPS=32768u;const uint NOTHING=4294967295u;const uint SIDE=8u;layout(std140,
+binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)readonly buffer
+type_11_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=3)buffer type_11_block_2Compute{uint
+_group_1_binding_3_cs[];};int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
+return((a_1<b_1)?a_1:b_1);}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int colour_q13_){int
+_e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int fxs_resolve_8bit(int
+sum_q13_1,int transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,
+background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int fxs_coverage_8bit(int
+transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}ivec3 background_of(uint
+word_1){uvec3 rgb=uvec3((word_1&255u),((word_1>>8u)&255u),((word_1>>16u)&255u));return ivec3((((rgb*8192u)+
+uvec3(127u))/uvec3(255u)));}void put_colour(inout Pixel p_3,uint at){ivec3 background_q13_1=ivec3(0);uint word_2=0u;
+ivec3 _e3=p_3.sum;ivec3 sum=min(_e3,ivec3(32767));int transmittance=p_3.transmittance;uint
+_e11=_group_0_binding_0_cs.format;if((_e11==3u)){uvec3 rgb_1=uvec3(min((((sum*65535)+ ivec3(4096))>>uvec3(13u)),
+ivec3(65535)));uint alpha=uint(((((FXS_CLEAR_Q15_ - transmittance)*65535)+ 16384)>>15u));uint
+_e38=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[(_e38 +(2u*at))]=(rgb_1.x|(rgb_1.y<<16u));uint
+_e51=_group_0_binding_0_cs.colour;_group_1_binding_3_cs[((_e51 +(2u*at))+ 1u)]=(rgb_1.z|(alpha<<16u));return;}ivec4
+_e64=_group_0_binding_0_cs.background_q13_;background_q13_1=_e64.xyz;uint _e69=_group_0_binding_0_cs.backdrop;
+if((_e69!=NOTHING)){uint _e75=_group_0_binding_0_cs.backdrop;uint _e78=_group_1_binding_3_cs[(_e75 + at)];ivec3
+_e79=background_of(_e78);background_q13_1=_e79;}int _e82=background_q13_1.x;int _e83=fxs_resolve_8bit(sum.x,
+transmittance,_e82);uint r=uint(_e83);int _e87=background_q13_1.y;int _e88=fxs_resolve_8bit(sum.y,transmittance,_e87);
+uint g_1=uint(_e88);int _e92=background_q13_1.z;int _e93=fxs_resolve_8bit(sum.z,transmittance,_e92);uint b_3=uint(_e93);
 word_2=(((r|(g_1<<8u))|(b_3<<16u))|4278190080u);uint _e106=_group_0_binding_0_cs.format;if((_e106==1u)){uint
 _e109=word_2;int _e112=fxs_coverage_8bit(transmittance);word_2=((_e109&16777215u)|(uint(_e112)<<24u));}uint
 _e119=_group_0_binding_0_cs.format;if((_e119==2u)){word_2=((((((r*31u)+ 127u)/255u)<<11u)|((((g_1*63u)+

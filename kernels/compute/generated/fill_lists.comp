@@ -4,37 +4,20 @@ size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint
 uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
 classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
 background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
-backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];
-ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;
-ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint
-focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int
-orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
-palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
-uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
-motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
-ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
-int half_width_q8_;uint square_radius;};struct Span{int first;int last;};const int FXS_CUT_Q11_=18432;const int
-FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
-FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
-ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
-MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
-const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
-_group_0_binding_0_cs;};layout(std430,binding=0)buffer type_14_block_1Compute{uint _group_1_binding_0_cs[];};
-layout(std430,binding=1)readonly buffer type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,
-binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer
-type_14_block_4Compute{uint _group_1_binding_3_cs[];};uint list_of(uint tile){return(TILES +(LIST*tile));}uint
-bound_words(){uint _e3=_group_0_binding_0_cs.places;return(4u*_e3);}uint list_room(uint longest,uint larges,uint
-visible){return max(min((max(longest,BLOCK)+ larges),visible),1u);}bool fits(){bool local_11=false;bool local_12=false;
-uint _e2=_group_1_binding_2_cs[2];uint _e5=_group_0_binding_0_cs.page_room;if((_e2<=_e5)){uint
-_e11=_group_1_binding_2_cs[1];uint _e14=_group_0_binding_0_cs.large_room;local_11=(_e11<=_e14);}else{local_11=false;}
-bool _e17=local_11;if(_e17){uint _e22=_group_1_binding_2_cs[9];uint _e26=_group_0_binding_0_cs.merges;
-local_12=(_e22<=(BLOCK<<_e26));}else{local_12=false;}bool _e30=local_12;return _e30;}void put_entry(uint tile_1,uint
-entry){uint _e4=list_of(tile_1);uint _e9=atomicAdd(_group_1_binding_2_cs[(_e4 + 1u)],1u);
-_group_1_binding_3_cs[_e9]=entry;return;}void fill_box(uint slot){uvec2 bits=uvec2(0u);uint bit=0u;uint
+backdrop;uint scratch;uint squares;uint rates;uint moments;};const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;
+const uint BLOCK=512u;const uint LARGE_BOX=4194303u;const uint TILES=64u;const uint LIST=8u;layout(std140,
+binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std430,binding=0)buffer
+type_14_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)readonly buffer type_14_block_2Compute{
+uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_16_block_3Compute{uint _group_1_binding_2_cs[];};
+layout(std430,binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};uint list_of(uint tile){
+return(TILES +(LIST*tile));}uint bound_words(){uint _e3=_group_0_binding_0_cs.places;return(4u*_e3);}uint
+list_room(uint longest,uint larges,uint visible){return max(min((max(longest,BLOCK)+ larges),visible),1u);}bool fits(){
+bool local_11=false;bool local_12=false;uint _e2=_group_1_binding_2_cs[2];uint _e5=_group_0_binding_0_cs.page_room;
+if((_e2<=_e5)){uint _e11=_group_1_binding_2_cs[1];uint _e14=_group_0_binding_0_cs.large_room;local_11=(_e11<=_e14);}
+else{local_11=false;}bool _e17=local_11;if(_e17){uint _e22=_group_1_binding_2_cs[9];uint
+_e26=_group_0_binding_0_cs.merges;local_12=(_e22<=(BLOCK<<_e26));}else{local_12=false;}bool _e30=local_12;return _e30;}
+void put_entry(uint tile_1,uint entry){uint _e4=list_of(tile_1);uint _e9=atomicAdd(_group_1_binding_2_cs[(_e4 + 1u)],
+1u);_group_1_binding_3_cs[_e9]=entry;return;}void fill_box(uint slot){uvec2 bits=uvec2(0u);uint bit=0u;uint
 _e4=_group_0_binding_0_cs.boxes;uint _e9=_group_1_binding_1_cs[(_e4 +(2u*slot))];uint _e13=_group_0_binding_0_cs.boxes;
 uint _e20=_group_1_binding_1_cs[((_e13 +(2u*slot))+ 1u)];bits=uvec2(_e9,_e20);uint _e24=bits.y;uint
 first_tile=(_e24>>10u);int _e30=_group_0_binding_0_cs.tiles.x;uint across=uint(_e30);uint _e33=bits.y;

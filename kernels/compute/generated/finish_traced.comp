@@ -4,57 +4,41 @@ size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint
 uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
 classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
 background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
-backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];
-ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;
-ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint
-focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int
-orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
-palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
-uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
-motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
-ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
-int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Pixel{int transmittance;ivec3 sum;};
-struct Fetched{uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2 rows;uint list;uint count;};
-struct Taken{uint u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Share{uint tile;uint number;uvec2 rows;
-};struct Place{uint column;uint row;uvec2 at;bvec2 inside;};struct Block{uint list;uint count;uint first;uint done;};
+backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Pixel{int transmittance;ivec3 sum;};struct Fetched{
+uint entry;uvec4 a;uvec4 b;};struct Patch{uint x;uint y;uint shift;uvec2 rows;uint list;uint count;};struct Taken{uint
+u;uint ux;uint level_q26_;int limit_q11_;ivec3 colour;};struct Place{uint column;uint row;uvec2 at;bvec2 inside;};
 struct Traced{uint limit;int weight;uint largest;uint median;uvec2 sum;};struct Box{uvec2 first;uvec2 end;uvec2 mask;
 bool large;};struct Lists{uint halves;uint list;uint room;};struct Turn{Lists lists;uint first;uint end;};const int
-FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;
-const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
-ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
-MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
-const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;const uint SIDE=8u;const uint SOME=32u;const uint
-APART=4u;const uint SAMPLES=16u;const uint RANGE=16u;const uint BINS=256u;const uint SPARE=2147483648u;const uint
-DONE=1048576u;const int HALF_Q15_=16384;const int REACH=4;layout(std140,binding=0)uniform Frame_block_0Compute{Frame
-_group_0_binding_0_cs;};shared uint sums[128];shared uint group_sums[8];layout(std430,binding=0)buffer
-type_14_block_1Compute{uint _group_1_binding_0_cs[];};shared uvec4 shapes[32];shared uvec4 shades[32];shared uint
-touching[2];shared uint open_round;shared uint open_pixels[2];shared uint shared_number;layout(std430,binding=1)buffer
-type_14_block_2Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer type_18_block_3Compute{
-uvec4 _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};
-shared uvec2 keys[512];shared uint bins[257];shared uint samples[16];shared uint ranks[16];shared uvec2 bounds[16];
-shared uint below_split[2];shared uint splits[2];shared uvec2 own_2[32];shared uint found;shared uint near_count;shared
-uint near[128];int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){
-return((a_1<b_1)?a_1:b_1);}int fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int _e4=c;int
-_e6=fxs_min(_e4,32767);int _e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
-_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,int c_1){
-return(((a_2*b_2)+((c_1*32768)+ 16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p=0;int
-_e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p=_e3;int _e5=p;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);p=_e7;int
-_e8=p;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);p=_e10;int _e11=p;int _e12=p;int _e13=fxs_mul_q15_(_e11,_e12);
-p=_e13;int _e14=p;int _e15=p;int _e16=fxs_mul_q15_(_e14,_e15);p=_e16;int _e17=p;int _e18=p;int _e19=fxs_mul_q15_(_e17,
-_e18);p=_e19;int _e20=p;int _e22=fxs_min(_e20,FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int
-transmittance_q15_){int _e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int
-sum_q13_,int weight_q15_,int colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ +
-_e3),32767);return _e6;}int fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int
-_e3=fxs_accumulate_q13_(sum_q13_1,transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);
-return _e11;}int fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+
-16384)>>15u);}uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint
-low_1=(a_3.x + b_3.x);return uvec2(low_1,((a_3.y + b_3.y)+((low_1<a_3.x)?1u:0u)));}bool is_negative(uvec2 a_5){
-return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2
-a_7){bool _e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
+FXS_FAINT_Q11_=22697;const int FXS_ALPHA_MAX_Q15_=32440;const int FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;
+const uint THREADS=128u;const uint BLOCK=512u;const uint CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint
+LARGE_BOX=4194303u;const int FAR_Q3_=-1048576;const uint GROUP=16u;const uint SIDE=8u;const uint SOME=32u;const uint
+APART=4u;const uint SAMPLES=16u;const uint RANGE=16u;const uint BINS=256u;const uint SPARE=2147483648u;const int
+HALF_Q15_=16384;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};shared uint
+sums[128];shared uint group_sums[8];layout(std430,binding=0)buffer type_14_block_1Compute{uint _group_1_binding_0_cs[];}
+;shared uvec4 shapes[32];shared uvec4 shades[32];shared uint touching[2];shared uint open_round;shared uint
+open_pixels[2];shared uint shared_number;layout(std430,binding=1)buffer type_14_block_2Compute{uint
+_group_1_binding_1_cs[];};layout(std430,binding=2)readonly buffer type_18_block_3Compute{uvec4 _group_1_binding_2_cs[];}
+;layout(std430,binding=3)buffer type_14_block_4Compute{uint _group_1_binding_3_cs[];};shared uvec2 keys[512];shared
+uint bins[257];shared uint samples[16];shared uint ranks[16];shared uvec2 bounds[16];shared uint below_split[2];shared
+uint splits[2];shared uvec2 own_2[32];shared uint found;shared uint near_count;shared uint near[128];int
+fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int
+fxs_coordinate_q13_(int coordinate_q24_){int c=0;c=(coordinate_q24_>>11u);int _e4=c;int _e6=fxs_min(_e4,32767);int
+_e7=c;return((_e7<-32767)?-32767:_e6);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1
++ cut_q11_),FXS_FAINT_Q11_);return _e4;}int fxs_mul_add_q15_(int a_2,int b_2,int c_1){return(((a_2*b_2)+((c_1*32768)+
+16384))>>15u);}int fxs_alpha_q15_(int level_q11_){int p=0;int _e3=fxs_mul_add_q15_(-4236,level_q11_,16016);p=_e3;int
+_e5=p;int _e7=fxs_mul_add_q15_(_e5,level_q11_,-32730);p=_e7;int _e8=p;int _e10=fxs_mul_add_q15_(_e8,level_q11_,32767);
+p=_e10;int _e11=p;int _e12=p;int _e13=fxs_mul_q15_(_e11,_e12);p=_e13;int _e14=p;int _e15=p;int _e16=fxs_mul_q15_(_e14,
+_e15);p=_e16;int _e17=p;int _e18=p;int _e19=fxs_mul_q15_(_e17,_e18);p=_e19;int _e20=p;int _e22=fxs_min(_e20,
+FXS_ALPHA_MAX_Q15_);return _e22;}int fxs_weight_q15_(int alpha_q15_,int transmittance_q15_){int
+_e2=fxs_mul_q15_(alpha_q15_,transmittance_q15_);return _e2;}int fxs_accumulate_q13_(int sum_q13_,int weight_q15_,int
+colour_q13_){int _e3=fxs_mul_q15_(weight_q15_,colour_q13_);int _e6=fxs_min((sum_q13_ + _e3),32767);return _e6;}int
+fxs_resolve_8bit(int sum_q13_1,int transmittance_q15_1,int background_q13_){int _e3=fxs_accumulate_q13_(sum_q13_1,
+transmittance_q15_1,background_q13_);int _e11=fxs_min((((_e3*255)+ 4096)>>13u),255);return _e11;}int
+fxs_coverage_8bit(int transmittance_q15_2){return((((FXS_CLEAR_Q15_ - transmittance_q15_2)*255)+ 16384)>>15u);}uvec2
+wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_1=(a_3.x + b_3.x);
+return uvec2(low_1,((a_3.y + b_3.y)+((low_1<a_3.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2
+negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool
+_e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
 return((a_8.y==b_5.y)?(a_8.x<b_5.x):(int(a_8.y)<int(b_5.y)));}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;
 umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uvec2 mul_mixed(int a_11,uint b_8){uvec2 _e3=mul_wide(uint(a_11),
 b_8);return uvec2(_e3.x,(_e3.y -((a_11<0)?b_8:0u)));}uvec2 mul_signed(int a_12,int b_9){uvec2 _e3=mul_mixed(a_12,

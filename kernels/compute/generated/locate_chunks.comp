@@ -11,25 +11,17 @@ focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset
 orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
 palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
 uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
-motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
-ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
-int half_width_q8_;uint square_radius;};struct Span{int first;int last;};struct Located{uvec2 base_q16_[3];int
-m_q16_[9];int scale_q16_;int shift;int plane_zeros;int near;};const uint CHUNK=256u;const uint THREADS=128u;const uint
-ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
-MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
-const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,
-binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform
-Object_block_1Compute{Object _group_0_binding_1_cs;};layout(std430,binding=0)readonly buffer type_13_block_2Compute{
-uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_13_block_3Compute{uint _group_1_binding_1_cs[];};
-layout(std430,binding=2)buffer type_15_block_4Compute{uint _group_1_binding_2_cs[];};shared uint seen_bits[4];uvec2
-wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a,uvec2 b){uint low_3=(a.x + b.x);return
-uvec2(low_3,((a.y + b.y)+((low_3<a.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_1,uvec2 b_1){return uvec2((a_1.x - b_1.x),
-((a_1.y - b_1.y)-((a_1.x<b_1.x)?1u:0u)));}bool is_negative(uvec2 a_2){return(int(a_2.y)<0);}uvec2 negate(uvec2 a_3){
-uvec2 _e5=add_wide(~(a_3),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_4){bool _e1=is_negative(a_4);if(_e1){uvec2
+motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Located{uvec2 base_q16_[3];int m_q16_[9];
+int scale_q16_;int shift;int plane_zeros;int near;};const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint
+RECORD=64u;const uint DRAWN=3u;const uvec2 LIMIT_Q32_=uvec2(0u,268435456u);layout(std140,binding=0)uniform
+Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform Object_block_1Compute{Object
+_group_0_binding_1_cs;};layout(std430,binding=0)readonly buffer type_13_block_2Compute{uint _group_1_binding_0_cs[];};
+layout(std430,binding=1)buffer type_13_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
+type_15_block_4Compute{uint _group_1_binding_2_cs[];};shared uint seen_bits[4];uvec2 wide_of(int x){return
+uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a,uvec2 b){uint low_3=(a.x + b.x);return uvec2(low_3,((a.y +
+b.y)+((low_3<a.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_1,uvec2 b_1){return uvec2((a_1.x - b_1.x),((a_1.y -
+b_1.y)-((a_1.x<b_1.x)?1u:0u)));}bool is_negative(uvec2 a_2){return(int(a_2.y)<0);}uvec2 negate(uvec2 a_3){uvec2
+_e5=add_wide(~(a_3),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_4){bool _e1=is_negative(a_4);if(_e1){uvec2
 _e2=negate(a_4);return _e2;}return a_4;}bool less(uvec2 a_5,uvec2 b_2){
 return((a_5.y==b_2.y)?(a_5.x<b_2.x):(int(a_5.y)<int(b_2.y)));}uvec2 mul_wide(uint a_6,uint b_3){uint high;uint low;
 umulExtended(a_6,b_3,high,low);return uvec2(low,high);}uvec2 mul_mixed(int a_8,uint b_5){uvec2 _e3=mul_wide(uint(a_8),

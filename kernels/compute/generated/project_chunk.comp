@@ -18,30 +18,23 @@ inverse_q30_;ivec2 slope_q23_;ivec2 position_q14_;bool out_of_range;};struct Cov
 b_q30_;uvec2 det_q60_;uvec2 det_undilated_q60_;int exponent;};struct Root{uint m;uint inverse_q30_;int half_;};struct
 Placed{Splat splat;Bounds bounds;};struct Axis{int slope_q23_;int position_q14_;bool out_of_range;};struct Axes{ivec3
 axis_q15_;ivec3 side_x_q15_;ivec3 side_y_q15_;int cos_q15_;int sin_q15_;};struct Codes{uvec3 position;uint rotation;
-uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};struct Moment{ivec3 power_q15_;int shift;};
-struct Half{uint first_slot;uint place;uint index;bool inside;};const int FXS_CUT_Q11_=18432;const int
-FXS_FAINT_Q11_=22697;const int FXS_LEVEL_MAX_Q11_=32767;const int FXS_ALPHA_MAX_Q15_=32440;const int
-FXS_CLEAR_Q15_=32767;const int FXS_CLOSED_Q15_=33;const uint CHUNK=256u;const uint THREADS=128u;const uint
-ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;const uint
-DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
-MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
-const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const int CENTRE_LIMIT_Q14_=1073741824;const int SIDE_Q23_=536870912;
-const uint SMALL=2u;const uint COMPACT=1u;const uint ROW=128u;layout(std140,binding=0)uniform Frame_block_0Compute{
-Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform Object_block_1Compute{Object _group_0_binding_1_cs;};
-shared uint record[64];layout(std430,binding=0)readonly buffer type_21_block_2Compute{uint _group_1_binding_0_cs[];};
-layout(std430,binding=1)buffer type_21_block_3Compute{uint _group_1_binding_1_cs[];};layout(std430,binding=2)buffer
-type_25_block_4Compute{uint _group_1_binding_2_cs[];};layout(std430,binding=3)buffer type_26_block_5Compute{uvec4
-_group_1_binding_3_cs[];};shared uint visible_here;int fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int
-fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int fxs_limit_q11_(int offset_q11_1,int cut_q11_){int
-_e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}uvec2 wide_of(int x){return uvec2(uint(x),
-uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_2=(a_3.x + b_3.x);return uvec2(low_2,((a_3.y +
-b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,uvec2 b_4){return uvec2((a_4.x - b_4.x),((a_4.y -
-b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2 negate(uvec2 a_6){uvec2
-_e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool _e1=is_negative(a_7);if(_e1){uvec2
-_e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
+uint scale;uint colour;};struct Basis{ivec4 a;ivec4 b;ivec4 c;ivec4 d;};struct Half{uint first_slot;uint place;uint
+index;bool inside;};const int FXS_CUT_Q11_=18432;const int FXS_FAINT_Q11_=22697;const uint CHUNK=256u;const uint
+THREADS=128u;const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const
+uint SPAN=8u;const uint DRAWN=3u;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint TILES=64u;const uint LIST=8u;
+const int EVERYWHERE_Q8_=1073741824;const int SIDE_Q23_=536870912;const uint SMALL=2u;const uint COMPACT=1u;
+layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};layout(std140,binding=1)uniform
+Object_block_1Compute{Object _group_0_binding_1_cs;};shared uint record[64];layout(std430,binding=0)readonly buffer
+type_21_block_2Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=1)buffer type_21_block_3Compute{uint
+_group_1_binding_1_cs[];};layout(std430,binding=2)buffer type_25_block_4Compute{uint _group_1_binding_2_cs[];};
+layout(std430,binding=3)buffer type_26_block_5Compute{uvec4 _group_1_binding_3_cs[];};shared uint visible_here;int
+fxs_mul_q15_(int a,int b){return(((a*b)+ 16384)>>15u);}int fxs_min(int a_1,int b_1){return((a_1<b_1)?a_1:b_1);}int
+fxs_limit_q11_(int offset_q11_1,int cut_q11_){int _e4=fxs_min((offset_q11_1 + cut_q11_),FXS_FAINT_Q11_);return _e4;}
+uvec2 wide_of(int x){return uvec2(uint(x),uint((x>>31u)));}uvec2 add_wide(uvec2 a_3,uvec2 b_3){uint low_2=(a_3.x +
+b_3.x);return uvec2(low_2,((a_3.y + b_3.y)+((low_2<a_3.x)?1u:0u)));}uvec2 sub_wide(uvec2 a_4,uvec2 b_4){return
+uvec2((a_4.x - b_4.x),((a_4.y - b_4.y)-((a_4.x<b_4.x)?1u:0u)));}bool is_negative(uvec2 a_5){return(int(a_5.y)<0);}uvec2
+negate(uvec2 a_6){uvec2 _e5=add_wide(~(a_6),uvec2(1u,0u));return _e5;}uvec2 magnitude(uvec2 a_7){bool
+_e1=is_negative(a_7);if(_e1){uvec2 _e2=negate(a_7);return _e2;}return a_7;}bool less(uvec2 a_8,uvec2 b_5){
 return((a_8.y==b_5.y)?(a_8.x<b_5.x):(int(a_8.y)<int(b_5.y)));}uvec2 mul_wide(uint a_9,uint b_6){uint high;uint low;
 umulExtended(a_9,b_6,high,low);return uvec2(low,high);}uint mul_high(uint a_10,uint b_7){uvec2 _e2=mul_wide(a_10,b_7);
 return _e2.y;}uvec2 mul_mixed(int a_11,uint b_8){uvec2 _e3=mul_wide(uint(a_11),b_8);return uvec2(_e3.x,(_e3.y

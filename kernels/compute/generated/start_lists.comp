@@ -4,45 +4,31 @@ size;ivec2 tiles;ivec2 first;ivec2 whole;uint places;uint spans;uint merges;uint
 uint seen;uint ranks;uint visible;uint records;uint depths;uint boxes;uint larges;uint spans_at;uint finishes;uint
 classes;uint blocks;uint block_room;uint spare;uint tile_bits;uint cleared;int cutoff;int cut_q11_;uint format;ivec4
 background_q13_;int depth_bits;uint colour;uint coverage;uint mean_depth;uint median_depth;uint id;uint occluder;uint
-backdrop;uint scratch;uint squares;uint rates;uint moments;};struct Object{uvec4 position_q32_[3];uvec4 eye_q32_[3];
-ivec4 rotation_q30_[3];ivec4 row_q15_[2];ivec4 forward_q15_[2];ivec4 tint_q13_;uvec2 near_q32_;uvec2 dilation_q30_;
-ivec2 f_q12_;ivec2 c_q12_;ivec2 slope_low_q23_;ivec2 slope_high_q23_;ivec2 edge_low_q23_;ivec2 edge_high_q23_;uint
-focal_q32_;int focal_exponent;int veil_exponent;int jacobian_exponent;int offset_q11_;int degree;int antialiased;int
-orthographic;int plane_exponent;uint profile;int scene_degree;uint chunk_words;uint palette_entries;int
-palette_step_q19_;uint scale_mantissa;int scale_exponent;int plain;uint crop_count;uint keep_count;uint first_chunk;
-uint first_place;uint end_place;uint span;uint part_chunk;uint rows_at;uint part_chunks;uint motion_at;uint
-motion_degree;uint motion_cut_q16_;uint motion_flags;uvec4 crops[32];};struct Splat{uint u0_q24_;uint v0_q24_;int
-ux_q24_;int uy_q24_;int vy_q24_;int offset_q11_;ivec2 rows;};struct Bounds{ivec2 c_q14_;uint breadth_q8_;int shear_q8_;
-int half_width_q8_;uint square_radius;};struct Span{int first;int last;};const uint CHUNK=256u;const uint THREADS=128u;
-const uint ROW_OF_GROUPS=32768u;const uint RECORD=64u;const uint LARGE=8u;const int LARGE_ROWS=8;const uint SPAN=8u;
-const uint DRAWN=3u;const uint PAGE=4096u;const uint MERGES=19u;const uint BLOCK=512u;const uint CLASSES=16u;const uint
-CUT_OFF=2147483648u;const uint NOTHING=4294967295u;const uint LARGE_BOX=4194303u;const uint MOTION_TURNS=1u;const uint
-MOTION_FADES=2u;const int FAR_Q3_=-1048576;const int BOX_COLUMNS=6;const int BOX_ROWS=7;const uint VISIBLE_CHUNKS=0u;
-const uint LARGES=1u;const uint PAGES=2u;const uint DAMAGED=3u;const uint VISIBLE=4u;const uint ENTRIES=5u;const uint
-SHORT_BLOCKS=7u;const uint LONG_BLOCKS=8u;const uint LONGEST=9u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const
-uint LIST=8u;const int EVERYWHERE_Q8_=1073741824;const uint GROUP=16u;layout(std140,binding=0)uniform
-Frame_block_0Compute{Frame _group_0_binding_0_cs;};shared uint sums[128];shared uint group_sums[8];layout(std430,
-binding=0)buffer type_13_block_1Compute{uint _group_1_binding_0_cs[];};layout(std430,binding=2)buffer
-type_15_block_2Compute{uint _group_1_binding_2_cs[];};shared uint first_page;uint list_of(uint tile){return(TILES
-+(LIST*tile));}uint plus(uint a_16,uint b_8,bool cut){bool local=false;if(cut){local=((a_16 + b_8)<a_16);}else{
-local=false;}bool _e10=local;return(_e10?4294967295u:(a_16 + b_8));}uint sum_before(uint thread_1,uint own_1,bool
-cut_1){uint sum=0u;uint i_1=0u;uint sum_1=0u;uint i_2=0u;uint i_3=0u;sums[thread_1]=own_1;memoryBarrierShared();
-barrier();if((thread_1<8u)){for(;(i_1<GROUP);i_1=(i_1 + 1u)){{uint _e14=sum;uint _e18=i_1;uint
-_e21=sums[((GROUP*thread_1)+ _e18)];uint _e22=plus(_e14,_e21,cut_1);sum=_e22;}}uint _e28=sum;group_sums[thread_1]=_e28;}
-memoryBarrierShared();barrier();for(;(i_2<(thread_1/GROUP));i_2=(i_2 + 1u)){{uint _e37=sum_1;uint _e39=i_2;uint
-_e41=group_sums[_e39];uint _e42=plus(_e37,_e41,cut_1);sum_1=_e42;}}i_3=((thread_1/GROUP)*GROUP);for(;(i_3<thread_1);
-i_3=(i_3 + 1u)){{uint _e53=sum_1;uint _e55=i_3;uint _e57=sums[_e55];uint _e58=plus(_e53,_e57,cut_1);sum_1=_e58;}}uint
-_e62=sum_1;return _e62;}uint sum_of_all(bool cut_2){uint sum_2=0u;uint i_4=0u;for(;(i_4<8u);i_4=(i_4 + 1u)){{uint
-_e8=sum_2;uint _e10=i_4;uint _e12=group_sums[_e10];uint _e13=plus(_e8,_e12,cut_2);sum_2=_e13;}}uint _e17=sum_2;return
-_e17;}uint class_of(uint length_1){return((length_1==0u)?0u:min((34u - uint(31 - findMSB(length_1))),15u));}void
-put_blocks(uint tile_1,uint length_2){uint at=0u;uint i_5=0u;bool local_1=false;uint blocks=((length_2>1u)?(((length_2
-- 1u)/BLOCK)+ 1u):0u);if((blocks==0u)){return;}if((blocks>1u)){uint _e20=atomicMax(_group_1_binding_2_cs[9],length_2);
-uint _e23=_group_0_binding_0_cs.block_room;uint _e26=atomicAdd(_group_1_binding_2_cs[8],blocks);at=((_e23 - _e26)-
-blocks);}else{uint _e32=atomicAdd(_group_1_binding_2_cs[7],1u);at=_e32;}for(;;i_5=(i_5 + 1u)){uint _e35=i_5;
-if((_e35<blocks)){uint _e39=at;uint _e40=i_5;uint _e44=_group_0_binding_0_cs.block_room;local_1=((_e39 + _e40)<_e44);}
-else{local_1=false;}bool _e47=local_1;if(_e47){}else{break;}{uint _e51=_group_0_binding_0_cs.blocks;uint _e53=at;uint
-_e54=i_5;_group_1_binding_2_cs[(_e51 +(2u*(_e53 + _e54)))]=tile_1;uint _e62=_group_0_binding_0_cs.blocks;uint _e64=at;
-uint _e65=i_5;uint _e72=i_5;_group_1_binding_2_cs[((_e62 +(2u*(_e64 + _e65)))+ 1u)]=_e72;}}return;}void main(){uvec3
+backdrop;uint scratch;uint squares;uint rates;uint moments;};const uint THREADS=128u;const uint ROW_OF_GROUPS=32768u;
+const uint PAGE=4096u;const uint BLOCK=512u;const uint CLASS_COUNTS=16u;const uint TILES=64u;const uint LIST=8u;const
+uint GROUP=16u;layout(std140,binding=0)uniform Frame_block_0Compute{Frame _group_0_binding_0_cs;};shared uint sums[128];
+shared uint group_sums[8];layout(std430,binding=0)buffer type_13_block_1Compute{uint _group_1_binding_0_cs[];};
+layout(std430,binding=2)buffer type_15_block_2Compute{uint _group_1_binding_2_cs[];};shared uint first_page;uint
+list_of(uint tile){return(TILES +(LIST*tile));}uint plus(uint a_16,uint b_8,bool cut){bool local=false;if(cut){
+local=((a_16 + b_8)<a_16);}else{local=false;}bool _e10=local;return(_e10?4294967295u:(a_16 + b_8));}uint
+sum_before(uint thread_1,uint own_1,bool cut_1){uint sum=0u;uint i_1=0u;uint sum_1=0u;uint i_2=0u;uint i_3=0u;
+sums[thread_1]=own_1;memoryBarrierShared();barrier();if((thread_1<8u)){for(;(i_1<GROUP);i_1=(i_1 + 1u)){{uint _e14=sum;
+uint _e18=i_1;uint _e21=sums[((GROUP*thread_1)+ _e18)];uint _e22=plus(_e14,_e21,cut_1);sum=_e22;}}uint _e28=sum;
+group_sums[thread_1]=_e28;}memoryBarrierShared();barrier();for(;(i_2<(thread_1/GROUP));i_2=(i_2 + 1u)){{uint _e37=sum_1;
+uint _e39=i_2;uint _e41=group_sums[_e39];uint _e42=plus(_e37,_e41,cut_1);sum_1=_e42;}}i_3=((thread_1/GROUP)*GROUP);for(;
+(i_3<thread_1);i_3=(i_3 + 1u)){{uint _e53=sum_1;uint _e55=i_3;uint _e57=sums[_e55];uint _e58=plus(_e53,_e57,cut_1);
+sum_1=_e58;}}uint _e62=sum_1;return _e62;}uint sum_of_all(bool cut_2){uint sum_2=0u;uint i_4=0u;for(;(i_4<8u);i_4=(i_4
++ 1u)){{uint _e8=sum_2;uint _e10=i_4;uint _e12=group_sums[_e10];uint _e13=plus(_e8,_e12,cut_2);sum_2=_e13;}}uint
+_e17=sum_2;return _e17;}uint class_of(uint length_1){return((length_1==0u)?0u:min((34u - uint(31 - findMSB(length_1))),
+15u));}void put_blocks(uint tile_1,uint length_2){uint at=0u;uint i_5=0u;bool local_1=false;uint
+blocks=((length_2>1u)?(((length_2 - 1u)/BLOCK)+ 1u):0u);if((blocks==0u)){return;}if((blocks>1u)){uint
+_e20=atomicMax(_group_1_binding_2_cs[9],length_2);uint _e23=_group_0_binding_0_cs.block_room;uint
+_e26=atomicAdd(_group_1_binding_2_cs[8],blocks);at=((_e23 - _e26)- blocks);}else{uint
+_e32=atomicAdd(_group_1_binding_2_cs[7],1u);at=_e32;}for(;;i_5=(i_5 + 1u)){uint _e35=i_5;if((_e35<blocks)){uint _e39=at;
+uint _e40=i_5;uint _e44=_group_0_binding_0_cs.block_room;local_1=((_e39 + _e40)<_e44);}else{local_1=false;}bool
+_e47=local_1;if(_e47){}else{break;}{uint _e51=_group_0_binding_0_cs.blocks;uint _e53=at;uint _e54=i_5;
+_group_1_binding_2_cs[(_e51 +(2u*(_e53 + _e54)))]=tile_1;uint _e62=_group_0_binding_0_cs.blocks;uint _e64=at;uint
+_e65=i_5;uint _e72=i_5;_group_1_binding_2_cs[((_e62 +(2u*(_e64 + _e65)))+ 1u)]=_e72;}}return;}void main(){uvec3
 group=gl_WorkGroupID;uint thread=gl_LocalInvocationIndex;uint tiles_before=0u;uint entries_before=0u;uint first=0u;uint
 own=0u;uint length_=0u;uint column=0u;int _e5=_group_0_binding_0_cs.tiles.x;uint across=uint(_e5);uint
 row=(group.x*across);for(;(first<across);first=(first + THREADS)){{uint _e17=first;uint column_1=(_e17 + thread);uint
