@@ -1,7 +1,8 @@
 #!/bin/sh
 # Compares and times scenes that move on a GPU: tests/gpu/moving.sh PROGRAM MOVING.fxs... Prints for each scene and back
-# end the hash of the hashes of 40 frames, each of another camera at another time, in order and again from the second half
-# on. With STILL=FILE: also times of that still scene and of the last moving one, two eyes of 2064x2208.
+# end the hash of the hashes of 40 frames, each of another camera at another time; with BUDGET=N, of frames with that
+# budget. With STILL=FILE: also times of that still scene and of the last moving one, two eyes of 2064x2208: milliseconds
+# of a frame, least and median, and of the device alone.
 program=$1
 shift
 work=$(mktemp -d) || exit 1
@@ -16,7 +17,8 @@ for scene in "$@"; do
     seconds=$("$program" info "$scene" --json | sed -n 's/.*"duration": \([0-9.]*\).*/\1/p')
     fps=$(awk -v s="$seconds" 'BEGIN { print 40000 "/" int(1000 * s) }')
     for backend in ${BACKENDS:-cpu cuda vulkan gles-compute gles}; do
-        hash=$(frames "$scene" --backend "$backend" --times "0..$seconds" --fps "$fps" 2>"$work/why" | of_all)
+        hash=$(frames "$scene" --backend "$backend" --times "0..$seconds" --fps "$fps" ${BUDGET:+--budget "$BUDGET"} \
+            2>"$work/why" | of_all)
         echo "$(basename "$scene") $backend $hash $(head -n 1 "$work/why")"
     done
 done
@@ -27,7 +29,7 @@ for backend in ${BACKENDS:-cuda vulkan gles-compute}; do
         for file in "$STILL" "$scene"; do
             [ "$file" = "$STILL" ] && time= || time="--time 0.5"
             echo "$backend $(basename "$file") $("$program" bench "$file" $time $eyes --backend "$backend" 2>&1 |
-                awk '$1 == "frame" { print $2, $3 }')"
+                awk '$1 == "frame" || $1 == "device" { printf "%s %s %s ", $1, $2, $3 }')"
         done
     done
 done
