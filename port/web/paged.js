@@ -737,7 +737,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   const { bytes, total, answer } = await remote.begin(HEADER)
   if (!bytes) return { answer }
   const view = new DataView(bytes.buffer)
-  if (view.getUint32(0, true) !== 0x31535846 || ![6, 7].includes(view.getUint32(4, true))) return {}
+  if (view.getUint32(0, true) !== 0x31535846 || ![6, 7, 8].includes(view.getUint32(4, true))) return {}
   const store = await Store.open(url, remote.version, options)
   const core = await coreOf()
   const open = async () => {
