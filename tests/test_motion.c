@@ -238,7 +238,7 @@ static void node_times_hold_those_below(const fxs_packed_scene *packed)
 {
     fxs_scene scene;
     CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes) && scene.nodes && scene.motion);
-    const fxs_chunk_motion *motions = (const fxs_chunk_motion *)(const void *)(scene.motion + sizeof(fxs_motion_header));
+    const fxs_chunk_motion *motions = (const void *)(scene.motion + sizeof(fxs_motion_header));
     for (uint32_t i = 0; i < scene.chunk_count - 1; i++) {
         fxs_node node;
         fxs_chunk_motion own = motions[scene.chunk_count + i];

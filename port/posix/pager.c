@@ -224,8 +224,8 @@ static int read_heads(fxs_pager *p, fxs_message *message)
     const int error = fxs_scene_open_parts(&p->scene, p->head, p->tree);
     if (error)
         return fxs_fail_as(error, message, "%s: %s", p->name, fxs_strerror(error));
-    return fxs_file_check_heads(p->name, &p->table, p->head, &p->scene,
-                                p->scene.palette ? (size_t)(p->parts.rows - p->parts.palette) : 0, message);
+    return fxs_file_check_heads(p->name, &p->table, p->head, &p->scene, (size_t)(p->parts.rows - p->parts.palette),
+                                message);
 }
 
 static int make_room(fxs_pager *p, fxs_message *message)

@@ -60,8 +60,8 @@ void fxs_merge_begin(fxs_merger *merger, int sh_degree);
 /* Adds Gaussians to the set to be merged. The Gaussians must stay valid until fxs_merge_end. */
 void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t count);
 
-/* Adds moving Gaussians, with their ways. If not `fades`, the opacity of a Gaussian is its mean over the span. A set has
-   only moving or only still Gaussians. */
+/* Adds moving Gaussians, with their ways. If not `fades`, the opacity of a Gaussian is its mean over the span. A set
+   has only moving or only still Gaussians. */
 void fxs_merge_add_moving(fxs_merger *merger, const fxs_coarse *gaussians, const fxs_way *ways, uint32_t count,
                           int fades);
 

@@ -21,8 +21,8 @@ enum {
 };
 
 /* Fields of a Gaussian in a merger. ROOT: square root of the determinant of the covariance, per coordinate plane.
-   LOCAL: mean colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. CENTRE, WIDTH: of the
-   opacity in time; WIDTH is squared. The OPACITY of a moving Gaussian is its mean over the span of time. */
+   LOCAL: mean colour of the neighbourhood. SQUARE: squared length of the compared SH coefficients. CENTRE, WIDTH: of
+   the opacity in time; WIDTH is squared. The OPACITY of a moving Gaussian is its mean over the span of time. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, CENTRE, WIDTH, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 

@@ -257,7 +257,8 @@ static fxs_lifespan span_of(const held *h)
     return (fxs_lifespan){ldexp(h->from_q16, -16), ldexp(h->to_q16, -16)};
 }
 
-/* Reads the motion of the Gaussian that was decoded last. Returns the mean of its opacity, as a share of its largest. */
+/* Reads the motion of the Gaussian that was decoded last. Returns the mean of its opacity, as a share of its
+   largest. */
 static double read_motion(const tree *t, const fxs_chunk_motion *m, const fxs_chunk *chunk, const unsigned char *rows,
                           uint32_t g, held *to)
 {

@@ -28,7 +28,8 @@ void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)
 
 /* Plans the shape of a level-of-detail tree over at least 2 leaves from their bounding boxes. `spans` are the times in
    which the leaves of a moving scene are alive, as shares of its duration; null: the scene is still. Copies the
-   options. Returns 0, or FXS_ERR_MEMORY and a message. Free *tree with fxs_tree_free in either case; null is accepted. */
+   options. Returns 0, or FXS_ERR_MEMORY and a message. Free *tree with fxs_tree_free in either case; null is
+   accepted. */
 int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], float (*spans)[2], uint32_t leaves,
                   const fxs_pack_options *options, fxs_message *message);
 void fxs_tree_free(fxs_tree *tree);

@@ -207,7 +207,8 @@ int fxs_file_check_header(const char *path, const fxs_crc32_table *table, const 
         return fxs_fail(message, "%s: not an .fxs file", path);
     if (header.version < FXS_PACKED_VERSION || header.version > FXS_PACKED_VERSION_MOTION_TREE)
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u to %u; convert "
-                           "its source again", path, header.version, FXS_PACKED_VERSION, FXS_PACKED_VERSION_MOTION_TREE);
+                           "its source again", path, header.version, FXS_PACKED_VERSION,
+                           FXS_PACKED_VERSION_MOTION_TREE);
     if (header.checksum != header_checksum(table, data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     return 0;

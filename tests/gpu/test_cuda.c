@@ -1228,7 +1228,8 @@ static void test_stream_order(void)
 
 enum { MOVING = 2, MOVING_OBJECTS = 5, MOVING_FRAMES = 5 };
 
-/* Two moving scenes, the second mostly with a level-of-detail tree, a still one and one with a tree. The first scene is that of two objects. */
+/* Two moving scenes, the second mostly with a level-of-detail tree, a still one and one with a tree. The first scene is
+   that of two objects. */
 typedef struct moving_world {
     unsigned char *data[MOVING];
     fxs_scene scenes[MOVING];

@@ -88,6 +88,14 @@ check "convert --time with a filter" grep -q '^fixsplat: moving.splatv: kept [1-
 succeeds "convert --time, placed" convert moving.splatv still.ply both.ply --time 0.5 --place 0:1,0,0
 succeeds "convert --time to an .fxs with levels" convert moving.splatv moment.fxs --time 0.5 --levels
 check "convert --time to an .fxs: it is still" sh -c "! '$fixsplat' info moment.fxs | grep -q ^moves"
+succeeds "convert --levels" convert moving.splatv levels.fxs --levels
+at_quarter="levels.fxs $small --time 0.25 --hash"
+levels=$("$fixsplat" render $at_quarter --budget 500)
+check "levels, read in parts" equal "$("$fixsplat" render $at_quarter --budget 500 --pool 1M)" "$levels"
+check "levels: fewer Gaussians, another picture" [ "$levels" != "$("$fixsplat" render $at_quarter)" ]
+fails "levels of a moving scene are not refined" 1 \
+    "moving.splatv: a scene that moves is not refined: give --time SECONDS" \
+    convert moving.splatv refined.fxs --levels --refine
 mkdir frames
 succeeds "convert --times" convert moving.fxs frames/%04d.splat --times all --fps 4
 check "convert --times: its files" equal "$(ls frames | tr '\n' ' ')" "0000.splat 0001.splat 0002.splat 0003.splat "
@@ -118,7 +126,6 @@ fi
 fails "convert: a filter of a scene that moves" 1 'moves is not filtered or reduced: give --time' \
     convert moving.fxs part.fxs --prune 0.1
 fails "convert: merging scenes that move" 1 'moves is not placed or merged: give --time' convert moving.fxs still.ply two.fxs
-fails "convert: levels of a scene that moves" 1 'moves has no levels of detail: give --time' convert moving.fxs l.fxs --levels
 fails "convert: a block of a scene that moves" 1 'moves is not written in blocks: give --time' \
     convert moving.fxs b.fxs --block 1/2
 fails "convert --time of a still scene" 1 'still.ply: does not move: no --time' convert still.ply a.spz --time 1

@@ -475,6 +475,7 @@ static int to_fxs(const convert_options *o, const load_options *how)
     world w;
     fxs_message message;
     load_options load = *how;
+    load.still = o->has_refine ? "is not refined: give --time SECONDS" : 0;
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
