@@ -2,6 +2,7 @@
  * finite. */
 #include "stream_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 #include <fixsplat/internal/allocator.h>
@@ -9,6 +10,8 @@
 
 #include "attributes.h"
 #include "src/base/options.h"
+
+const fxs_motion fxs_still = {.fade = INFINITY, .from = -INFINITY, .to = INFINITY};
 
 int fxs_stream_create(fxs_scene_file **made, const char *path, const fxs_scene_file_options *options,
                       fxs_message *message)

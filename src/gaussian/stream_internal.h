@@ -48,6 +48,11 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
 long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussians, size_t capacity,
                      fxs_message *message);
 
+enum { FXS_MOTIONS = 256 };    /* most moving Gaussians that a reader which changes others gives at once */
+
+/* The motion of a Gaussian that does not move. */
+extern const fxs_motion fxs_still;
+
 /* Exchanges the reader and the state of an open stream. From then on the stream's origin is fixed. The new reader may
    read from the old state. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);

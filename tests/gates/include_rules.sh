@@ -35,7 +35,7 @@ src/base      allocator message scene system output
 src/gaussian  pack start
 src/camera    camera view_more
 src/image     image film picture_metrics
-src/scene     world placements edits
+src/scene     world placements edits time_range
 src/fit       fit fit_more
 kernels       kernels
 kernels/gl    gl gl_contexts

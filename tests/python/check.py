@@ -70,8 +70,19 @@ with fixsplat.load("moving.fxs") as moving:
     ok("load_gaussians: a moment", len(fixsplat.load_gaussians("moving.fxs", time=0.25)) ==
        len(fixsplat.load_gaussians("moment.ply")))
     refuses("save: a format without motion", ValueError, "holds no motion: give time", lambda: moving.save("whole.ply"))
-    refuses("convert: a filter of a scene that moves", fixsplat.Error, "moving scenes are not filtered",
-            lambda: fixsplat.convert("moving.fxs", "part.fxs", prune=0.5))
+    fixsplat.convert("moving.fxs", "part.fxs", prune=0.5, times=(0.25, 0.75), scale=2, crop=((0, -9, -9), (9, 9, 9)))
+    run("convert", "moving.fxs", "said.fxs", "--prune", "0.5", "--times", "0.25..0.75", "--scale", "2", "--crop",
+        "0,-9,-9,9,9,9")
+    ok("convert: edits of a scene that moves: the command's bytes", read("part.fxs") == read("said.fxs"))
+    fixsplat.convert("moving.fxs", "part.splat4d", translate=(1, 0, 0))
+    run("convert", "moving.fxs", "said.splat4d", "--translate", "1,0,0")
+    ok("convert: a scene that moves to a .splat4d", read("part.splat4d") == read("said.splat4d"))
+    refuses("convert: decimate of a scene that moves", fixsplat.Error, "moving scenes are not decimated",
+            lambda: fixsplat.convert("moving.fxs", "part.fxs", decimate=5))
+    refuses("convert: times in the wrong order", fixsplat.Error, "times 2 to 1: expected",
+            lambda: fixsplat.convert("moving.fxs", "part.fxs", times=(2, 1)))
+    refuses("convert: times of a still scene", ValueError, "does not move",
+            lambda: fixsplat.convert("knot.ply", "still.fxs", times=(0, 1)))
     refuses("convert: time of a still scene", ValueError, "does not move",
             lambda: fixsplat.convert("knot.ply", "still.ply", time=1))
 ok("background", hash_of(scene.render(camera, background=(17, 19, 27), cutoff="square", sh_degree=1)) == run(

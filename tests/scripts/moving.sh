@@ -14,6 +14,11 @@ check "a .splatv to an .fxs" equal "$status" 0
 "$fixsplat" make-scene knot --count 300 -o still.ply || exit 1
 small='--size 64x48 --eye 0,0,-4 --look 0,0,0'
 moving="moving.fxs $small"
+# alike FLOOR "SCENE OPTION..." "SCENE OPTION...": the pictures of two scenes have a PSNR of at least FLOOR.
+alike() {
+    "$fixsplat" render $2 $small -o alike-1.png && "$fixsplat" render $3 $small -o alike-2.png || return
+    at_least "$("$fixsplat" compare alike-1.png alike-2.png | awk '/PSNR/ { print $2 }')" "$1"
+}
 
 # ---- Films -----------------------------------------------------------------------------------------------------------
 
@@ -120,12 +125,78 @@ else
     "$fixsplat" convert still.ply plain.ply --sh-degree 0
     succeeds "convert to .splat4d, a still scene" convert plain.ply still.splat4d
     succeeds "convert --time to .splat4d" convert moving.fxs moment.splat4d --time 0.5
-    fails "convert to .splat4d with a filter" 1 'moves is not filtered or reduced: give --time' \
-        convert moving.fxs part.splat4d --prune 0.1
+    succeeds "convert to .splat4d, placed and in a range of times" convert moving.fxs part.splat4d --times 0.25..0.75 \
+        --scale 2 --prune 0.1
+    run info part.splat4d
+    check "convert to .splat4d, placed and in a range of times: it moves" grep -q '^moves         0.5 seconds' logs/out
+    succeeds "convert of this .splat4d back" convert part.splat4d part.fxs --scale 0.5
+    check "convert to .splat4d, placed and in a range of times: its picture" \
+        alike 40 "part.fxs --time 0.3" "moving.fxs --time 0.55"
 fi
-fails "convert: a filter of a scene that moves" 1 'moves is not filtered or reduced: give --time' \
-    convert moving.fxs part.fxs --prune 0.1
-fails "convert: merging scenes that move" 1 'moves is not placed or merged: give --time' convert moving.fxs still.ply two.fxs
+
+# ---- Edits -----------------------------------------------------------------------------------------------------------
+
+succeeds "convert: placing" convert moving.splatv placed.fxs --rotate 0,0,90 --scale 0.8 --translate 0.2,0.1,0.3
+for t in 0 0.3 0.6; do
+    check "convert: placing: as an object at $t" alike 50 "placed.fxs --time $t" \
+        "moving.fxs --place 0:0.2,0.1,0.3,0.70710678,0,0,0.70710678,0.8 --time $t"
+done
+run convert moving.splatv upright.fxs --auto-up
+check "convert --auto-up" grep -q '^fixsplat: moving.splatv: up is ' logs/err
+run convert moving.splatv opaque.fxs --prune 0.95
+check "convert --prune: nothing is opaque" grep -q 'none of the 1024 Gaussians is left' logs/err
+run convert moving.splatv part.fxs --crop 0,-9,-9,9,9,9 --sh-degree 0
+check "convert --crop" says "moving.splatv: kept 624 of 1024 Gaussians (400 outside, 0 too faint, 0 floating)"
+check "convert --crop: the scene moves" sh -c "'$fixsplat' info part.fxs | grep -q '^moves         1 seconds, again and again$'"
+run convert moving.splatv never.fxs --sphere 9,9,9,1
+check "convert --sphere: nothing is left" grep -q 'none of the 1024 Gaussians is left' logs/err
+
+succeeds "convert --times to an .fxs" convert moving.splatv range.fxs --times 0.25..0.75
+check "convert --times to an .fxs: its duration" sh -c "'$fixsplat' info range.fxs | grep -q '^moves         0.5 seconds'"
+for t in 0 0.2 0.4; do
+    check "convert --times to an .fxs: at $t" alike 55 "range.fxs --time $t" "moving.fxs --time $(awk "BEGIN { print $t + 0.25 }")"
+done
+succeeds "convert --times to an .fxs, beyond the duration" convert moving.splatv twice.fxs --times=-0.5..1.25
+for t in 0 0.6 1.6; do
+    check "convert --times to an .fxs, beyond the duration: at $t" alike 55 "twice.fxs --time $t" \
+        "moving.fxs --time $(awk "BEGIN { print $t + 0.5 }")"
+done
+succeeds "convert --times all to an .fxs" convert moving.splatv again.fxs --times all
+check "convert --times all to an .fxs: the whole scene" cmp again.fxs moving.fxs
+
+succeeds "convert: merging" convert moving.fxs still.ply twice.fxs merged.fxs --place still.ply:0.3,0,0.5 --place 2:0,1.5,0
+run info merged.fxs
+check "convert: merging: the longest duration" grep -q '^moves         1.75 seconds, again and again$' logs/out
+for t in 0 0.7 1.4; do
+    check "convert: merging: as objects at $t" alike 50 "merged.fxs --time $t" \
+        "moving.fxs still.ply twice.fxs --place still.ply:0.3,0,0.5 --place 2:0,1.5,0 --time $t"
+done
+cat >world.json <<'END'
+{"objects": [{"file": "moving.fxs", "crops": [{"low": [-9, -9, -9], "high": [0, 9, 9], "keep": "inside"}]},
+             {"file": "still.ply", "tint": [1, 0.5, 0.5]}]}
+END
+succeeds "convert --scene" convert --scene world.json world.fxs
+check "convert --scene: it moves" sh -c "'$fixsplat' info world.fxs | grep -q '^moves         1 seconds'"
+fails "convert --drop-floaters of a scene that moves" 1 'moves is not searched for floaters: give --time' \
+    convert moving.fxs wrong.fxs --drop-floaters
+fails "convert --thing of a scene that moves" 1 'moves is not searched for a thing: give --time' \
+    convert moving.fxs wrong.fxs --thing --up 0,-1,0
+fails "convert --decimate of a scene that moves" 1 'moves is not decimated: give --time' \
+    convert moving.fxs wrong.fxs --decimate 50%
+echo '{"format": "fixsplat edits", "version": 1, "scene": {"gaussians": 1, "checksum": "00000000"}, "edits": []}' >edits.json
+run convert moving.fxs wrong.fxs --edits edits.json
+check "convert --edits of a scene that moves" sh -c '
+    [ "$0" = 1 ] && grep -Eq "moves is not edited by hand: give --time|built without cJSON" logs/err' "$status"
+fails "convert --times: nearly nothing" 1 'times 0 to 0.0001: expected 1/1024 to 16384 seconds' \
+    convert moving.fxs wrong.fxs --times 0..0.0001
+fails "convert --times: too often" 1 'times 0 to 10000: a scene of 1 seconds is repeated at most 4096 times' \
+    convert moving.fxs wrong.fxs --times 0..10000
+fails "convert --times to an .fxs, of a still scene" 1 'still.ply: does not move: no --times' \
+    convert still.ply wrong.fxs --times 0..1
+fails "convert --fps without numbered files" 2 'fps is for numbered files: wrong.fxs has no %d' \
+    convert moving.fxs wrong.fxs --times 0..0.5 --fps 3
+check "convert: nothing is left of what was refused" sh -c '! ls | grep -q "wrong\|never.fxs\|opaque.fxs"'
+fails "convert: levels of a scene that moves" 1 'moves has no levels of detail: give --time' convert moving.fxs l.fxs --levels
 fails "convert: a block of a scene that moves" 1 'moves is not written in blocks: give --time' \
     convert moving.fxs b.fxs --block 1/2
 fails "convert --time of a still scene" 1 'still.ply: does not move: no --time' convert still.ply a.spz --time 1

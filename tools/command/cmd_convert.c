@@ -230,8 +230,9 @@ static const option_row own_rows[] = {
     {.help = "Second, Gaussians are removed, by their new positions:"},
     {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, 0, .expected =
      "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ, no MIN above its MAX", .basic = 1, .help =
-     "keep Gaussians with their centre in this box, edges included. Boxes may be repeated: any of them; likewise "
-     "spheres and cylinders. Options of different kinds: all of them"},
+     "keep Gaussians with their centre in this box, edges included; of a scene that moves, those with their centre in "
+     "it at any time at which they are seen. Boxes may be repeated: any of them; likewise spheres and cylinders. "
+     "Options of different kinds: all of them"},
     {"sphere", "X,Y,Z,R", take_sphere, 0, .expected =
      "four numbers X,Y,Z,R, R 0 or more", .help =
      "keep Gaussians with their centre at most R from X,Y,Z"},
@@ -287,12 +288,14 @@ static const option_row own_rows[] = {
      "store 8 bits of SH and 24 bits of positions in an .spz: nearly twice the size at SH degree 3, and 53 instead of "
      "37 dB on a captured scene (default, as Niantic's encoder: 5 bits for SH degree 1, 4 above, and about 12 bits of "
      "positions after the point)"},
-    {.help = "Scenes that move (an .fxs keeps their motion, if nothing above is changed but how it is packed):"},
+    {.help = "Scenes that move (an .fxs or a .splat4d keeps their motion; --drop-floaters, --thing and --decimate need "
+     "--time):"},
     {"time", "SECONDS", TIME(time_q32), .help =
      "convert the scene as it is at one moment. A scene that loops starts again after its duration"},
     {"times", "A..B|all", TIMES(times), .help =
      "write numbered files, OUT has one %d, as out/%04d.ply: the moment A, and --fps moments a second until before B; "
-     "all: from 0 to the end of the scene"},
+     "all: from 0 to the end of the scene. If OUT is one .fxs or .splat4d: the moving scene from A to B, which begins "
+     "at 0 there"},
     {"fps", "RATE", RATE(rate), .help =
      "moments per second of --times, 1 to 1000, also as a fraction: 24000/1001 (default: the rate of the scene, else "
      "30)"},
@@ -319,10 +322,14 @@ static const option_rule rules[] = {
 
 static int check_moments(convert_options *o)
 {
+    const fxs_scene_format *format = fxs_scene_format_of(o->out, 1);
     if (check_rules(rules))
         return EXIT_USAGE;
-    if (o->times.given && !is_pattern(o->out))
+    o->load.has_range = o->times.given && !is_pattern(o->out) && format && format->moves;
+    if (o->times.given && !is_pattern(o->out) && !o->load.has_range)
         return fail(EXIT_USAGE, "%s: for --times, expected a name with one %%d, as out/%%04d.ply", o->out);
+    if (is_given("fps") && o->load.has_range)
+        return fail(EXIT_USAGE, "--fps is for numbered files: %s has no %%d", o->out);
     o->load.has_moment = is_given("time");
     o->load.moment = ldexp((double)o->time_q32, -32);
     return 0;
@@ -587,38 +594,6 @@ static int has_part(const convert_options *o)
 
 enum { BATCH = 256 };
 
-/* Counts the Gaussians of a moving scene that can be drawn. The others are not written. */
-static int count_drawable(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
-{
-    fxs_gaussian batch[BATCH];
-    fxs_pack_dropped dropped = {.weight = 0};
-    o->count = 0;
-    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
-        if (n < 0)
-            return -1;
-        for (long k = 0; k < n; k++)
-            o->count += fxs_drawable(&batch[k], o->sh_degree, &dropped) != 0;
-    }
-    return fxs_scene_file_rewind(file, message);
-}
-
-/* Writes n Gaussians, of a moving scene only those that can be drawn. */
-static int put(fxs_scene_writer *w, fxs_gaussian *batch, const fxs_motion *motions, int sh_degree, long n,
-               fxs_message *message)
-{
-    fxs_pack_dropped dropped = {.weight = 0};
-    fxs_motion kept[BATCH];
-    size_t count = 0;
-    if (!motions)
-        return fxs_scene_writer_put(w, batch, (size_t)n, message);
-    for (long i = 0; i < n; i++)
-        if (fxs_drawable(&batch[i], sh_degree, &dropped)) {
-            batch[count] = batch[i];
-            kept[count++] = motions[i];
-        }
-    return fxs_scene_writer_put_moving(w, batch, kept, count, message);
-}
-
 static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
@@ -643,12 +618,13 @@ static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, cons
     fxs_gaussian batch[BATCH];
     char label[] = "converting";
     const fxs_progress progress = progress_of(load, label);
+    const int moves = info->time.duration > 0;
     uint64_t done = 0;
     int result = 0;
     for (long n; !result && (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
-        result = n < 0 ? -1
-                       : put(w, batch, info->time.duration > 0 ? fxs_scene_file_motions(file) : 0, info->sh_degree, n,
-                             message);
+        result = n < 0   ? -1
+                 : moves ? fxs_scene_writer_put_moving(w, batch, fxs_scene_file_motions(file), (size_t)n, message)
+                         : fxs_scene_writer_put(w, batch, (size_t)n, message);
         done += n < 0 ? 0 : (uint64_t)n;
         if (progress.call(progress.argument, (double)done / (double)info->count) && !result)
             result = fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", out);
@@ -694,9 +670,7 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     memcpy(options.origin, info->origin, sizeof options.origin);
     char label[] = "compressing";
     const fxs_progress progress = progress_of(load, label);
-    int result = ends_with(out, ".glb")      ? find_bounds(file, &options, &message)
-                 : info->time.duration > 0 ? count_drawable(file, &options, &message)
-                                           : 0;
+    int result = ends_with(out, ".glb") ? find_bounds(file, &options, &message) : 0;
     if (!result)
         result = fxs_scene_writer_open(out, &options, &w, &message);
     if (!result)
@@ -712,24 +686,6 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     return EXIT_OK;
 }
 
-/* Opens scenes to be written. A moving scene that is not filtered keeps its motion, if the format does. */
-static int open_to_write(const char *out, const fxs_world *placed, const char *name, load_options *load,
-                         const fxs_scene_filter *drawable, fxs_scene_file **file, fxs_scene_file_info *info)
-{
-    char still[128];
-    const int keeps = fxs_scene_format_of(out, 1)->moves && !load->filter;
-    snprintf(still, sizeof still, "is not kept by a %.30s: give --time SECONDS, or --times A..B for numbered files",
-             strrchr(out, '.'));
-    load->still = fxs_scene_format_of(out, 1)->moves ? 0 : still;
-    load->filter = keeps ? 0 : drawable;
-    int status = open_merged(placed, name, load, file, info);
-    load->filter = drawable;
-    if (!status && keeps && !(info->time.duration > 0))
-        status = filter_scene(name, load, *file, info);
-    load->still = 0;
-    return status;
-}
-
 int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_world *placed, const char *name,
                    const load_options *how)
 {
@@ -737,11 +693,16 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
     fxs_scene_file_info info;
     fxs_scene_filter filter;
     load_options load = *how;
+    char still[128];
+    snprintf(still, sizeof still, "is not kept by a %.30s: give --time SECONDS, or --times A..B for numbered files",
+             strrchr(out, '.'));
+    load.still = fxs_scene_format_of(out, 1)->moves ? 0 : still;
     fxs_scene_filter_init(&filter);
     if (how->filter)
         filter = *how->filter;
     filter.drawable = 1;
-    if (open_to_write(out, placed, name, &load, &filter, &file, &info))
+    load.filter = &filter;
+    if (open_merged(placed, name, &load, &file, &info))
         return EXIT_FAILED;
     int status = files_check();
     if (!status)
@@ -858,7 +819,7 @@ static int find_time(const convert_options *o, fxs_time *time)
     load_options load = o->load;
     *time = (fxs_time){.duration = 0};
     load.again = 1;
-    load.has_moment = 0;
+    load.has_moment = load.has_range = 0;
     load.filter = 0;
     load.decimate_count = 0;
     load.decimate_share = 0;
@@ -876,14 +837,18 @@ static int find_time(const convert_options *o, fxs_time *time)
     return 0;
 }
 
-static int check_time(const convert_options *o)
+/* Checks that a scene moves if a moment or a range of times is given, and takes the range. */
+static int check_time(convert_options *o)
 {
     fxs_time time;
-    if (!o->load.has_moment)
+    if (!o->load.has_moment && !o->load.has_range)
         return 0;
     if (find_time(o, &time))
         return EXIT_FAILED;
-    return time.duration > 0 ? 0 : fail(EXIT_FAILED, "%s: does not move: no --time", o->in);
+    o->load.from = o->times.all ? 0 : o->times.from;
+    o->load.to = o->times.all ? time.duration : o->times.to;
+    return time.duration > 0 ? 0
+           : fail(EXIT_FAILED, "%s: does not move: no --time%s", o->in, o->load.has_range ? "s" : "");
 }
 
 /* Writes a file for each time. */
@@ -919,7 +884,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     if (o->edits)
         files_read(o->edits);
-    if (!o->times.given)
+    if (!o->times.given || o->load.has_range)
         files_write(o->out);
     if (ends_with(o->out, ".fxs"))
         files_force(FILES_REFUSE);          /* no input may be replaced, since the comparison of views reads it again */
@@ -956,7 +921,7 @@ static int run(int argc, char **argv)
     o.filter.deleted = o.deleted;
     o.load.filter = &o.filter;
     if (!status)
-        status = o.times.given ? write_times(&o) : write_out(&o);
+        status = o.times.given && !o.load.has_range ? write_times(&o) : write_out(&o);
     fxs_world_free(&o.placed);
     free(o.deleted);
     return status;

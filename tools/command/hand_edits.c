@@ -117,6 +117,7 @@ int edits_find(const char *path, const char *scene, const load_options *load, ui
     load_options own = *load;
     own.filter = 0;
     own.again = 1;
+    own.still = "is not edited by hand: give --time SECONDS";
     own.decimate_count = 0;
     own.decimate_share = 0;
     if (fxs_edits_read(&edits, path, &message))

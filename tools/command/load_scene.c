@@ -15,6 +15,7 @@
 #include <fixsplat/internal/packed.h>
 #include <fixsplat/internal/pager_more.h>
 #include <fixsplat/internal/parts.h>
+#include <fixsplat/internal/time_range.h>
 #include "src/base/os_calls.h"
 #include "command_line.h"
 #include "file_guard.h"
@@ -125,7 +126,9 @@ typedef struct preparation {
 static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
 {
     const load_options *o = p->options;
-    const int error = o->filter ? filter(file, p->path, o, info, message) : 0;
+    int error = o->filter ? filter(file, p->path, o, info, message) : 0;
+    if (!error && o->has_moment == 2)
+        error = fxs_scene_file_at(file, o->moment, info, message);
     if (!error && is_given("decimate") && o->decimate_count >= info->count && !o->again)
         note("%s: has %" PRIu64 " Gaussians: --decimate merges none", p->path, info->count);
     return error || !(o->decimate_count || o->decimate_share > 0) ? error : decimate(file, o, info, message);
@@ -163,19 +166,30 @@ static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *in
     return apply_filter(p, file, info, message);
 }
 
-/* Chooses the moment of a moving scene, or refuses the scene. */
-static int take_moment(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
+/* Returns why a moving scene is refused without a moment, or null. */
+static const char *why_still(const load_options *o)
 {
-    const int filters = o->filter || o->decimate_count || o->decimate_share > 0;
-    const char *still = o->still ? o->still : filters ? "is not filtered or reduced: give --time SECONDS" : 0;
+    return o->still                                      ? o->still
+           : o->decimate_count || o->decimate_share > 0  ? "is not decimated: give --time SECONDS"
+           : o->filter && o->filter->floaters            ? "is not searched for floaters: give --time SECONDS"
+           : o->filter && o->filter->thing               ? "is not searched for a thing: give --time SECONDS"
+                                                         : 0;
+}
+
+/* Chooses the times of a moving scene, or refuses the scene. */
+static int take_times(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
+{
+    const char *still = why_still(o);
     fxs_message message;
     if (!(info->time.duration > 0))
         return 0;
     if (o->moved)
         *o->moved = 1;
-    if (o->has_moment)
-        return fxs_scene_file_at(file, o->moment, info, &message) ? fail_scene(path, &message) : 0;
-    return still ? fail(EXIT_FAILED, "%s: a scene that moves %s", shown(path), still) : 0;
+    if (!o->has_moment && still)
+        return fail(EXIT_FAILED, "%s: a scene that moves %s", shown(path), still);
+    if (o->has_range && fxs_scene_file_between(file, o->from, o->to, info, &message))
+        return fail_scene(path, &message);
+    return o->has_moment == 1 && fxs_scene_file_at(file, o->moment, info, &message) ? fail_scene(path, &message) : 0;
 }
 
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
@@ -288,7 +302,7 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
     if (open_file(path, &options, file, info, &message))
         return fail_for(&message);
     look_at(path, o, info);
-    const int status = take_moment(path, o, *file, info);
+    const int status = take_times(path, o, *file, info);
     if (status)
         fxs_scene_file_close(*file);
     return status;

@@ -33,8 +33,11 @@ typedef struct load_options {
     uint64_t decimate_count;                /* number of Gaussians to reduce a scene to; 0: no reduction */
     double decimate_share;                  /* share of Gaussians to reduce a scene to; 0: no reduction */
     double rate;
-    int has_moment;                         /* 1: a moving scene is read as it is at the time `moment`, seconds */
+    int has_moment;                         /* 1: a moving scene is read as it is at the time `moment`, seconds, before
+                                               it is placed and filtered; 2: after this */
     double moment;
+    int has_range;                          /* 1: a moving scene is read from the time `from` to before `to`, seconds */
+    double from, to;
     int *moved;                             /* set to 1 if a moving scene is read at the moment; may be null */
     const char *still;                      /* why a scene that moves is refused without a moment, the end of the error
                                                "a scene that moves ..."; null: it is read */

@@ -285,7 +285,6 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     for (uint32_t i = 0; i < placed->file_count; i++) {
         load_options own;
         int status = options_of_file(&own, load, i, placed->file_count);
-        own.still = "is not placed or merged: give --time SECONDS";
         if (!status)
             status = open_unfiltered(placed->files[i], &own, &files[i], &infos[i]);
         has_lods |= !status && infos[i].levels > 1;

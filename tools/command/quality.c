@@ -32,7 +32,7 @@ static int read_floats(fxs_float_scene **floats, pair *p, const float_files *fil
     fxs_message message;
     load_options load = *files->load;
     if (p->has_moment && !load.has_moment) {
-        load.has_moment = 1;
+        load.has_moment = 2;
         load.moment = p->moment;
     }
     load.moved = &p->moves;

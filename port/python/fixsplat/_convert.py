@@ -45,8 +45,8 @@ class Conversion:
 
 def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, scale: float = 1, translate: Any = None,
             crop: Any = None, sphere: Any = None, prune: float = 0, drop_floaters: bool = False, sh_degree: int = 3,
-            decimate: Optional[float] = None, time: Optional[float] = None, profile: Optional[str] = None,
-            spz_version: Optional[int] = None, spz_fine: bool = False, level: int = 0, axes: str = "file",
+            decimate: Optional[float] = None, time: Optional[float] = None, times: Any = None,
+            profile: Optional[str] = None, spz_version: Optional[int] = None, spz_fine: bool = False, level: int = 0, axes: str = "file",
             max_gaussians: int = 0, max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
     """Converts the scene src into the scene file dst. src is the path of a scene file, Gaussians, or a Scene. The
     ending of dst chooses the format, and `fixsplat help formats` lists the formats that can be written. The new file
@@ -70,8 +70,9 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     sh_degree: SH are kept up to this degree, 0 to 3.
     decimate: neighbours are merged until this number of Gaussians is left, or, for a float above 0 and up to 1.0, this
     share of them. None merges no Gaussians.
-    time: the moment at which a scene that moves is converted, in seconds. None keeps the motion, which only an .fxs can
-    hold, without any of the options above.
+    time: the moment at which a scene that moves is converted, in seconds. None keeps the motion, which only an .fxs or
+    a .splat4d can hold, without drop_floaters and decimate.
+    times: the range (start, end) of a scene that moves, in seconds, which begins at 0 in dst. None keeps all of it.
     profile: the profile of an .fxs file: "default", "compact" or "small". None stands for "default".
     spz_version: the version of an .spz file: 3 (gzip) or 4 (zstd). None stands for 4.
     spz_fine: True gives an .spz file all 8 bits of SH and all 24 of positions.
@@ -97,15 +98,17 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     placement = _placement(up, rotate, scale, translate)
     known = None if up is None else list(numbers("up", up, (3,)))
     with Calls(progress) as calls, _open(src, out, (level, axes, max_gaussians, max_memory), calls) as stream:
+        if times is not None:
+            stream.between(*numbers("times", times, (2,)))
         if time is not None:
             stream.at(time)
         if not lib.fxs_placement_is_plain(placement):
             stream.place(placement, known)
         elif known is not None:
             stream.info.start.up = known
-        if stream.moves and not packed:
+        if stream.moves and not lib.fxs_scene_format_of(file_name(dst), 1).moves:
             raise ValueError(f"{out}: holds no motion: give time")
-        kept = _all_of(stream) if stream.moves and _keeps_all(how) else stream.filter(how)
+        kept = stream.filter(how)
         if decimate is not None:
             stream.decimate(target or math.ceil(share * stream.info.count))
         if packed:
@@ -166,15 +169,6 @@ def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree
     return how
 
 
-def _keeps_all(how: Struct) -> bool:
-    plain = sized("fxs_scene_filter")
-    return bytes(ffi.buffer(how)) == bytes(ffi.buffer(plain))
-
-
-def _all_of(stream: Stream) -> Struct:
-    return new("fxs_scene_filter_report", read=stream.info.count, kept=stream.info.count)
-
-
 def _conversion(kept: Struct, written: int, dropped: int, *rest: Any) -> Conversion:
     left_out = kept.dropped.not_finite + kept.dropped.rotation + kept.dropped.transparent + dropped
     return Conversion(kept.read, written, kept.outside, kept.faint, kept.floaters, left_out, *rest)
@@ -204,7 +198,7 @@ def _find_bounds(stream: Stream, options: Struct) -> None:
 def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, progress: Progress) -> Struct:
     info, writer, report, done = stream.info, new("fxs_scene_writer *"), new("fxs_scene_write_report"), 0
     options = sized("fxs_scene_write_options", count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
-                    spz_version=spz_version, spz_fine=bool(spz_fine), origin=list(info.origin))
+                    spz_version=spz_version, spz_fine=bool(spz_fine), origin=list(info.origin), time=info.time)
     if out.endswith(".glb"):
         _find_bounds(stream, options)
     call("fxs_scene_writer_open", file_name(out), options, writer)
@@ -212,7 +206,11 @@ def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, prog
         for batch, n in stream.batches():
             if progress is not None:
                 progress(done / info.count)
-            call("fxs_scene_writer_put", writer[0], batch, n)
+            if stream.moves:
+                motions = lib.fxs_scene_file_motions(stream.handle)
+                call("fxs_scene_writer_put_moving", writer[0], batch, motions, n)
+            else:
+                call("fxs_scene_writer_put", writer[0], batch, n)
             done += n
     except BaseException:
         # Closing an unfinished writer removes its file.

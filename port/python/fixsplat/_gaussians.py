@@ -207,6 +207,13 @@ class Stream:
         with _about(self.name):
             call("fxs_scene_file_at", self.handle, number("time", time, -1e6, 1e6), self.info)
 
+    def between(self, start: float, end: float) -> None:
+        """Takes a range of the time of a scene that moves, seconds."""
+        if not self.moves:
+            raise ValueError("times: the scene does not move")
+        with _about(self.name):
+            call("fxs_scene_file_between", self.handle, start, end, self.info)
+
     def filter(self, how: Struct) -> Struct:
         report = new("fxs_scene_filter_report")
         with _about(self.name):

@@ -405,6 +405,10 @@ FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
    and info->sh_degree describe them. The file is read once to count them, and is at its beginning when the function
    returns. `progress` may be null.
 
+   A Gaussian of a moving scene is kept by position if its centre is inside at any time at which it is seen. Its way is
+   tested in steps of at most its largest sigma, but in at most 256 steps. Its opacity is the largest that it has.
+   Floaters and the thing are found in still scenes only.
+
    A Gaussian is a floater if fewer than FXS_FLOATER_NEIGHBOURS other centres lie in the cube of 27 cells around it. The
    grid of cells goes through the origin. The width of a cell is the least power of two that is at least 4 times the
    Gaussian's largest sigma, but at least the width for the Gaussian of median size. So the neighbours of a large
@@ -420,7 +424,7 @@ FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
 
    Returns 0, or an error and a message; the caller must then close the file. Errors: as fxs_scene_file_read,
    FXS_ERR_FILE if no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (degree, strength, shape),
-   FXS_ERR_MEMORY. */
+   FXS_ERR_UNSUPPORTED (floaters or the thing of a moving scene), FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                                   fxs_scene_filter_report *report, const fxs_progress *progress,
                                   fxs_message *message);
@@ -429,9 +433,9 @@ FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *
 
 /* Decimates a stream of Gaussians: merges neighbours until the target number is left. */
 
-/* Reads an open file from its start and merges Gaussians until `target` are left, 1 or more. fxs_drawable must accept
-   every Gaussian of the file. From then on, fxs_scene_file_read returns the merged Gaussians, and info->count is their
-   number. A scene of at most `target` Gaussians is unchanged.
+/* Reads an open file of a still scene from its start and merges Gaussians until `target` are left, 1 or more.
+   fxs_drawable must accept every Gaussian of the file. From then on, fxs_scene_file_read returns the merged Gaussians,
+   and info->count is their number. A scene of at most `target` Gaussians is unchanged.
 
    The two Gaussians of a pair are weighted by opacity times area. The merged position and covariance are the mean and
    the covariance of the pair as one distribution; dc and SH are weighted means. The merged opacity keeps the sum of

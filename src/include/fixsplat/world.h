@@ -72,7 +72,13 @@ FXS_API void fxs_world_place(fxs_world *world, const fxs_placement *whole);
    The function takes over the files, also after an error. All files must be anti-aliased, or none. If an object has
    crops, the files are read once to count the remaining Gaussians. info->start gets the world's up direction, or else
    the up direction of the first object with a known one, and the start view of the first object that has one.
-   fxs_object_place must accept the placements. Returns 0, or an FXS_ERR_* and a message. */
+   fxs_object_place must accept the placements.
+
+   Moving files give a moving stream, with the longest duration and the highest rate. A shorter file goes on until then:
+   one that loops is repeated, at most 4096 times, and another stays at its last moment. A still file is always there.
+   Crops keep a Gaussian if they keep a place on its way, as fxs_scene_file_filter does.
+
+   Returns 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
                             fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message);
 

@@ -1,9 +1,10 @@
 /* Merges the scene files of a world (a list of placed scenes) into a single stream of Gaussians. Every Gaussian is
-   cropped, moved, rotated with its SH, scaled and tinted. Far from 0, positions are relative to a common origin near
-   the file with most Gaussians. */
+   cropped, moved, rotated with its SH and its motion, scaled and tinted. Far from 0, positions are relative to a common
+   origin near the file with most Gaussians. */
 #include <fixsplat/world.h>
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/placements.h>
+#include <fixsplat/internal/time_range.h>
 
 #include <math.h>
 #include <stddef.h>
@@ -13,6 +14,7 @@
 #include "src/scene/formats_internal.h"
 #include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
+#include "course_internal.h"
 
 #define FARTHEST 0x1p28
 
@@ -40,6 +42,8 @@ typedef struct merge_reader {
     uint32_t count, at;
     int sh_degree;
     double origin[3];
+    fxs_time time;
+    fxs_motion motions[FXS_MOTIONS];
 } merge_reader;
 
 static int is_in(const fxs_world_crop *crop, const double place[3])
@@ -50,13 +54,9 @@ static int is_in(const fxs_world_crop *crop, const double place[3])
     return 1;
 }
 
-static int is_kept(const part *whole, const float position[3])
+static int is_kept_at(const fxs_placement *p, const double place[3])
 {
-    const fxs_placement *p = &whole->placement;
-    double place[3];
     int keeping = 0, kept = 0;
-    for (int i = 0; i < 3; i++)
-        place[i] = whole->inner[i] + (double)position[i];
     for (uint32_t c = 0; c < p->crop_count; c++) {
         const int inside = is_in(&p->crops[c], place);
         if (p->crops[c].outside && inside)
@@ -65,6 +65,23 @@ static int is_kept(const part *whole, const float position[3])
         kept |= !p->crops[c].outside && inside;
     }
     return kept || !keeping;
+}
+
+/* True if the crops keep a place on the way of a Gaussian. motion: null for one of a still file. */
+static int is_kept(const merge_reader *r, const part *p, const fxs_gaussian *g, const fxs_motion *motion)
+{
+    if (!p->placement.crop_count)
+        return 1;
+    const fxs_course course = fxs_course_of(g, motion, &r->time);
+    int kept = 0;
+    for (int number = 0; number < course.count && !kept; number++) {
+        double place[3];
+        fxs_course_place(&course, number, place);
+        for (int i = 0; i < 3; i++)
+            place[i] += p->inner[i];
+        kept = is_kept_at(&p->placement, place);
+    }
+    return kept;
 }
 
 static void multiply(double out[4], const double a[4], const double b[4])
@@ -82,25 +99,39 @@ static void turn_camera(double camera[4], const double rotation[4])
     multiply(camera, old, back);
 }
 
-static void turn(const part *p, fxs_gaussian *g, int sh_degree)
+static void turn_quaternion(const part *p, float q[4])
+{
+    const double own[4] = {q[0], q[1], q[2], q[3]};
+    double turned[4];
+    multiply(turned, p->placement.rotation, own);
+    for (int i = 0; i < 4; i++)
+        q[i] = (float)turned[i];
+}
+
+static void turn(const part *p, fxs_gaussian *g, fxs_motion *m, int sh_degree)
 {
     static const fxs_gaussian upright = {.rotation = {1, 0, 0, 0}};
     fxs_gaussian turned = upright;
     memcpy(turned.sh, g->sh, sizeof g->sh);
     fxs_transform_apply(&p->turn, &turned, sh_degree);
     memcpy(g->sh, turned.sh, sizeof g->sh);
-    const double own[4] = {g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]};
-    double rotation[4];
-    multiply(rotation, p->placement.rotation, own);
-    for (int i = 0; i < 4; i++)
-        g->rotation[i] = (float)rotation[i];
+    turn_quaternion(p, g->rotation);
+    turn_quaternion(p, m->turn);
 }
 
-static void move(const part *p, fxs_gaussian *g)
+static void map(const part *p, float v[3], const double shift[3])
 {
-    const double x = g->position[0], y = g->position[1], z = g->position[2];
+    const double x = v[0], y = v[1], z = v[2];
+    for (int i = 0; i < 3; i++)
+        v[i] = (float)(p->rows[i][0] * x + p->rows[i][1] * y + p->rows[i][2] * z + shift[i]);
+}
+
+static void move(const part *p, fxs_gaussian *g, fxs_motion *m)
+{
+    static const double none[3];
+    map(p, g->position, p->shift);
     for (int i = 0; i < 3; i++) {
-        g->position[i] = (float)(p->rows[i][0] * x + p->rows[i][1] * y + p->rows[i][2] * z + p->shift[i]);
+        map(p, m->drift[i], none);
         g->scale[i] = (float)(g->scale[i] + p->log_scale);
     }
 }
@@ -115,12 +146,12 @@ static void tint(const double factor[3], fxs_gaussian *g)
     }
 }
 
-static void change(const part *p, fxs_gaussian *g, int sh_degree)
+static void change(const part *p, fxs_gaussian *g, fxs_motion *m, int sh_degree)
 {
     if (p->is_turned)
-        turn(p, g, sh_degree);
+        turn(p, g, m, sh_degree);
     if (p->is_moved)
-        move(p, g);
+        move(p, g, m);
     if (p->placement.opacity < 1) {
         const double opacity = p->placement.opacity / (1 + fxs_exp(-(double)g->opacity));
         g->opacity = (float)fxs_log(opacity / (1 - opacity));
@@ -135,6 +166,12 @@ static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, s
                 : fxs_stream_read(r->reader, r->data, gaussians, capacity, message);
 }
 
+/* Returns how the Gaussians that read_file gave last move; null: they are still. */
+static const fxs_motion *motions_of_file(const merge_reader *r, uint32_t file)
+{
+    return file ? fxs_scene_file_motions(r->files[file]) : r->reader->motions ? r->reader->motions(r->data) : NULL;
+}
+
 static int enter(merge_reader *r, fxs_message *message)
 {
     const part *p = &r->parts[r->at];
@@ -146,17 +183,24 @@ static int enter(merge_reader *r, fxs_message *message)
 static long merge_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     merge_reader *r = handle;
+    const int moves = r->time.duration > 0;
     size_t kept = 0;
+    capacity = moves && capacity > FXS_MOTIONS ? FXS_MOTIONS : capacity;
     while (kept < capacity && r->at < r->count) {
         const part *p = &r->parts[r->at];
         fxs_gaussian *next = gaussians + kept;
         const long n = read_file(r, p->placement.file, next, capacity - kept, message);
+        const fxs_motion *motions = n > 0 ? motions_of_file(r, p->placement.file) : NULL;
         if (n < 0)
             return n;
         for (long i = 0; i < n; i++)
-            if (is_kept(p, next[i].position)) {
+            if (is_kept(r, p, &next[i], motions ? &motions[i] : NULL)) {
+                fxs_motion motion = motions ? motions[i] : fxs_still;
                 gaussians[kept] = next[i];
-                change(p, &gaussians[kept++], r->sh_degree);
+                change(p, &gaussians[kept], &motion, r->sh_degree);
+                if (moves)
+                    r->motions[kept] = motion;
+                kept++;
             }
         if (n == 0 && ++r->at < r->count && enter(r, message))
             return -1;
@@ -169,6 +213,12 @@ static int merge_rewind(void *handle, fxs_message *message)
     merge_reader *r = handle;
     r->at = 0;
     return enter(r, message);
+}
+
+static const fxs_motion *merge_motions(const void *handle)
+{
+    const merge_reader *r = handle;
+    return r->time.duration > 0 ? r->motions : NULL;
 }
 
 static void merge_close(void *handle)
@@ -184,7 +234,7 @@ static void merge_close(void *handle)
 }
 
 static const fxs_reader merged_format = {NULL, sizeof(merge_reader), NULL, merge_read, merge_rewind,
-                                               merge_close, NULL};
+                                               merge_close, merge_motions};
 
 static void close_all(fxs_scene_file **files, uint32_t count)
 {
@@ -252,6 +302,11 @@ static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_fi
         memcpy(&all->tangent, &start.tangent, sizeof start - offsetof(fxs_start, tangent));
 }
 
+static int is_visible(const fxs_placement *p)
+{
+    return p->visible && p->opacity > 0;
+}
+
 static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_file_info *infos,
                       fxs_scene_file_info *info, fxs_message *message)
 {
@@ -261,7 +316,7 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
     for (uint32_t i = 0; i < world->count; i++) {
         const fxs_placement *p = &world->objects[i];
         const fxs_scene_file_info *own = &infos[p->file];
-        if (!p->visible || p->opacity <= 0)
+        if (!is_visible(p))
             continue;
         if (own->antialiased != infos[world->objects[0].file].antialiased) {
             fxs_fail(message, "%s: of it and others, one is anti-aliased and one is not: a file says one or the other",
@@ -410,18 +465,48 @@ void fxs_world_place(fxs_world *world, const fxs_placement *whole)
     }
 }
 
-int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
-                    fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message)
+/* The time of all visible objects: the longest duration, the highest rate. It loops if all that move do. */
+static fxs_time time_of(const fxs_world *world, const fxs_scene_file_info *infos)
+{
+    fxs_time all = {.loops = 1, .least = 1};
+    for (uint32_t i = 0; i < world->count; i++) {
+        const fxs_time *own = &infos[world->objects[i].file].time;
+        if (!is_visible(&world->objects[i]) || !(own->duration > 0))
+            continue;
+        all.duration = fmax(all.duration, own->duration);
+        all.rate = fmax(all.rate, own->rate);
+        all.loops &= own->loops;
+        all.degree = own->degree > all.degree ? own->degree : all.degree;
+        all.turns |= own->turns;
+        all.fades |= own->fades;
+        all.least = own->fades ? fmin(all.least, own->least) : all.least;
+    }
+    if (!all.fades)
+        all.least = 0;
+    return all.duration > 0 ? all : (fxs_time){.duration = 0};
+}
+
+/* Gives each moving file the duration `time->duration`: what is shorter goes on as when it is played. Changes infos. */
+static int share_time(const fxs_world *world, fxs_scene_file **files, fxs_scene_file_info *infos, const fxs_time *time,
+                      fxs_message *message)
+{
+    for (uint32_t i = 0; i < world->file_count; i++)
+        if (infos[i].time.duration < time->duration)
+            FXS_TRY(fxs_scene_file_between(files[i], 0, time->duration, &infos[i], message));
+    return 0;
+}
+
+static int merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos, const fxs_time *time,
+                 fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_allocator *allocator = fxs_stream_allocator(files[0]);
     merge_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
-    *merged = NULL;
-    *info = (fxs_scene_file_info){.format = "several", .levels = 1};
     if (!r) {
         close_all(files, world->file_count);
         fxs_fail(message, "out of memory");
         return FXS_ERR_MEMORY;
     }
+    r->time = info->time = *time;
     const int moves = files[0]->import.moves;
     r->allocator = allocator;
     r->import = &files[0]->import;
@@ -430,18 +515,14 @@ int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_sc
     fxs_stream_swap(files[0], &r->reader, &r->data);
     r->files = fxs_allocate_zeroed(allocator, world->file_count, sizeof(fxs_scene_file *));
     r->parts = fxs_allocate_zeroed(allocator, world->count, sizeof *r->parts);
-    int error = FXS_ERR_MEMORY, moving = 0;
-    for (uint32_t i = 0; i < world->file_count && !moving; i++)
-        moving = fxs_stream_check_still(&infos[i], "placed or merged", message);
+    int error = FXS_ERR_MEMORY;
     if (r->files) {
         memcpy(r->files, files, world->file_count * sizeof(fxs_scene_file *));
         r->file_count = world->file_count;
     } else {
         close_all(files + 1, world->file_count - 1);
     }
-    if (moving)
-        error = moving;
-    else if (r->files && r->parts)
+    if (r->files && r->parts)
         error = list_parts(r, world, infos, info, message);
     else
         fxs_fail(message, "out of memory");
@@ -454,5 +535,26 @@ int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_sc
         fxs_scene_file_close(files[0]);
     else
         *merged = files[0];
+    return error;
+}
+
+int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
+                    fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message)
+{
+    const fxs_allocator *allocator = fxs_stream_allocator(files[0]);
+    const fxs_time time = time_of(world, infos);
+    fxs_scene_file_info *shared = fxs_allocate(allocator, world->file_count, sizeof *shared);
+    int error = shared ? 0 : fxs_fail_memory(message, NULL, world->file_count * sizeof *shared);
+    *merged = NULL;
+    *info = (fxs_scene_file_info){.format = "several", .levels = 1};
+    if (shared) {
+        memcpy(shared, infos, world->file_count * sizeof *shared);
+        error = share_time(world, files, shared, &time, message);
+    }
+    if (error)
+        close_all(files, world->file_count);
+    else
+        error = merge(world, files, shared, &time, merged, info, message);
+    fxs_release(allocator, shared);
     return error;
 }

@@ -10,9 +10,11 @@
 
 #include "src/gaussian/attributes.h"
 #include "src/base/report.h"
+#include "src/pack/lives.h"
 #include "src/pack/weight.h"
 #include "src/base/options.h"
 #include "src/core/sized.h"
+#include "course_internal.h"
 #include "floaters_internal.h"
 #include "thing_internal.h"
 #include "src/scene/formats_internal.h"
@@ -27,6 +29,8 @@ typedef struct filter_reader {
     fxs_floaters floaters;
     uint64_t next;             /* number of the next Gaussian of the stream */
     fxs_thing thing;
+    fxs_time time;
+    fxs_motion motions[FXS_MOTIONS];
 } filter_reader;
 
 void (fxs_scene_filter_init)(fxs_scene_filter *filter, uint32_t size)
@@ -77,20 +81,45 @@ static int is_inside(const fxs_scene_filter *filter, const double position[3])
     return !(x * x + y * y + z * z > filter->radius * filter->radius);
 }
 
-static int passes(filter_reader *r, fxs_gaussian *g)
+/* True if a place on the way of a Gaussian is in the shapes. */
+static int comes_inside(const filter_reader *r, const fxs_gaussian *g, const fxs_motion *m)
+{
+    const fxs_course course = fxs_course_of(g, m, &r->time);
+    int inside = 0;
+    for (int number = 0; number < course.count && !inside; number++) {
+        double place[3];
+        fxs_course_place(&course, number, place);
+        for (int i = 0; i < 3; i++)
+            place[i] += r->origin[i];
+        inside = is_inside(&r->filter, place) && is_in_shapes(&r->filter, place);
+    }
+    return inside;
+}
+
+static int is_drawable(filter_reader *r, const fxs_gaussian *g, const fxs_motion *m)
+{
+    fxs_pack_dropped *dropped = &r->report.dropped;
+    if (!fxs_drawable(g, r->filter.sh_degree, dropped))
+        return 0;
+    if (!m || fxs_motion_usable(m))
+        return 1;
+    dropped->not_finite++;
+    dropped->weight += fxs_weight(g);
+    return 0;
+}
+
+static int passes(filter_reader *r, fxs_gaussian *g, const fxs_motion *m)
 {
     const int coefficients = 3 * r->filter.sh_degree * (r->filter.sh_degree + 2);
-    const double place[3] = {r->origin[0] + (double)g->position[0], r->origin[1] + (double)g->position[1],
-                             r->origin[2] + (double)g->position[2]};
     const uint64_t at = r->next++;
     if (r->filter.deleted && at < r->filter.deleted_count && r->filter.deleted[at])
         return 0;
     r->report.read++;
-    if (!is_inside(&r->filter, place) || !is_in_shapes(&r->filter, place))
+    if (!comes_inside(r, g, m))
         return r->report.outside++, 0;
     if (fxs_opacity_of_logit(g->opacity) < r->filter.opacity)
         return r->report.faint++, 0;
-    if (r->filter.drawable && !fxs_drawable(g, r->filter.sh_degree, &r->report.dropped))
+    if (r->filter.drawable && !is_drawable(r, g, m))
         return 0;
     if (r->filter.floaters && fxs_floaters_take(&r->floaters, g))
         return r->report.floaters++, 0;
@@ -105,19 +134,31 @@ static int passes(filter_reader *r, fxs_gaussian *g)
 static long filter_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     filter_reader *r = handle;
+    const int moves = r->time.duration > 0;
     size_t kept = 0;
+    capacity = moves && capacity > FXS_MOTIONS ? FXS_MOTIONS : capacity;
     while (kept < capacity) {
         fxs_gaussian *next = gaussians + kept;
         long n = fxs_stream_read(r->reader, r->data, next, capacity - kept, message);
+        const fxs_motion *motions = moves && n > 0 ? r->reader->motions(r->data) : NULL;
         if (n < 0)
             return n;
         if (n == 0)
             break;
         for (long i = 0; i < n; i++)
-            if (passes(r, &next[i]))
+            if (passes(r, &next[i], motions ? &motions[i] : NULL)) {
+                if (motions)
+                    r->motions[kept] = motions[i];
                 gaussians[kept++] = next[i];
+            }
     }
     return (long)kept;
+}
+
+static const fxs_motion *filter_motions(const void *handle)
+{
+    const filter_reader *r = handle;
+    return r->time.duration > 0 ? r->motions : NULL;
 }
 
 static int filter_rewind(void *handle, fxs_message *message)
@@ -140,7 +181,7 @@ static void filter_close(void *handle)
 }
 
 static const fxs_reader filtered = {
-    NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close, NULL
+    NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close, filter_motions
 };
 
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, const fxs_progress *progress,
@@ -188,7 +229,9 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
     const fxs_scene_filter *const filter = &all;
     fxs_scene_filter_init(&all);
     FXS_TRY(FXS_OPTIONS_READ(fxs_scene_filter, &all, given, message));
-    FXS_TRY(fxs_stream_check_still(info, "filtered", message));
+    if (filter->floaters || filter->thing)
+        FXS_TRY(fxs_stream_check_still(info, filter->thing ? "searched for a thing" : "searched for floaters",
+                                       message));
     if (filter->sh_degree < 0 || filter->sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "SH degree %d, not 0 to 3", filter->sh_degree);
     if (filter->floaters < 0 || filter->floaters > FXS_FLOATER_STRENGTHS)
@@ -204,6 +247,7 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *given, f
     r->allocator = allocator;
     r->filter = *filter;
     r->filter.thing = 0;
+    r->time = info->time;
     memcpy(r->origin, info->origin, sizeof r->origin);
     r->reader = &filtered;
     r->data = r;

@@ -20,6 +20,7 @@
 #include "src/base/number.h"
 #include "src/base/os_calls.h"
 #include "src/base/report.h"
+#include "src/gaussian/stream_internal.h"
 #include "src/pack/encode.h"
 
 enum { POSITION, ROTATION, COLOUR, OPACITY, SCALE, ATTRIBUTES };    /* as numbered in the file */
@@ -108,7 +109,6 @@ static int splat4d_open(void *writer, const char *path, const fxs_scene_write_op
 static int splat4d_put_moving(void *writer, const fxs_gaussian *gaussians, const fxs_motion *motions, size_t n,
                               fxs_message *message)
 {
-    static const fxs_motion none = {.fade = INFINITY, .from = -INFINITY, .to = INFINITY};
     splat4d_writer *w = writer;
     FXS_TRY(fxs_output_expect(&w->output, n, message));
     for (size_t i = 0; i < n; i++) {
@@ -119,7 +119,7 @@ static int splat4d_put_moving(void *writer, const fxs_gaussian *gaussians, const
         memcpy(h->rotation, gaussians[i].rotation, sizeof h->rotation);
         memcpy(h->dc, gaussians[i].dc, sizeof h->dc);
         h->opacity = gaussians[i].opacity;
-        h->motion = motions ? motions[i] : none;
+        h->motion = motions ? motions[i] : fxs_still;
     }
     return 0;
 }
