@@ -177,6 +177,8 @@ cat >world.json <<'END'
 END
 succeeds "convert --scene" convert --scene world.json world.fxs
 check "convert --scene: it moves" sh -c "'$fixsplat' info world.fxs | grep -q '^moves         1 seconds'"
+succeeds "convert --levels of a placed range of times" convert moving.fxs levels.fxs --levels --times 0.25..0.75 --scale 0.5
+check "convert --levels of a placed range of times: its levels" sh -c "'$fixsplat' info levels.fxs | grep -q '^level  '"
 fails "convert --drop-floaters of a scene that moves" 1 'moves is not searched for floaters: give --time' \
     convert moving.fxs wrong.fxs --drop-floaters
 fails "convert --thing of a scene that moves" 1 'moves is not searched for a thing: give --time' \
@@ -196,7 +198,6 @@ fails "convert --times to an .fxs, of a still scene" 1 'still.ply: does not move
 fails "convert --fps without numbered files" 2 'fps is for numbered files: wrong.fxs has no %d' \
     convert moving.fxs wrong.fxs --times 0..0.5 --fps 3
 check "convert: nothing is left of what was refused" sh -c '! ls | grep -q "wrong\|never.fxs\|opaque.fxs"'
-fails "convert: levels of a scene that moves" 1 'moves has no levels of detail: give --time' convert moving.fxs l.fxs --levels
 fails "convert: a block of a scene that moves" 1 'moves is not written in blocks: give --time' \
     convert moving.fxs b.fxs --block 1/2
 fails "convert --time of a still scene" 1 'still.ply: does not move: no --time' convert still.ply a.spz --time 1

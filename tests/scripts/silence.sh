@@ -253,8 +253,8 @@ options='up 0,0,1; auto-up; level 0,0,0,1,0,0,0,1,1; rotate 10,0,0; scale 2; tra
     sphere 0,0,0,3; cylinder 0,-9,0,0,9,0,2; prune 0.9; drop-floaters=4; thing; edits ../edits.json; for board; sh-degree 0;
     decimate 50%; profile small; levels; refine=1; cameras ../cameras.json; block 2/3; start-view 1,-2,-9,0,0,0; spz-version 3; spz-fine; force;
     place 0:0,0,0,0.5,0.5,0.5,0.5; scene ../world.json; lod 1; axes rdf; time 0.4; times 0..0.2; fps 12; rate 12'
-# --force allows what is not done here, and a .splat has no SH anyway.
-by_design='max-gaussians import-memory' elsewhere='force:all sh-degree:splat' mask= more=--quiet
+# --force allows what is not done here; a .splat and the moving scene have no SH, and that scene is opaque.
+by_design='max-gaussians import-memory' elsewhere='force:all sh-degree:splat sh-degree:moves prune:moves' mask= more=--quiet
 try convert
 
 # ---- fit -------------------------------------------------------------------------------------------------------------

@@ -230,9 +230,9 @@ static const option_row own_rows[] = {
     {.help = "Second, Gaussians are removed, by their new positions:"},
     {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, 0, .expected =
      "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ, no MIN above its MAX", .basic = 1, .help =
-     "keep Gaussians with their centre in this box, edges included; of a scene that moves, those with their centre in "
-     "it at any time at which they are seen. Boxes may be repeated: any of them; likewise spheres and cylinders. "
-     "Options of different kinds: all of them"},
+     "keep Gaussians with their centre in this box, edges included, in a moving scene at any time while they are "
+     "visible. Boxes may be repeated: any of them; likewise spheres and cylinders. Options of different kinds: all of "
+     "them"},
     {"sphere", "X,Y,Z,R", take_sphere, 0, .expected =
      "four numbers X,Y,Z,R, R 0 or more", .help =
      "keep Gaussians with their centre at most R from X,Y,Z"},

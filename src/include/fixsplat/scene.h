@@ -405,7 +405,7 @@ FXS_API void fxs_scene_filter_init(fxs_scene_filter *filter, uint32_t size);
    and info->sh_degree describe them. The file is read once to count them, and is at its beginning when the function
    returns. `progress` may be null.
 
-   A Gaussian of a moving scene is kept by position if its centre is inside at any time at which it is seen. Its way is
+   A Gaussian of a moving scene is kept by position if its centre is inside at any time while it is visible. Its way is
    tested in steps of at most its largest sigma, but in at most 256 steps. Its opacity is the largest that it has.
    Floaters and the thing are found in still scenes only.
 
