@@ -24,7 +24,7 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) kernels/compute/plan.c port/web/webgpu.c
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
-WEB_IMPORT := $(filter-out %/fxs.c %/numbered.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
+WEB_IMPORT := $(filter-out %/fxs.c %/numbered.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/sound.c src/scene/formats.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c) port/backend/pack_stages.c \
               $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c options.c source.c text.c zip.c) \
               $(addprefix src/core/,scene.c fixsplat.c chunk.c sized.c animate.c) $(WEB_C)
@@ -46,7 +46,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter $(addprefix kernels/simd/wasm/,bin% project% shade%),$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
 WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
-             import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
+             import/src/scene/formats.c import/src/scene/scene_file.c import/src/scene/sound.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c ply_motion.c rad.c splatv.c tileset.c) import/src/pack/lives.c import/src/gaussian/moment.c import/src/gaussian/gaussian_source.c \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%

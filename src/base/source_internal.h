@@ -3,7 +3,7 @@
 #ifndef FXS_SOURCE_INTERNAL_H
 #define FXS_SOURCE_INTERNAL_H
 
-#include <fixsplat/scene.h>
+#include <fixsplat/internal/sound.h>
 #include "text_internal.h"
 
 typedef struct fxs_import {
@@ -12,6 +12,8 @@ typedef struct fxs_import {
     size_t file_count, room;
     uint64_t held;
     int (*drop)(void *reader);        /* frees data that can be read again; returns 0 if none is left */
+    /* Reads the sound as fxs_scene_file_sound does; null: the format has none. */
+    int (*sound)(void *reader, fxs_sound *sound, fxs_text *data, fxs_message *message);
     void *reader;
     double origin[3];
     int moves;

@@ -340,6 +340,7 @@ static int read_options(convert_options *o, int argc, char **argv)
     memset(o, 0, sizeof *o);
     o->rate[0] = 30;
     o->rate[1] = 1;
+    o->load.sound = SOUND_LOST;
     files_force(FILES_REFUSE_UNFORCED);
     fxs_scene_filter_init(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);

@@ -155,6 +155,9 @@ static void print_scene_json(const loaded_scene *s, const scene_levels *levels, 
         printf(", ");
     }
     live_print_json(live);
+    if (s->sound.data)
+        printf("\"sound\": {\"type\": \"%s\", \"bytes\": %zu, \"volume\": %.6g}, ", s->sound.type, s->sound.bytes,
+               s->sound.volume);
 }
 
 static void print_object_json(const world *w, uint32_t i)
@@ -369,6 +372,8 @@ static void print_scene_text(const loaded_scene *s, const scene_levels *levels, 
         print_error_text("rms error", &r->rms);
     }
     live_print_text(live);
+    if (s->sound.data)
+        printf("sound         %s, %zu bytes; fixsplat publish keeps it\n", s->sound.type, s->sound.bytes);
     if (levels->count)
         levels_print_text(levels);
 }
@@ -554,6 +559,7 @@ static int read_options(info_options *o, int argc, char **argv)
 {
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
+    o->frame.load.sound = SOUND_KEPT;
     if (take_options(&command_info, o, argc, argv))
         return EXIT_USAGE;
     const char *other = o->backends ? given_beside("backends json quiet") : 0;

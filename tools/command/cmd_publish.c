@@ -18,6 +18,13 @@
 #include "tools/serve/scene_picture.h"
 #include "task.h"
 
+/* What the page tells of a scene besides its names. */
+typedef struct page_facts {
+    char frame[POSTER_FRAME];
+    const char *sound;             /* ending of the sound's file; null: none */
+    double volume;
+} page_facts;
+
 typedef struct publish_options {
     frame_options frame;
     publish_start start;
@@ -26,7 +33,7 @@ typedef struct publish_options {
     int single;
     char mark[TASK_PATH];          /* path of the file that marks an unfinished folder */
     scene_list list;
-    char (*frames)[POSTER_FRAME];  /* for each scene */
+    page_facts *facts;             /* for each scene */
     size_t bytes;
     made_list made;                /* new files and folders, removed on failure */
 } publish_options;
@@ -54,11 +61,36 @@ static const option_row own_rows[] = {
      "chosen by looking at the scene from many sides)"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED,
      .help = "size of the poster (default 1280x720)"},
+    {"sound", "FILE", take_sound, FIELD(const char *, start.sound), .expected = SOUND_EXPECTED, .help =
+     "sound of a moving scene, which the page plays with it, for one scene: .mp3, .m4a, .aac, .ogg, .opus, .wav, "
+     ".flac or .webm (default: the sound in the scene's file)"},
     {"settings", "FILE", TEXT(settings), .help =
      "settings file of the viewer or of supersplat-viewer, with camera, annotations and tracks; for a folder of one "
      "scene"},
     {0}
 };
+
+static int write_bytes(publish_options *o, const char *folder, const char *name, const void *bytes, size_t size)
+{
+    char path[TASK_PATH];
+    fxs_message why;
+    const fxs_encoded file = {.bytes = bytes, .size = size};
+    join_path(path, folder, name);
+    made_list_add(&o->made, path);
+    o->bytes += size;
+    return fxs_encoded_write(path, &file, &why) ? fail_for(&why) : 0;
+}
+
+static int write_sound(publish_options *o, size_t number, const fxs_sound *sound)
+{
+    char name[LISTED_NAME + 8];
+    if (!sound->data)
+        return 0;
+    o->facts[number].sound = sound->ending;
+    o->facts[number].volume = sound->volume;
+    snprintf(name, sizeof name, "%s%s", o->list.scenes[number].name, sound->ending);
+    return write_bytes(o, o->site, name, sound->data, sound->bytes);
+}
 
 static int write_scene(publish_options *o, size_t number)
 {
@@ -75,12 +107,13 @@ static int write_scene(publish_options *o, size_t number)
     if (!is_given("profile"))
         publish_say_gain(&scene, o->words);
     o->bytes += scene.opened->bytes;
-    publish_frame(o->frames[number], scene.opened, o->frame.width ? o->frame.width : PICTURE_WIDTH,
+    publish_frame(o->facts[number].frame, scene.opened, o->frame.width ? o->frame.width : PICTURE_WIDTH,
                   o->frame.height ? o->frame.height : PICTURE_HEIGHT);
     made_list_add(&o->made, path);
     const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
+    const int status = error ? fail_for(&why) : write_sound(o, number, &scene.sound);
     free_scene(&scene);
-    return error ? fail_for(&why) : 0;
+    return status;
 }
 
 static int write_poster(publish_options *o, const listed_scene *s)
@@ -104,17 +137,6 @@ static int write_poster(publish_options *o, const listed_scene *s)
     files_done();
     free(r);
     return status;
-}
-
-static int write_bytes(publish_options *o, const char *folder, const char *name, const void *bytes, size_t size)
-{
-    char path[TASK_PATH];
-    fxs_message why;
-    const fxs_encoded file = {.bytes = bytes, .size = size};
-    join_path(path, folder, name);
-    made_list_add(&o->made, path);
-    o->bytes += size;
-    return fxs_encoded_write(path, &file, &why) ? fail_for(&why) : 0;
 }
 
 typedef struct copying {
@@ -169,7 +191,8 @@ static int copy_page(publish_options *o, const char *package)
     return status ? status : copy_files(o, from, to_viewer);
 }
 
-static void print_scene(FILE *file, const char *title, const char *name, const char *frame, const char *settings)
+static void print_scene(FILE *file, const char *title, const char *name, const page_facts *facts,
+                        const char *settings)
 {
     static const char of_scene[] =
         "<meta property=\"og:image\" content=\"%s.jpg\">\n"
@@ -183,7 +206,11 @@ static void print_scene(FILE *file, const char *title, const char *name, const c
         "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
     print_page_head(file, title);
     print_html(file, of_scene, name, name, title, name);
-    fprintf(file, "%s%s", frame, settings ? " settings=\"settings.json\"" : " background=\"#000000\"");
+    if (facts->sound) {
+        print_html(file, " sound=\"%s%s\"", name, facts->sound);
+        fprintf(file, " volume=\"%g\"", facts->volume);
+    }
+    fprintf(file, "%s%s", facts->frame, settings ? " settings=\"settings.json\"" : " background=\"#000000\"");
     print_html(file, in_scene, name);
 }
 
@@ -208,7 +235,7 @@ static int write_page(publish_options *o, const char *name, const listed_scene *
     const int is_one = s && o->list.count > 1;
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
-        print_scene(file, title, s->name, o->frames[s - o->list.scenes], o->settings);
+        print_scene(file, title, s->name, &o->facts[s - o->list.scenes], o->settings);
     else
         print_list(file, title, &o->list);
     if (fxs_print_end(&printed))
@@ -260,6 +287,7 @@ static int read_options(publish_options *o, int argc, char **argv)
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
     o->frame.load.profile = FXS_PROFILE_SMALL;
+    o->frame.load.sound = SOUND_KEPT;
     if (take_options(&command_publish, o, argc, argv))
         return EXIT_USAGE;
     if (argc - optind < 2)
@@ -278,12 +306,12 @@ static int read_options(publish_options *o, int argc, char **argv)
 
 static int publish_folder(publish_options *o, const char *package)
 {
-    int status = (o->settings || o->start.view.given) && o->list.count > 1
-                     ? fail(EXIT_USAGE, "publish: --%s is for one scene, not %zu", o->settings ? "settings"
-                            : "start-view", o->list.count)
+    const char *of_one = o->settings ? "settings" : o->start.view.given ? "start-view" : o->start.sound ? "sound" : 0;
+    int status = of_one && o->list.count > 1
+                     ? fail(EXIT_USAGE, "publish: --%s is for one scene, not %zu", of_one, o->list.count)
                      : take_site(o);
-    o->frames = calloc(o->list.count, sizeof *o->frames);
-    status = status || o->frames ? status : fail(EXIT_FAILED, "out of memory");
+    o->facts = calloc(o->list.count, sizeof *o->facts);
+    status = status || o->facts ? status : fail(EXIT_FAILED, "out of memory");
     status = status ? status : copy_settings(o);
     status = status ? status : copy_page(o, package);
     for (size_t i = 0; i < o->list.count && !status; i++) {
@@ -338,7 +366,7 @@ static int run(int argc, char **argv)
         made_list_remove(&o.made);
     made_list_free(&o.made);
     scene_list_free(&o.list);
-    free(o.frames);
+    free(o.facts);
     return status;
 }
 

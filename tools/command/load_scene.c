@@ -121,6 +121,7 @@ static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_
 typedef struct preparation {
     const char *path;
     const load_options *options;
+    fxs_sound *sound;                /* where SOUND_KEPT keeps it */
 } preparation;
 
 static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
@@ -159,10 +160,36 @@ static void look_at(const char *path, const load_options *o, const fxs_scene_fil
     note_coarse(path, info);
 }
 
+static void look_for_sound(const preparation *p, fxs_scene_file *file, const fxs_scene_file_info *info)
+{
+    fxs_sound sound;
+    fxs_message message;
+    const load_options *o = p->options;
+    if (!o->sound || o->again || o->has_moment || !(info->time.duration > 0))
+        return;
+    const int found = fxs_scene_file_sound(file, &sound, &message);
+    if (found < 0)
+        note("%s", message.text);
+    if (found <= 0)
+        return;
+    if (o->sound == SOUND_LOST) {
+        note("the sound of %s is not kept", shown(p->path));
+    } else if (p->sound) {
+        *p->sound = sound;
+        p->sound->data = malloc(sound.bytes);
+        if (p->sound->data)
+            memcpy(p->sound->data, sound.data, sound.bytes);
+        else
+            note("%s: without its sound: out of memory", shown(p->path));
+    }
+    fxs_sound_free(file, &sound);
+}
+
 static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
 {
     const preparation *p = argument;
     look_at(p->path, p->options, info);
+    look_for_sound(p, file, info);
     return apply_filter(p, file, info, message);
 }
 
@@ -195,7 +222,7 @@ static int take_times(const char *path, const load_options *o, fxs_scene_file *f
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
 {
     fxs_message message;
-    if (!apply_filter(&(preparation){path, o}, file, info, &message))
+    if (!apply_filter(&(preparation){path, o, 0}, file, info, &message))
         return 0;
     fxs_scene_file_close(file);
     return fail_scene(path, &message);
@@ -302,6 +329,7 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
     if (open_file(path, &options, file, info, &message))
         return fail_for(&message);
     look_at(path, o, info);
+    look_for_sound(&(preparation){path, o, 0}, *file, info);
     const int status = take_times(path, o, *file, info);
     if (status)
         fxs_scene_file_close(*file);
@@ -339,7 +367,7 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
 {
     char label[] = "packing", reading[] = "reading";
     fxs_message message;
-    preparation p = {path, o};
+    preparation p = {path, o, &loaded->sound};
     const fxs_scene_file_options reading_options = file_options(path, o);
     fxs_open_options options = {.size = sizeof options, .file = &reading_options, .profile = o->profile,
                                 .threads = o->threads, .tree = o->tree};
@@ -408,5 +436,6 @@ void free_scene(loaded_scene *loaded)
 {
     fxs_close(loaded->opened);
     fxs_aligned_free(loaded->copy);
+    free(loaded->sound.data);
     memset(loaded, 0, sizeof *loaded);
 }

@@ -3,18 +3,22 @@
 #define SCENE_H
 
 #include <fixsplat/renderer.h>
-#include <fixsplat/scene.h>
+#include <fixsplat/internal/sound.h>
 #include "command.h"
 
 typedef struct loaded_scene {
     fxs_opened *opened;
     const char *path;
     void *copy;                             /* a changed .fxs in memory; null: none */
+    fxs_sound sound;                        /* with SOUND_KEPT, the sound of a moving scene; data null: none */
     uint64_t load_nanoseconds;
 } loaded_scene;
 
 /* True for an .fxs file, which needs no conversion. */
 int is_packed(const loaded_scene *loaded);
+
+/* What happens to the sound of a moving scene: nothing, a note that it is not kept, or it is loaded. */
+enum sound_use { SOUND_UNUSED, SOUND_LOST, SOUND_KEPT };
 
 typedef struct load_options {
     int lod;                                /* number of the level of detail to read; 0: finest */
@@ -39,6 +43,7 @@ typedef struct load_options {
     int has_range;                          /* 1: a moving scene is read from the time `from` to before `to`, seconds */
     double from, to;
     int *moved;                             /* set to 1 if a moving scene is read at the moment; may be null */
+    enum sound_use sound;
     const char *still;                      /* why a scene that moves is refused without a moment, the end of the error
                                                "a scene that moves ..."; null: it is read */
     uint64_t max_gaussians;

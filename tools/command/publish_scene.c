@@ -12,6 +12,7 @@
 #include <fixsplat/internal/start.h>
 #include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
+#include "src/base/text_internal.h"
 #include "command.h"
 #include "tools/serve/scene_picture.h"
 
@@ -79,6 +80,28 @@ static int copy_scene(loaded_scene *scene, const publish_start *start)
     return 0;
 }
 
+int take_sound(const option_row *row, void *field, const char *value)
+{
+    fxs_sound sound;
+    *(const char **)field = value;
+    return fxs_sound_kind(&sound, value, 0) ? 0 : wrong_value(row, value);
+}
+
+/* Loads the sound of the options in place of the scene's own. */
+static int load_sound(loaded_scene *scene, const char *path)
+{
+    fxs_text text;
+    fxs_message why;
+    if (!scene->opened->scene->motion)
+        return fail(EXIT_USAGE, "--sound %s: %s is still, and only moving scenes have sound", path, scene->path);
+    if (fxs_text_load(path, &text, &why))
+        return fail_for(&why);
+    free(scene->sound.data);
+    scene->sound = (fxs_sound){.volume = 1, .data = text.data, .bytes = text.size};
+    fxs_sound_kind(&scene->sound, path, 0);
+    return text.size ? 0 : fail(EXIT_FAILED, "%s: an empty sound", path);
+}
+
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile,
                  const publish_start *start)
 {
@@ -100,6 +123,7 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
     void *data = (void *)(uintptr_t)scene->opened->data;
     int status = anew || !was_packed ? set_start(data, scene->opened->bytes, start)
                  : needs_copy(scene, start) ? copy_scene(scene, start) : 0;
+    status = status || !start->sound ? status : load_sound(scene, start->sound);
     if (status)
         free_scene(scene);
     else if (anew || !was_packed)

@@ -9,6 +9,7 @@ typedef struct publish_start {
     vector_option up;              /* up direction of the scene */
     start_option view;             /* start view; not given: stays that of the file, or is chosen if there is none or
                                       `up` is given */
+    const char *sound;             /* file of the sound of a moving scene; null: the sound in the scene's file */
 } publish_start;
 
 /* Opens a scene, sets its start view and computes its checksums. If `profile` is 1, an .fxs file is packed again with
@@ -17,6 +18,11 @@ int publish_load(loaded_scene *scene, const char *path, const load_options *opti
                  const publish_start *start);
 
 enum { POSTER_FRAME = 40 };
+
+/* Option --sound: takes the name of an audio file. */
+int take_sound(const option_row *row, void *field, const char *value);
+
+#define SOUND_EXPECTED "the name of an .mp3, .m4a, .aac, .ogg, .opus, .wav, .flac or .webm"
 
 /* Writes the attribute poster-frame of <fixsplat-viewer> for a poster of width x height pixels that shows the scene's
    start view. The text is empty for a scene without a start view. */

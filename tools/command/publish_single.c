@@ -156,9 +156,10 @@ static int print_carried(FILE *file, const char *package)
     return status ? status : print_file(file, package, "LICENSE", "<script type=\"text/plain\" id=\"licence\">\n");
 }
 
-static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster,
+static int print_scene(FILE *file, const single_page *page, const loaded_scene *scene, const fxs_encoded *poster,
                        const char *frame)
 {
+    const fxs_sound *sound = &scene->sound;
     print_page_head(file, page->title);
     print_html(file, "<style>\nhtml, body { height: 100%; margin: 0 }\n"
                "fixsplat-viewer { height: 100vh; height: 100dvh }\n</style>\n"
@@ -167,17 +168,22 @@ static int print_scene(FILE *file, const single_page *page, const fxs_opened *op
                page->title);
     write_base64(file, poster->bytes, poster->size);
     fprintf(file, "\"%s", frame);
+    if (sound->data) {
+        fprintf(file, " volume=\"%g\" sound=\"data:%s;base64,", sound->volume, sound->type);
+        write_base64(file, sound->data, sound->bytes);
+        putc('"', file);
+    }
     print_html(file, "></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">",
                page->name);
-    const int status = write_packed(file, opened->data, opened->bytes);
+    const int status = write_packed(file, scene->opened->data, scene->opened->bytes);
     fputs("</script>\n", file);
     return status;
 }
 
-static int print_page(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster,
+static int print_page(FILE *file, const single_page *page, const loaded_scene *scene, const fxs_encoded *poster,
                        const char *frame)
 {
-    int status = print_scene(file, page, opened, poster, frame);
+    int status = print_scene(file, page, scene, poster, frame);
     status = status ? status : print_carried(file, page->package);
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
@@ -200,13 +206,13 @@ static int write_printed(FILE *file, const char *out, size_t *bytes)
     return error ? fail_for(&why) : 0;
 }
 
-static int write_page(const single_page *page, const fxs_opened *opened, const fxs_encoded *poster,
+static int write_page(const single_page *page, const loaded_scene *scene, const fxs_encoded *poster,
                       const char *frame, const char *out, size_t *bytes)
 {
     FILE *file = fxs_stream_temporary();
     if (!file)
         return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
-    int status = print_page(file, page, opened, poster, frame);
+    int status = print_page(file, page, scene, poster, frame);
     status = status ? status : write_printed(file, out, bytes);
     fclose(file);
     return status;
@@ -221,12 +227,13 @@ static int write_of_scene(const single_page *page, const frame_options *frame, l
     fxs_encoded poster;
     fxs_message why;
     publish_frame(fitted, scene->opened, width, height);
-    if (scene->opened->bytes > SCENE_MOST)
+    const size_t bytes_inside = scene->opened->bytes + scene->sound.bytes;
+    if (bytes_inside > SCENE_MOST)
         return fail(EXIT_FAILED, "%s: %.0f MB packed, and one page takes %d at most: publish a folder", page->scene,
-                    (double)scene->opened->bytes * 1e-6, SCENE_MOST / 1000000);
+                    (double)bytes_inside * 1e-6, SCENE_MOST / 1000000);
     int status = scene_picture(scene->opened, width, height, frame->render.background, frame->threads, &poster, &why)
                ? fail_for(&why) : 0;
-    status = status ? status : write_page(page, scene->opened, &poster, fitted, out, bytes);
+    status = status ? status : write_page(page, scene, &poster, fitted, out, bytes);
     fxs_encoded_free(&poster);
     return status;
 }

@@ -18,7 +18,8 @@
 #define SQRT_2 1.4142135623730951
 
 enum { MAGIC_SIZE = 8, RECORD_HEAD = 9, STREAM_HEAD = 17, CHUNK_HEAD = 24, BATCH = 512 };
-enum { HEADER = 1, FOOTER = 2, QUANTISATION = 3, WINDOWS = 4, CHUNK = 5, SH_BAND = 7, OBJECT_TRACK = 0x25 };
+enum { HEADER = 1, FOOTER = 2, QUANTISATION = 3, WINDOWS = 4, CHUNK = 5, SH_BAND = 7, AUDIO = 9, AUDIO_SOURCE = 0x11,
+       AUDIO_DATA = 0x12, OBJECT_TRACK = 0x25 };
 enum { RAW, DELTA, CONSTANT };
 enum { DEFLATE, ZSTD };
 enum { POSITION, SCALE, OMITTED, ROTATION, COLOUR, OPACITY, VELOCITY, CENTRE, SIGMA, FLAGS, WINDOW, ATTRIBUTES,
@@ -495,6 +496,78 @@ static void decode(const fourdgs_reader *r, fxs_gaussian *g)
         g->sh[i] = (float)(r->sh[45 * r->at + (size_t)i] * (8 / 255.0) - 4);
 }
 
+/* ---- Sound ------------------------------------------------------------------------------------------------------- */
+
+/* The sounds of a file; all but `count` are of the last one. */
+typedef struct sounds {
+    int count;
+    char name[48];              /* "sound." and the codec */
+    double start, gain;
+    uint64_t at, size;          /* of the bytes, in the file */
+} sounds;
+
+/* Reads a record of a sound. AUDIO has the bytes after its facts, the others have them apart. */
+static int read_sound(const fourdgs_reader *r, const record *of, sounds *s, fxs_message *message)
+{
+    char unused[8], codec[40];
+    fxs_text text;
+    cursor c;
+    FXS_TRY(load(r, of, &text, &c, message));
+    if (of->opcode != AUDIO)
+        take(&c, 4);
+    if (of->opcode != AUDIO_DATA) {
+        if (of->opcode == AUDIO_SOURCE)
+            take_text(&c, unused, sizeof unused);
+        take_text(&c, codec, sizeof codec);
+        snprintf(s->name, sizeof s->name, "sound.%s", codec);
+        if (of->opcode == AUDIO_SOURCE) {
+            take_text(&c, unused, sizeof unused);
+            take_u64(&c);
+        }
+        s->start = take_double(&c);
+        s->count++;
+    }
+    if (of->opcode == AUDIO_SOURCE) {
+        take_double(&c);
+        s->gain = take_double(&c);
+    } else {
+        s->size = take_u64(&c);
+        s->at = of->content + of->size - c.left;
+        c.broken |= s->size > c.left;
+    }
+    fxs_text_let_go(r->source, &text);
+    return c.broken ? fail(r, "the record of a sound ends early", message) : 0;
+}
+
+static int find_sounds(fourdgs_reader *r, sounds *s, fxs_message *message)
+{
+    record of;
+    int more;
+    r->next = MAGIC_SIZE;
+    while ((more = next_record(r, &of, message)) > 0)
+        if (of.opcode == AUDIO || of.opcode == AUDIO_SOURCE || of.opcode == AUDIO_DATA)
+            FXS_TRY(read_sound(r, &of, s, message));
+    return more;
+}
+
+static int fourdgs_sound(void *handle, fxs_sound *sound, fxs_text *data, fxs_message *message)
+{
+    fourdgs_reader *r = handle;
+    sounds s = {.gain = 1};
+    const uint64_t next = r->next;
+    const int error = find_sounds(r, &s, message);
+    r->next = next;
+    if (error || s.count == 0)
+        return error;
+    if (s.count > 1 || s.start != 0 || !(s.gain >= 0))
+        return fail(r, "several sounds, or one that begins later than the scene, which are not read", message);
+    sound->volume = s.gain < 1 ? s.gain : 1;
+    if (!fxs_sound_kind(sound, s.name, NULL))
+        return fail(r, "a sound of a codec that is not known", message);
+    FXS_TRY(fxs_scene_source_load(r->source, s.at, s.size, data, message));
+    return 1;
+}
+
 /* ---- Reader ------------------------------------------------------------------------------------------------------ */
 
 static int fourdgs_rewind(void *handle, fxs_message *message)
@@ -520,6 +593,8 @@ static int fourdgs_open(void *handle, const fxs_scene_source *source, fxs_scene_
     info->antialiased = 0;
     info->sh.step = 8 / 255.0;
     info->sh.low = -4;
+    source->import->reader = r;
+    source->import->sound = fourdgs_sound;
     info->time = (fxs_time){.duration = r->duration, .loops = 1, .degree = 1, .fades = 1, .least = r->cutoff};
     return fourdgs_rewind(r, message);
 }

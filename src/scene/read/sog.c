@@ -476,14 +476,20 @@ static int decode_images(sog_scene *s, fxs_message *message)
     return 0;
 }
 
-static int load_meta(sog_scene *s, const container *c)
+static int load_json(const container *c, cJSON **root)
 {
     fxs_text meta;
     FXS_TRY(c->zip ? load_file(c, "meta.json", &meta)
                    : fxs_scene_source_load(c->source, 0, c->source->input.size, &meta, c->message));
-    cJSON *root;
-    int status = fxs_json_parse(&meta, c->source, &root, c->message);
+    const int status = fxs_json_parse(&meta, c->source, root, c->message);
     fxs_text_let_go(c->source, &meta);
+    return status;
+}
+
+static int load_meta(sog_scene *s, const container *c)
+{
+    cJSON *root = NULL;
+    int status = load_json(c, &root);
     const char *fault = root ? read_meta(s, root) : NULL;
     if (fault)
         status = fxs_fail(c->message, "%s: %s", c->source->path, fault);
@@ -872,17 +878,23 @@ static int is_bundle(const fxs_scene_source *source, fxs_message *message)
     return first == 'P';
 }
 
+/* Opens the zip, if the file is one. Close it in either case. */
+static int open_container(container *c)
+{
+    const int bundled = is_bundle(c->source, c->message);
+    FXS_TRY(bundled);
+    if (bundled)
+        FXS_TRY(fxs_zip_open(c->source, &c->zip, c->message));
+    return bundled ? fxs_zip_enter(c->zip, "meta.json", c->message) : 0;
+}
+
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     FXS_TRY(open_scene(r, s, file, message));
     if (r->files)
         FXS_TRY(check_identity(r, s, file, message));
     container c = {s->source, NULL, message};
-    const int bundled = is_bundle(s->source, message);
-    FXS_TRY(bundled);
-    if (bundled)
-        FXS_TRY(fxs_zip_open(s->source, &c.zip, message));
-    int status = bundled ? fxs_zip_enter(c.zip, "meta.json", message) : 0;
+    int status = open_container(&c);
     if (status == 0)
         status = load_meta(s, &c);
     fxs_zip_close(c.zip);
@@ -943,6 +955,37 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
     return 0;
 }
 
+static int load_sound(const container *c, const cJSON *audio, fxs_sound *sound, fxs_text *data)
+{
+    const cJSON *volume = member(audio, "volume"), *type = member(audio, "mimeType");
+    const char *name = fxs_json_string(audio, "file"), *path = c->source->path;
+    const int is_volume = cJSON_IsNumber(volume) && volume->valuedouble >= 0 && volume->valuedouble <= 1;
+    if (!name || (volume && !is_volume) || (type && !cJSON_IsString(type)))
+        return fxs_fail(c->message, "%s: no valid \"audio\"", path);
+    if (volume)
+        sound->volume = volume->valuedouble;
+    if (!fxs_sound_kind(sound, name, cJSON_GetStringValue(type)))
+        return fxs_fail(c->message, "%s: the sound %s is of a type that is not known", path, name);
+    const int error = load_file(c, name, data);
+    return !error ? 1 : error == FXS_ERR_MEMORY ? error
+                      : fxs_fail(c->message, "%s: the sound %s is missing or damaged", path, name);
+}
+
+static int sog_sound(void *handle, fxs_sound *sound, fxs_text *data, fxs_message *message)
+{
+    container c = {((const sog_reader *)handle)->source, NULL, message};
+    cJSON *root = NULL;
+    int status = open_container(&c);
+    if (status == 0)
+        status = load_json(&c, &root);
+    const cJSON *audio = member(root, "audio");
+    if (status == 0 && audio && is_moving_version(root))
+        status = load_sound(&c, audio, sound, data);
+    cJSON_Delete(root);
+    fxs_zip_close(c.zip);
+    return status;
+}
+
 static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
     fxs_text json;
@@ -975,6 +1018,7 @@ static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file
         return fxs_fail_memory(message, source->path, r->file_count * sizeof *r->scenes);
     source->import->drop = drop_another;
     source->import->reader = r;
+    source->import->sound = sog_sound;
     return check_ranges(r, info, message);
 }
 
