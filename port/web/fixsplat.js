@@ -305,7 +305,14 @@ function runImport(module, files, options, { share = 1, most = 0, look = 0, thre
   } finally {
     reader.c.end?.()
   }
-  return { missing, bytes: look ? null : reader.bytes(...reader.get(0, 2)) }
+  return look ? { missing } : { missing, bytes: reader.bytes(...reader.get(0, 2)), sound: soundOf(reader) }
+}
+
+function soundOf(reader) {
+  const [found, type, at, bytes, volume] = reader.get(2, 7)
+  if (!found) return null
+  if (found < 0) return { failure: reader.error().message }
+  return { type: reader.text(type), bytes: reader.bytes(at, bytes).slice(), volume }
 }
 
 async function importBy(files, options, how) {
@@ -322,9 +329,9 @@ async function importBy(files, options, how) {
 }
 
 async function importAll(files, options, how = {}) {
-  const { error, bytes } = await importBy(files, options, how)
-  if (error) throw error
-  return bytes
+  const result = await importBy(files, options, how)
+  if (result.error) throw result.error
+  return result
 }
 
 // ---- First bytes of a file ------------------------------------------------------------------------------------
@@ -376,7 +383,7 @@ function previewsOf(files, options) {
     if (!options.preview || !share || (!isNow && (isSoon || start < last + Math.max(PAUSE, 4 * took)))) return
     let scene
     try {
-      const bytes = await importAll(files, quietly, { share, most: SHOWN })
+      const { bytes } = await importAll(files, quietly, { share, most: SHOWN })
       if (bytes.length) scene = sceneOf(await coreFor(options), SourceFile.of(files.all[0].name, bytes))
     } catch {
       return
@@ -434,13 +441,14 @@ export async function load(source, options = {}) {
   }, answer && Promise.resolve(answer))
   if (!file.isPacked) await preview(1, true)
   signal?.throwIfAborted()
-  const packed = file.isPacked ? file : SourceFile.of(file.name, await importAll(files, options))
+  const { bytes, sound = null } = file.isPacked ? {} : await importAll(files, options)
   const core = await coreFor(options)   // another module instance, if the caller has called end() during loading
   signal?.throwIfAborted()
-  return sceneOf(core, packed)
+  return Object.assign(sceneOf(core, bytes ? SourceFile.of(file.name, bytes) : file), { sound })
 }
 
 export class Scene {
+  sound = null
   #core
   #data
   #scene

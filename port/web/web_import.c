@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/pack.h>
-#include <fixsplat/scene.h>
+#include <fixsplat/internal/sound.h>
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/exponential.h"
@@ -170,9 +170,22 @@ EXPORT(look) int fxs_web_look(const char *name, int axes)
     return error;
 }
 
+/* The sound stays in memory until the module ends. */
+static int put_sound(fxs_scene_file *file)
+{
+    fxs_sound sound;
+    const int found = fxs_scene_file_sound(file, &sound, &message);
+    numbers[3] = (double)(uintptr_t)sound.type;
+    numbers[4] = (double)(uintptr_t)sound.data;
+    numbers[5] = (double)sound.bytes;
+    numbers[6] = sound.volume;
+    return found;
+}
+
 /* Packs the scene file (file 0), or a sample of at most `most` Gaussians if `most` is not 0. In: largest number of
    Gaussians, largest memory in bytes, downloaded share of the file, number of threads. Out: address and size of the
-   .fxs file; size 0: no worthwhile sample. Returns the result of open_first. */
+   .fxs file; size 0: no worthwhile sample. Then of the sound of a moving scene: 1, 0 if there is none, or an error;
+   address of its media type, address, size, volume. Returns the result of open_first. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;
@@ -183,6 +196,7 @@ EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_
     if (error)
         return error;
     error = most ? pack_sample(file, &info, most, there) : pack(file, &info, profile);
+    numbers[2] = error || most || !(info.time.duration > 0) ? 0 : put_sound(file);
     fxs_scene_file_close(file);
     numbers[0] = (double)(uintptr_t)packed.data;
     numbers[1] = (double)packed.bytes;

@@ -64,6 +64,7 @@ const ALWAYS = [
   ['K', 'play the scene or the camera track'],
   [', .', 'previous, next frame or annotation'],
   ['[ ] Y', 'slower, faster; again and again'],
+  ['M', 'sound on, off'],
   ['I', 'save a picture'],
   ['L', 'copy a link to this view'],
   ['F', 'full screen'],

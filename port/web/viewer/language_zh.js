@@ -2,6 +2,11 @@
 export const words = {
   'A box has 6 numbers, a sphere 4': '长方体有 6 个数，球体有 4 个数',
   'A headset needs a page of https://, or of the machine that it is on (http://localhost)':
+  'Sound off (M)': '关闭声音 (M)',
+  'Sound on (M)': '打开声音 (M)',
+  'sound on, off': '打开、关闭声音',
+  'there is no sound at this address': '此地址没有声音',
+  'this browser does not play this sound': '此浏览器无法播放此声音',
     '头戴设备需要 https:// 页面，或本机页面（http://localhost）',
   'A moving scene cannot be edited': '运动的场景不能编辑',
   'A scene': '场景',

@@ -49,6 +49,8 @@ export class Moving {
   #waits = false // true if the last picture lacked parts of the scene; the time then stands still
   #begun = false
   #frame = null // number of the frame that was asked for last
+  #source = null // of the sound
+  sound = null
 
   constructor(host) {
     this.#host = host
@@ -85,14 +87,28 @@ export class Moving {
 
   // ---- Scenes -------------------------------------------------------------------------------------------------------
 
-  /** Takes the motion of the scene; null: the scene is still. */
-  take(motion) {
+  /** Takes the motion of the scene; null: the scene is still. `sound` is an address, or the sound in its file. */
+  take(motion, sound = null) {
     this.#motion = motion
     this.#ui.bar.hidden = !motion
+    this.#hear(motion && sound)
     if (!motion) return this.pause()
     this.#time = this.#within(this.#time)
     this.#ui.moment.max = motion.duration
     this.changed()
+  }
+
+  async #hear(source) {
+    if (source === this.#source) return
+    this.#source = source
+    this.sound?.end()
+    this.sound = null
+    const { Sound } = source ? await import('./sound.js') : {}
+    if (source && source === this.#source) this.sound = new Sound(this.#host, this.#ui.bar, source)
+  }
+
+  #follow() {
+    this.sound?.follow(this.#time, this.runs, this.speed)
   }
 
   /** Begins anew for another scene. */
@@ -178,6 +194,7 @@ export class Moving {
     const seconds = Math.min((now - this.#before) / 1000, LONGEST_S)
     this.#before = now
     if (this.runs) this.#time = this.#within(this.#time + seconds * this.speed)
+    this.#follow()
   }
 
   /** Takes the number of parts of the scene that a picture lacked. */
@@ -274,6 +291,7 @@ export class Moving {
     moment.setAttribute('aria-valuetext', `${time} s / ${duration} s`)
     seconds.textContent = `${time} / ${duration} s`
     showPlays(run, this.#plays, this.#host.language)
+    this.#follow()
   }
 
   rename() {

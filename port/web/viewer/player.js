@@ -7,12 +7,16 @@ const PAUSE = 'M8 5v14M16 5v14'
 const KEYS = 'M3 12h18M7 9l3 3-3 3-3-3zM17 9l3 3-3 3-3-3z'
 const FILM = 'M4 5h16v14H4zM8 5v14M16 5v14M4 9.5h4M4 14.5h4M16 9.5h4M16 14.5h4'
 
+/** Gives a button another name and icon. */
+export function showAs(button, words, path) {
+  if (button.title === words) return
+  for (const name of ['title', 'aria-label']) button.setAttribute(name, words)
+  button.querySelector('path').setAttribute('d', path)
+}
+
 /** Changes a button for play to one for pause, or back. */
 export function showPlays(play, plays, language) {
-  const words = language.of(plays ? 'Pause (K)' : 'Play (K)')
-  if (play.title === words) return
-  for (const name of ['title', 'aria-label']) play.setAttribute(name, words)
-  play.querySelector('path').setAttribute('d', plays ? PAUSE : PLAY)
+  showAs(play, language.of(plays ? 'Pause (K)' : 'Play (K)'), plays ? PAUSE : PLAY)
 }
 
 export class Player {

@@ -36,7 +36,7 @@ sheet.replaceSync(style)
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
     'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar', 'edit',
-    'time', 'playing', 'speed', 'loop', ...LOOK]
+    'time', 'playing', 'speed', 'loop', 'sound', 'muted', 'volume', ...LOOK]
 
   #headset = null
   #room = null
@@ -175,7 +175,8 @@ export class Viewer extends HTMLElement {
     if (name === 'ar') this.#findHeadset()
     if (name === 'time') this.#clock?.seek(Number(value))
     if (name === 'playing') this.playing = value !== 'false'
-    if (name === 'speed' || name === 'loop') this.#clock?.changed()
+    if (name === 'sound' && this.#scene) this.#takeMotion().catch((error) => this.#fail(error))
+    if (['speed', 'loop', 'muted', 'volume'].includes(name)) this.#clock?.changed()
     if (LOOK.includes(name)) this.#look()
     if (name === 'edit') this.#ui.edit.hidden = value === null
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
@@ -263,7 +264,7 @@ export class Viewer extends HTMLElement {
     link.searchParams.set('scene', this.#address)
     const cameras = this.getAttribute('cameras')
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
-    for (const name of ['settings', 'skybox'])
+    for (const name of ['settings', 'skybox', 'sound'])
       if (this.hasAttribute(name)) link.searchParams.set(name, addressOf(this.getAttribute(name)))
     for (const name of ['label', 'background', 'budget', 'detail', 'eye-height', 'speed', 'loop', ...LOOK])
       if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
@@ -416,6 +417,27 @@ export class Viewer extends HTMLElement {
     this.#setAttribute('loop', typeof loops === 'boolean' ? (loops ? '' : 'none') : loops)
   }
 
+  get sound() {
+    return this.getAttribute('sound')
+  }
+  set sound(url) {
+    this.#setAttribute('sound', url)
+  }
+
+  get muted() {
+    return this.hasAttribute('muted')
+  }
+  set muted(is) {
+    this.toggleAttribute('muted', !!is)
+  }
+
+  get volume() {
+    return Number(this.getAttribute('volume') ?? 1)
+  }
+  set volume(volume) {
+    this.#setAttribute('volume', volume)
+  }
+
   async film(options) {
     return (await this.#tourNow()).film(options)
   }
@@ -498,7 +520,8 @@ export class Viewer extends HTMLElement {
     const clock = await this.#moving
     if (clock !== this.#clock) clock.reset()
     this.#clock = clock
-    clock.take(this.#scene?.moving ?? null)
+    const { sound = null } = this.#shown.map(({ facts }) => facts).find(({ sound }) => sound) ?? {}
+    clock.take(this.#scene?.moving ?? null, this.getAttribute('sound') || sound)
     if (this.state === 'still' && !this.#held) clock.begin()
   }
 
@@ -1289,6 +1312,7 @@ export class Viewer extends HTMLElement {
       '[': () => this.#clock?.hurry(0.5),
       ']': () => this.#clock?.hurry(2),
       y: () => this.#clock?.repeat(),
+      m: () => this.#clock?.sound?.toggle(),
       o: () => this.#ui.file.click(),
       n: () => this.showView(pilot.index + 1),
       p: () => this.showView(pilot.index - 1),

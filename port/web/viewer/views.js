@@ -54,7 +54,7 @@ export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 
 
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
   'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
-  'ar', 'tone', 'exposure', 'vignette', 'time', 'playing', 'speed', 'loop']
+  'ar', 'tone', 'exposure', 'vignette', 'time', 'playing', 'speed', 'loop', 'sound', 'muted', 'volume']
 
 export function followAddress(viewer) {
   const asked = new URLSearchParams(location.search)

@@ -66,7 +66,7 @@ function whole() {
   return { ...facts, ...boxOf(list), ...firstOf(list) }
 }
 
-const factsOf = ({ name, count, low, high }) => ({ name, count, low, high, whole: whole() })
+const factsOf = ({ name, count, low, high, sound }) => ({ name, count, low, high, sound, whole: whole() })
 
 function drop(key) {
   editors.get(key)?.then((editor) => editor.free())

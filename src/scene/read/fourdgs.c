@@ -498,6 +498,11 @@ static void decode(const fourdgs_reader *r, fxs_gaussian *g)
 
 /* ---- Sound ------------------------------------------------------------------------------------------------------- */
 
+#ifdef FXS_TO_PACK
+#define SOUND NULL
+#else
+#define SOUND fourdgs_sound
+
 /* The sounds of a file; all but `count` are of the last one. */
 typedef struct sounds {
     int count;
@@ -568,6 +573,8 @@ static int fourdgs_sound(void *handle, fxs_sound *sound, fxs_text *data, fxs_mes
     return 1;
 }
 
+#endif
+
 /* ---- Reader ------------------------------------------------------------------------------------------------------ */
 
 static int fourdgs_rewind(void *handle, fxs_message *message)
@@ -594,7 +601,7 @@ static int fourdgs_open(void *handle, const fxs_scene_source *source, fxs_scene_
     info->sh.step = 8 / 255.0;
     info->sh.low = -4;
     source->import->reader = r;
-    source->import->sound = fourdgs_sound;
+    source->import->sound = SOUND;
     info->time = (fxs_time){.duration = r->duration, .loops = 1, .degree = 1, .fades = 1, .least = r->cutoff};
     return fourdgs_rewind(r, message);
 }
