@@ -1,4 +1,6 @@
 /* Reads .4dgs files made by the test: all modes and widths of streams, every SH degree, and faults. */
+#include <fixsplat/internal/sound.h>
+
 #include "moving_bytes.h"
 
 #ifdef FXS_WITH_ZLIB
@@ -199,12 +201,42 @@ static void put_front(void)
     end_record(content);
 }
 
+static const char *audio;       /* letters of records: l legacy, s source, L and S later ones, d data, c cut off */
+
+static void put_sounds(void)
+{
+    for (const char *a = audio; a && *a; a++) {
+        const int is_source = *a == 's' || *a == 'S', has_data = !is_source;
+        const size_t content = begin_record(is_source ? 0x11 : *a == 'd' || *a == 'c' ? 0x12 : 9);
+        if (is_source || *a == 'd' || *a == 'c')
+            put_u32(7);
+        if (is_source)
+            put_text("a name that is long");
+        if (is_source || *a == 'l' || *a == 'L')
+            put_text(is_source ? "opus" : "wav");
+        if (is_source) {
+            put_text("mono");
+            put_u64(9);
+        }
+        if (is_source || *a == 'l' || *a == 'L')
+            put_double(*a == 'S' || *a == 'L' ? 1.5 : 0);
+        for (int i = 0; i < 2 && is_source; i++)
+            put_double(i ? 0.5 : 3);
+        if (has_data) {
+            put_u64(*a == 'c' ? 10 : 9);
+            put("the sound");
+        }
+        end_record(content);
+    }
+}
+
 static void make(void)
 {
     size = 0;
     put("\x89" "4DGS1\r\n");
     put_front();
     end_record(begin_record(0x80));
+    put_sounds();
     for (int i = 0; i < COUNT; i += IN_CHUNK)
         put_chunk(i);
     const size_t content = begin_record(2);
@@ -370,6 +402,34 @@ static void faulty_bands(void)
     degree = 0;
 }
 
+static void sounds(void)
+{
+    static const struct { const char *audio; int found; double volume; const char *words; } cases[] = {
+        {"", 0, 1, ""}, {"l", 1, 1, ".wav"}, {"sd", 1, 0.5, ".opus"}, {"ll", -1, 0, "several sounds, or one that begins"},
+        {"sdsd", -1, 0, "several sounds"}, {"L", -1, 0, "several sounds"}, {"Sd", -1, 0, "several sounds"},
+        {"sc", -1, 0, "the record of a sound ends early"}, {"s", -1, 0, "an empty sound"}
+    };
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        fxs_scene_file *file;
+        fxs_sound sound;
+        audio = cases[n].audio;
+        make();
+        CHECK(read_moving(gaussians, motions, COUNT + 1) == COUNT);
+        if (!CHECK(!fxs_scene_file_open_memory(path, bytes, file_size, &open_options, &file, &info, &message)))
+            continue;
+        CHECK(fxs_scene_file_read(file, gaussians, 1, &message) == 1);
+        const int found = fxs_scene_file_sound(file, &sound, &message);
+        if (CHECK(found < 0 ? cases[n].found < 0 && strstr(message.text, cases[n].words)
+                            : found == cases[n].found && sound.volume == cases[n].volume) && found > 0)
+            CHECK(!strcmp(sound.ending, cases[n].words) && sound.bytes == 9 && !memcmp(sound.data, "the sound", 9));
+        CHECK(fxs_scene_file_read(file, gaussians, 1, &message) == 1);
+        if (found > 0)
+            fxs_sound_free(file, &sound);
+        fxs_scene_file_close(file);
+    }
+    audio = NULL;
+}
+
 static void truncated(void)
 {
     make();
@@ -385,6 +445,7 @@ int main(void)
     RUN(faulty_front);
     RUN(faulty_chunks);
     RUN(faulty_bands);
+    RUN(sounds);
     RUN(truncated);
     return check_report();
 }

@@ -1,6 +1,6 @@
 /* Reads .sog files that the test makes: both versions, every SH degree, zips and folders, streamed scenes, faulty
    files. */
-#include <fixsplat/scene.h>
+#include <fixsplat/internal/sound.h>
 
 #include <math.h>
 #include <stdint.h>
@@ -67,7 +67,7 @@ typedef struct made_scene {
     unsigned seed;
 } made_scene;
 
-static struct made_file { char name[32]; void *data; size_t size; } files[IMAGES + 3];
+static struct made_file { char name[32]; void *data; size_t size; } files[IMAGES + 4];
 static int file_count;
 
 static void forget_files(void)
@@ -659,6 +659,68 @@ static void example_of_specification(void)
     }
 }
 
+/* Returns the result of fxs_scene_file_sound, also when the scene has been read. */
+static int sound_of(const char *name, fxs_sound *kept, const char *bytes)
+{
+    fxs_scene_file *file;
+    fxs_sound sound;
+    fxs_gaussian gaussians[COUNT];
+    if (!CHECK(!fxs_scene_file_open(in_folder(name), NULL, &file, &info, &message)))
+        return 0;
+    int found = 0;
+    for (int i = 0; i < 2; i++) {
+        found = fxs_scene_file_sound(file, &sound, &message);
+        if (found > 0)
+            CHECK(sound.bytes == strlen(bytes) && !memcmp(sound.data, bytes, sound.bytes));
+        *kept = sound;
+        fxs_sound_free(file, &sound);
+        CHECK(fxs_scene_file_read(file, gaussians, COUNT, &message) > 0 && fxs_scene_file_rewind(file, &message) == 0);
+    }
+    fxs_scene_file_close(file);
+    return found;
+}
+
+static void sounds(void)
+{
+    static const struct { const char *audio, *type, *ending; double volume; } heard[] = {
+        {"\"file\":\"a/B.MP3\"", "audio/mpeg", ".mp3", 1},
+        {"\"file\":\"a/B.MP3\",\"volume\":0.25,\"other\":7", "audio/mpeg", ".mp3", 0.25},
+        {"\"file\":\"a/B.MP3\",\"mimeType\":\"Audio/OGG\"", "audio/ogg", ".ogg", 1},
+        {"\"file\":\"a/B.MP3\",\"mimeType\":\"audio/x-other\",\"volume\":0", "audio/mpeg", ".mp3", 0}
+    };
+    static const struct { const char *audio, *words; } faulty[] = {
+        {"\"file\":\"none.mp3\"", "a.tsog: the sound none.mp3 is missing or damaged"},
+        {"\"file\":\"../none.mp3\"", "a.tsog: the sound ../none.mp3 is missing or damaged"},
+        {"\"file\":\"empty.wav\"", "a.tsog: an empty sound"},
+        {"\"file\":\"sh0\"", "a.tsog: the sound sh0 is of a type that is not known"},
+        {"\"file\":\"a/B.MP3\",\"mimeType\":\"text/html\"", "is of a type that is not known"},
+        {"\"file\":7", "no valid \"audio\""}, {"", "no valid \"audio\""},
+        {"\"file\":\"a/B.MP3\",\"mimeType\":1", "no valid \"audio\""},
+        {"\"file\":\"a/B.MP3\",\"volume\":1.5", "no valid \"audio\""},
+        {"\"file\":\"a/B.MP3\",\"volume\":\"1\"", "no valid \"audio\""}
+    };
+    enum { HEARD = sizeof heard / sizeof *heard, FAULTY = sizeof faulty / sizeof *faulty };
+    char more[1024];
+    fxs_sound sound;
+    for (int n = 0; n < HEARD + FAULTY; n++) {
+        const int is_heard = n < HEARD;
+        snprintf(more, sizeof more, CONTINUOUS_1 ",\"audio\":{%s}",
+                 is_heard ? heard[n].audio : faulty[n - HEARD].audio);
+        make_moving(more);
+        add_file("a/B.MP3", "the sound", 9);
+        add_file("empty.wav", "", 0);
+        put_zip("a.tsog", n % 2 ? ZIP_CM_STORE : ZIP_CM_DEFLATE);
+        const int found = sound_of("a.tsog", &sound, "the sound");
+        if (is_heard)
+            CHECK(found == 1 && !strcmp(sound.type, heard[n].type) && !strcmp(sound.ending, heard[n].ending) &&
+                  sound.volume == heard[n].volume);
+        else if (!CHECK(found < 0 && strstr(message.text, faulty[n - HEARD].words)))
+            printf("%d %s\n", found, message.text);
+    }
+    make_moving(CONTINUOUS_1);
+    CHECK(sound_of("a.tsog", &sound, "") == 0);
+}
+
 static void faulty_tsog(void)
 {
     static const struct { const char *more, *old, *new, *words; } cases[] = {
@@ -1195,6 +1257,7 @@ static void run_tests(void)
     RUN(discrete);
     RUN(still_tsog);
     RUN(example_of_specification);
+    RUN(sounds);
     RUN(faulty_tsog);
     RUN(short_codebook);
     RUN(faulty_images);

@@ -207,14 +207,16 @@ mkdir -p page/viewer scenes && echo page >page/viewer/index.html && echo >page/v
     cp 700.ply plain.fxs scenes
 export FIXSPLAT_WEB="$work/page"
 echo '{"fixsplat":1}' >tour.json
+echo sound >a.wav
 places='floats ../700.ply site
 packed ../plain.fxs site
 levels ../levels.fxs site
 several ../scenes site
 tour ../700.ply site --settings ../tour.json
+moving ../moving.splatv site
 single --single ../700.ply a.html
 packed-single --single ../levels.fxs a.html'
-options='title T; profile compact; single; levels; size 32x18; settings ../tour.json; up 0,0,-1;
+options='title T; profile compact; single; levels; size 32x18; settings ../tour.json; sound ../a.wav; up 0,0,-1;
     start-view 1,-2,-9,0,0,0'
 # Scenes that have levels keep them.
 by_design= elsewhere='levels:levels levels:packed-single' mask= more=

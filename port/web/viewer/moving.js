@@ -105,6 +105,7 @@ export class Moving {
     this.sound = null
     const { Sound } = source ? await import('./sound.js') : {}
     if (source && source === this.#source) this.sound = new Sound(this.#host, this.#ui.bar, source)
+    this.#follow()
   }
 
   #follow() {

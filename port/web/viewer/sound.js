@@ -18,13 +18,13 @@ export class Sound {
   #button
   #own // volume in the scene's file
   #told = 'false 1' // muted and volume
-  #isRefused = false // true if the browser does not even play the muted sound
+  #isAsked = false // true until the browser answers a request to play
   #hasEnded = false
 
   /** Loads a sound: an address, or a sound of the package fixsplat. */
   constructor(host, bar, source) {
     this.#host = host
-    this.#name = source.bytes || /^data:/i.test(source) ? 'sound' : nameOf(source)
+    this.#name = typeof source === 'object' || /^data:/i.test(source) ? 'sound' : nameOf(source)
     this.#own = source.volume
     bar.insertAdjacentHTML('beforeend', button('mute', '', LOUD))
     this.#button = bar.lastElementChild
@@ -62,7 +62,6 @@ export class Sound {
   }
 
   toggle() {
-    this.#isRefused = false
     this.#host.element.toggleAttribute('muted')
   }
 
@@ -70,35 +69,34 @@ export class Sound {
   #show() {
     const { element, language } = this.#host
     const volume = Number(element.getAttribute('volume') ?? this.#own ?? 1)
-    const [audio, muted] = [this.#audio, element.hasAttribute('muted')]
+    const [audio, { muted }] = [this.#audio, element]
     showAs(this.#button, language.of(muted ? 'Sound on (M)' : 'Sound off (M)'), muted ? SILENT : LOUD)
-    Object.assign(audio, { muted, volume: volume >= 0 && volume <= 1 ? volume : 1 })
+    audio.volume = volume >= 0 && volume <= 1 ? volume : 1
     const told = `${muted} ${volume}`
     if (told === this.#told) return
     this.#told = told
     this.#host.tell('volumechange', { muted, volume: audio.volume })
   }
 
-  /** Follows the scene, which shows a time in seconds. */
+  /** Follows the scene, which shows a time in seconds. A muted sound is paused. */
   follow(time, runs, speed) {
-    const audio = this.#audio
+    const [audio, { muted, isConnected }] = [this.#audio, this.#host.element]
     this.#show()
-    if (!audio.readyState) return
-    const isHeard = runs && this.#host.element.isConnected && !document.hidden && time < audio.duration
+    if (muted || !audio.readyState) return audio.pause()
+    const isHeard = runs && isConnected && !document.hidden && time < audio.duration
     const most = isHeard ? APART_S * Math.max(speed, 1) : PAUSED_S
     const to = Math.min(time, audio.duration)
     if (Math.abs(audio.currentTime - to) > most && !audio.seeking) audio.currentTime = to
     if (speed < SLOWEST || speed > FASTEST || !isHeard) return audio.pause()
     if (audio.playbackRate !== speed) audio.playbackRate = speed
-    if (audio.paused && !this.#isRefused) this.#play()
+    if (audio.paused && !this.#isAsked) this.#play()
   }
 
   /** Plays. If the browser refuses sound before the user has touched the page, the sound starts muted. */
   #play() {
+    this.#isAsked = true
     this.#audio.play().catch(({ name }) => {
-      if (name !== 'NotAllowedError') return
-      this.#isRefused = this.#audio.muted
-      this.#host.element.toggleAttribute('muted', true)
-    })
+      if (name === 'NotAllowedError') this.#host.element.muted = true
+    }).finally(() => (this.#isAsked = false))
   }
 }
