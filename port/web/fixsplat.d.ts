@@ -288,6 +288,12 @@ export interface Picked {
   position: [number, number, number]
 }
 
+/** The sound in the file of a moving scene. It begins at time 0 of the scene. */
+export type Sound =
+  | { type: string; bytes: Uint8Array; volume: number; failure?: undefined }
+  /** The sound cannot be read: `failure` says why. */
+  | { failure: string; type?: undefined; bytes?: undefined; volume?: undefined }
+
 /** A packed scene in the memory of a WebAssembly module, made by `load`. After `free`, drawing it throws an Error. */
 export class Scene {
   private constructor()
@@ -306,6 +312,9 @@ export class Scene {
   readonly rate: number
   /** True if a moving scene starts again after its duration. */
   readonly loops: boolean
+  /** The sound in the file of a moving scene: its media type, the bytes of an audio file, and the volume, 0 to 1. Null
+      without a sound; an .fxs has none. */
+  readonly sound: Sound | null
   /** The degree of the spherical harmonics, 0 to 3. */
   readonly shDegree: number
   /** The profile by which the scene was packed; see `LoadOptions.profile`. */

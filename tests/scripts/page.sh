@@ -59,7 +59,7 @@ check "size of annotations, tracks and settings files" at_most 13200 $of_tours
 check "size of walking, gamepads and the stick" at_most 5500 $(printf "$package/viewer/%s " $of_hands)
 check "size of a track's keys" at_most 1100 "$package/viewer/keys.js"
 check "size of tone curves and vignette" at_most 1150 "$package/viewer/look.js"
-check "size of moving scenes" at_most 2830 "$package/viewer/moving.js"
+check "size of moving scenes" at_most 2800 "$package/viewer/moving.js"
 check "size of sound" at_most 1350 "$package/viewer/sound.js"
 check "size of films" at_most 2800 "$package/viewer/film.js"
 check "size of skies" at_most 2100 "$package/viewer/sky.js"

@@ -19,7 +19,7 @@ tsog knot.sog silent.tsog 2
 # page_of ARGUMENT...: publishes, and prints the attributes of the sound, the files that are not of the page, and notes.
 page_of() {
     rm -rf sounding
-    "$fixsplat" publish "$@" --size 64x36 --quiet 2>logs/err >logs/out
+    "$fixsplat" publish "$@" --size 64x36 2>logs/err >logs/out
     echo "$(sed -n 's/.*poster="[a-z.]*" \(.*\)poster-frame.*/\1/p' sounding/index.html) $(ls sounding | tr '\n' ' ')$(cat logs/err)"
 }
 check "the sound in the file" equal "$(page_of heard.tsog sounding)" \
@@ -29,7 +29,7 @@ check "--sound" equal "$(page_of silent.tsog sounding --sound tone.wav)" \
     'sound="silent.wav" volume="1"  fixsplat index.html silent.fxs silent.jpg silent.wav '
 check "no sound" equal "$(page_of silent.tsog sounding)" ' fixsplat index.html silent.fxs silent.jpg '
 check "a sound that is missing" equal "$(page_of missing.tsog sounding)" ' fixsplat index.html missing.fxs missing.jpg fixsplat: missing.tsog: the sound tone.wav is missing or damaged'
-fails "--sound of a still scene" 2 "knot.ply is still, and only moving scenes have sound" publish knot.ply sounding2 --sound tone.wav
+fails "--sound of a still scene" 1 "knot.ply is still, and only moving scenes have sound" publish knot.ply sounding2 --sound tone.wav
 fails "--sound of several" 2 "--sound is for one scene, not 2" publish knot.ply heard.tsog sounding2 --sound tone.wav
 fails "--sound of another type" 2 "expected the name of an .mp3" publish heard.tsog sounding2 --sound tone.txt
 fails "an empty --sound" 1 "empty.mp3: an empty sound" publish heard.tsog sounding2 --sound empty.mp3
@@ -38,7 +38,7 @@ check "info tells of it" equal "$("$fixsplat" info heard.tsog | sed -n '/^sound/
 check "info --json" grep -q "\"sound\": {\"type\": \"audio/wav\", \"bytes\": $(wc -c <tone.wav), \"volume\": 0.5}" <<EOF
 $("$fixsplat" info heard.tsog --json)
 EOF
-lost() { "$fixsplat" convert "$@" --quiet 2>&1; }
+lost() { "$fixsplat" convert "$@" 2>&1 >logs/out; }
 check "convert tells that it is lost" equal "$(lost heard.tsog heard.fxs) $(lost silent.tsog silent.fxs)" \
     "fixsplat: the sound of heard.tsog is not kept "
 check "a moment has no sound" equal "$(lost heard.tsog heard.ply --time 1)" ""

@@ -6,8 +6,9 @@ import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
 import * as chromium from './chromium.mjs'
 import { base, go, inside, open, page, pause, picture, scenes, without, wordsOf } from './chromium.mjs'
+import { POLICY } from './policy.mjs'
 
-const { command, folder, run } = chromium
+const { command, folder, policy, run } = chromium
 const SECONDS = 2
 const TAG = '"file":"audio/a.wav"'
 
@@ -73,8 +74,9 @@ const tests = {
   async 'the sound in the file, in Node'() {
     const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
     const soundOf = async (name) => {
-      const { sound, free, ...more } = await load(path(name), { threads: 1 })
-      return sound
+      const scene = await load(path(name), { threads: 1 })
+      scene.free()
+      return scene.sound
     }
     const { type, bytes, volume, failure } = await soundOf('sound.tsog')
     assert.deepEqual([type, volume, failure], ['audio/wav', 0.5, undefined])
@@ -139,6 +141,11 @@ const tests = {
     await until('v.playing && !audio.paused && audio.currentTime < 1')
     await within('window.audio = audio; v.remove()')
     await page.waitForFunction('window.audio.paused')
+  },
+
+  async 'under the policy of the documentation'() {
+    policy.text = POLICY
+    await plays('sound.tsog').finally(() => (policy.text = ''))
   },
 
   async 'a sound that is shorter than the scene'() {

@@ -17,7 +17,7 @@ export class Sound {
   #audio = new Audio()
   #button
   #own // volume in the scene's file
-  #told = 'false 1' // muted and volume
+  #told = '' // muted and volume
   #isAsked = false // true until the browser answers a request to play
   #hasEnded = false
 
@@ -73,9 +73,8 @@ export class Sound {
     showAs(this.#button, language.of(muted ? 'Sound on (M)' : 'Sound off (M)'), muted ? SILENT : LOUD)
     audio.volume = volume >= 0 && volume <= 1 ? volume : 1
     const told = `${muted} ${volume}`
-    if (told === this.#told) return
+    if (this.#told && told !== this.#told) this.#host.tell('volumechange', { muted, volume: audio.volume })
     this.#told = told
-    this.#host.tell('volumechange', { muted, volume: audio.volume })
   }
 
   /** Follows the scene, which shows a time in seconds. A muted sound is paused. */

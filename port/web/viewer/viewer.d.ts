@@ -165,6 +165,8 @@ export interface ViewerEvents {
   pause: CustomEvent<{ track: number | null }>
   ended: CustomEvent<{ track: number | null }>
   timeupdate: CustomEvent<{ track: number | null; time: number }>
+  /** The sound of a moving scene was switched on or off, by the user, the page or the browser, or has another volume. */
+  volumechange: CustomEvent<{ muted: boolean; volume: number }>
   /** The pictures of both eyes were drawn for VR, or pictures for AR. `scale` is the width and height of the pictures
       as a share of the viewport. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
@@ -328,6 +330,16 @@ export class Viewer extends HTMLElement {
   /** True if a moving scene starts again after its duration. Sets the attribute `loop`. */
   get loop(): boolean
   set loop(loops: boolean | '' | 'none' | null)
+  /** The address of the sound of a moving scene; null: the sound in the scene's file, if it has one. Sets the attribute
+      `sound`. */
+  get sound(): string | null
+  set sound(url: string | null | undefined)
+  /** True if the sound of a moving scene is off. The viewer sets the property if the browser refuses sound before the
+      user has touched the page. Sets the attribute `muted`. */
+  muted: boolean
+  /** The volume of the sound, 0 to 1; 1 by default, or as the scene's file states. Sets the attribute `volume`. */
+  get volume(): number
+  set volume(volume: number | null)
   /** Makes a film of a track, in which a moving scene plays from its start. Each frame is drawn completely, as by
       `fixsplat render`. The lossy codec then changes
       the pixels. */
@@ -374,6 +386,12 @@ export interface ViewerAttributes {
   speed?: number | string
   /** '' repeats a moving scene, and 'none' stops it at its end. The default is what the scene's file states. */
   loop?: '' | 'none'
+  /** The address of the sound of a moving scene; the sound in the scene's file by default. */
+  sound?: string
+  /** Switches the sound of a moving scene off. */
+  muted?: '' | boolean
+  /** The volume of the sound, 0 to 1; 1 by default, or as the scene's file states. */
+  volume?: number | string
   /** Hides the whole interface. */
   noui?: '' | true
   /** The parts of the interface to show; all parts by default. `motion` is the bar of a moving scene. */
