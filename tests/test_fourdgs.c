@@ -405,7 +405,7 @@ static void faulty_bands(void)
 static void sounds(void)
 {
     static const struct { const char *audio; int found; double volume; const char *words; } cases[] = {
-        {"", 0, 1, ""}, {"l", 1, 1, ".wav"}, {"sd", 1, 0.5, ".opus"}, {"ll", -1, 0, "several sounds, or one that begins"},
+        {"", 0, 1, ""}, {"l", 1, 1, ".wav"}, {"sd", 1, 0.5, ".opus"}, {"ll", -1, 0, "several sounds, or one that"},
         {"sdsd", -1, 0, "several sounds"}, {"L", -1, 0, "several sounds"}, {"Sd", -1, 0, "several sounds"},
         {"sc", -1, 0, "the record of a sound ends early"}, {"s", -1, 0, "an empty sound"}
     };

@@ -31,7 +31,7 @@ tools           public
 
 public='
 src/core      fixsplat pace rates packed parts stage pixel fixed declarations
-src/base      allocator message scene system output
+src/base      allocator message scene sound system output
 src/gaussian  pack start
 src/camera    camera view_more
 src/image     image film picture_metrics

@@ -32,7 +32,7 @@ check "a sound that is missing" equal "$(page_of missing.tsog sounding)" ' fixsp
 fails "--sound of a still scene" 1 "knot.ply is still, and only moving scenes have sound" publish knot.ply sounding2 --sound tone.wav
 fails "--sound of several" 2 "--sound is for one scene, not 2" publish knot.ply heard.tsog sounding2 --sound tone.wav
 fails "--sound of another type" 2 "expected the name of an .mp3" publish heard.tsog sounding2 --sound tone.txt
-fails "an empty --sound" 1 "empty.mp3: an empty sound" publish heard.tsog sounding2 --sound empty.mp3
+fails "an empty --sound" 1 "empty.mp3: cannot be mapped into memory" publish heard.tsog sounding2 --sound empty.mp3
 check "info tells of it" equal "$("$fixsplat" info heard.tsog | sed -n '/^sound/p') $("$fixsplat" info silent.tsog | grep -c '^sound')" \
     "sound         audio/wav, $(wc -c <tone.wav) bytes; fixsplat publish keeps it 0"
 check "info --json" grep -q "\"sound\": {\"type\": \"audio/wav\", \"bytes\": $(wc -c <tone.wav), \"volume\": 0.5}" <<EOF

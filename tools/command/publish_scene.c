@@ -9,10 +9,10 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/renderer.h>
 #include <fixsplat/scene.h>
+#include <fixsplat/system.h>
 #include <fixsplat/internal/start.h>
 #include <fixsplat/internal/view_more.h>
 #include "src/base/os_calls.h"
-#include "src/base/text_internal.h"
 #include "command.h"
 #include "tools/serve/scene_picture.h"
 
@@ -90,16 +90,19 @@ int take_sound(const option_row *row, void *field, const char *value)
 /* Loads the sound of the options in place of the scene's own. */
 static int load_sound(loaded_scene *scene, const char *path)
 {
-    fxs_text text;
+    fxs_mapping file;
     fxs_message why;
     if (!scene->opened->scene->motion)
         return fail(EXIT_USAGE, "--sound %s: %s is still, and only moving scenes have sound", path, scene->path);
-    if (fxs_text_load(path, &text, &why))
+    if (fxs_map_open(&file, path, &why))
         return fail_for(&why);
     free(scene->sound.data);
-    scene->sound = (fxs_sound){.volume = 1, .data = text.data, .bytes = text.size};
+    scene->sound = (fxs_sound){.volume = 1, .data = malloc(file.bytes), .bytes = file.bytes};
     fxs_sound_kind(&scene->sound, path, 0);
-    return text.size ? 0 : fail(EXIT_FAILED, "%s: an empty sound", path);
+    if (scene->sound.data)
+        memcpy(scene->sound.data, file.data, file.bytes);
+    fxs_map_close(&file);
+    return scene->sound.data ? 0 : fail(EXIT_FAILED, "%s: out of memory", path);
 }
 
 int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile,
