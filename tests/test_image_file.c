@@ -753,6 +753,9 @@ static void metrics_pixel(void)
     CHECK(near(metrics.mse, 65025.0 / (3 * PIXELS)) && metrics.largest == 255);
     CHECK(near(metrics.psnr, 10 * log10(3 * PIXELS)));
     CHECK(metrics.ssim < 1 && metrics.ssim > 2.0 / 3);
+    struct fxs_metrics rest;
+    fxs_metrics_without_ssim(image, other, WIDTH, HEIGHT, &rest);
+    CHECK(rest.mse == metrics.mse && rest.psnr == metrics.psnr && rest.largest == 255 && isnan(rest.ssim));
 }
 
 /* Computes the SSIM of Wang et al. 2004 for a channel, with two-dimensional weights and centred moments. */

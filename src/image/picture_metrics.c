@@ -120,10 +120,10 @@ static int find_ssim(const uint8_t *a, const uint8_t *b, const uint8_t *mask, si
     return error;
 }
 
-int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t *mask, int width, int height,
-                               struct fxs_metrics *out)
+/* Computes all metrics but SSIM. Returns the sum of the squared differences. */
+static uint64_t find_difference(const uint8_t *a, const uint8_t *b, const uint8_t *mask, size_t pixels,
+                                struct fxs_metrics *out)
 {
-    const size_t pixels = (size_t)width * (size_t)height;
     uint64_t squares = 0;
     size_t counted = 0;
     out->largest = 0;
@@ -140,12 +140,25 @@ int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t
     out->mse = squares ? (double)squares / (3.0 * (double)counted) : 0;
     out->psnr = squares ? 10 * log10(255.0 * 255.0 / out->mse) : INFINITY;
     out->ssim = counted ? 1 : NAN;
+    return squares;
+}
+
+int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t *mask, int width, int height,
+                               struct fxs_metrics *out)
+{
+    const uint64_t squares = find_difference(a, b, mask, (size_t)width * (size_t)height, out);
     return squares ? find_ssim(a, b, mask, (size_t)width, (size_t)height, &out->ssim) : 0;
 }
 
 int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out)
 {
     return fxs_metrics_compare_masked(a, b, NULL, width, height, out);
+}
+
+void fxs_metrics_without_ssim(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out)
+{
+    find_difference(a, b, NULL, (size_t)width * (size_t)height, out);
+    out->ssim = NAN;
 }
 
 enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* columns: terms 1, red, green and blue, then the target colours */

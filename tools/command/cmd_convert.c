@@ -415,7 +415,8 @@ static void check_views(const world *packed, const convert_options *o, const loa
     options.width = WIDTH;
     options.height = HEIGHT;
     const int status = quality_measure(&q, packed, 0, &(float_files){&o->placed, o->in, &again},
-                                       options.render.cutoff, &options, promise->views, promise->worst);
+                                       options.render.cutoff, &options,
+                                       &(quality_options){promise->views, promise->worst, .has_ssim = 0});
     if (status)
         note("%s: not compared with the floats", o->out);
     else if (q.worst_psnr < promise->worst)

@@ -592,7 +592,7 @@ static int compare(findings *f, const info_options *o)
     status = quality_measure(&f->quality, &f->world, is_as_packed ? 0 : &files,
                              &(float_files){&original, o->original, &plain},
                              is_given("compare-cutoff") ? o->original_cutoff : o->frame.render.cutoff, &o->frame,
-                             o->views ? o->views : 8, NUDGE_BELOW);
+                             &(quality_options){o->views ? o->views : 8, NUDGE_BELOW, .has_ssim = 1});
     f->compared = !status;
     fxs_world_free(&original);
     return status;

@@ -18,7 +18,7 @@ typedef struct pair {
     fxs_pool *pool;
     fxs_float_scene *floats[2];             /* scene and original as floats; null: it is rendered packed */
     enum fxs_cutoff original_cutoff;
-    double nudge_below;
+    const quality_options *how;
     int has_moment;                         /* 1: scenes that move are compared at the time `moment`, seconds */
     double moment;
     int moves;                              /* 1: the scene or a file of floats moves */
@@ -83,8 +83,13 @@ static int draw_floats(fxs_float_scene *floats, const fxs_view *view, enum fxs_c
 
 static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_view *view)
 {
-    return fxs_metrics_compare(p->pictures[i].pixels, p->pictures[1].pixels, view->width, view->height, out)
-        ? fail(EXIT_FAILED, "out of memory") : 0;
+    const uint8_t *drawn = p->pictures[i].pixels, *original = p->pictures[1].pixels;
+    int error = 0;
+    if (p->how->has_ssim)
+        error = fxs_metrics_compare(drawn, original, view->width, view->height, out);
+    else
+        fxs_metrics_without_ssim(drawn, original, view->width, view->height, out);
+    return error ? fail(EXIT_FAILED, "out of memory") : 0;
 }
 
 static int measure_nudged(quality_view *out, pair *p, const fxs_view *view)
@@ -113,7 +118,7 @@ static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_view 
     if (!status)
         status = compare_pictures(&out->metrics, p, 0, view);
     out->nudged_psnr = INFINITY;
-    if (!status && out->metrics.psnr < p->nudge_below)
+    if (!status && out->metrics.psnr < p->how->nudge_below)
         status = measure_nudged(out, p, view);
     memcpy(out->name, view->name, sizeof out->name);
     out->width = view->width;
@@ -227,9 +232,9 @@ static void choose_moment(pair *p, frame_options *options)
 }
 
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
-                    enum fxs_cutoff original_cutoff, const frame_options *options, long wanted, double nudge_below)
+                    enum fxs_cutoff original_cutoff, const frame_options *options, const quality_options *how)
 {
-    pair p = {.scene = scene, .original_cutoff = original_cutoff, .nudge_below = nudge_below};
+    pair p = {.scene = scene, .original_cutoff = original_cutoff, .how = how};
     frame_options all = *options;
     fxs_view *views = 0;
     all.view = "all";
@@ -240,7 +245,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     if (given < 0)
         return EXIT_FAILED;
     q->has_nudged = 1;
-    q->count = options->cameras && given < wanted ? given : wanted;
+    q->count = options->cameras && given < how->views ? given : how->views;
     q->views = calloc((size_t)q->count, sizeof *q->views);
     int status = q->views ? open_pair(&p, files, original, options->threads) : fail(EXIT_FAILED, "out of memory");
     if (!status)

@@ -32,13 +32,17 @@ typedef struct float_files {
     const load_options *load;
 } float_files;
 
-/* Compares pictures of a scene and of its original from up to `wanted` views of the camera file or around the scene.
-   Scenes of `files` are drawn from floats, others packed. In views below `nudge_below` dB, the original is also
-   compared with a nudged copy. Nudging moves Gaussians at random by up to 1e-6 of the camera's distance. Scenes that
-   move are compared at the moment of --compare-time, else at half of the duration of `scene`. Free *q with
-   quality_free. */
+typedef struct quality_options {
+    long views;             /* most views, of the camera file or around the scene */
+    double nudge_below;     /* in views below this PSNR in dB, the original is also compared with a nudged copy */
+    int has_ssim;           /* 0: SSIM is not computed */
+} quality_options;
+
+/* Compares pictures of a scene and of its original. Scenes of `files` are drawn from floats, others packed. Nudging
+   moves Gaussians at random by up to 1e-6 of the camera's distance. Scenes that move are compared at the moment of
+   --compare-time, else at half of the duration of `scene`. Free *q with quality_free. */
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
-                    enum fxs_cutoff original_cutoff, const frame_options *options, long wanted, double nudge_below);
+                    enum fxs_cutoff original_cutoff, const frame_options *options, const quality_options *how);
 
 void quality_sum_up(quality *q);
 

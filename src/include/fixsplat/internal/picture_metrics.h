@@ -23,6 +23,10 @@ struct fxs_metrics {
 FXS_EXPERIMENTAL int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height,
                                          struct fxs_metrics *out);
 
+/* Computes all metrics but SSIM, which takes most of the time of fxs_metrics_compare. ssim becomes NaN. */
+FXS_EXPERIMENTAL void fxs_metrics_without_ssim(const uint8_t *a, const uint8_t *b, int width, int height,
+                                               struct fxs_metrics *out);
+
 /* Compares two images, but ignores the pixels that are 0 in `mask`. Null: no pixel is ignored. SSIM uses only windows
    without ignored pixels; it is NaN if there is no such window. */
 FXS_EXPERIMENTAL int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t *mask, int width,
