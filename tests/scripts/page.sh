@@ -23,7 +23,8 @@ make_scenes() {
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END
     "$B/fixsplat" convert "$work/scene.ply" "$work/levels.fxs" --levels >/dev/null &&
-        "$B/fixsplat" convert "$work/scene.ply" "$work/scene.fxs" >/dev/null || return 1
+        "$B/fixsplat" convert "$work/scene.ply" "$work/scene.fxs" --start-view 0,-4.2,-12.2,0,-0.2,0 >/dev/null ||
+        return 1
     "$B/fixsplat" convert "$work/scene.ply" "$work/leant.fxs" --up 0.2,-0.5,0.1 --rotate 0,0,30 \
         --start-view 3,-2,-5,0,0,0,40 >/dev/null || return 1
     "$B/fixsplat" make-scene knot --count 60000 -o "$work/large.ply" >/dev/null &&

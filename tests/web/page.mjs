@@ -11,7 +11,7 @@ import { base, go, hash, inside, moved, native, open, page, pause, picture, show
 const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
-const SCENE = '?scene=/scenes/scene.ply'
+const SCENE = '?scene=/scenes/scene.fxs'
 
 const slowWorker = (number) => `{
   const own = HTMLCanvasElement.prototype.getContext
@@ -114,11 +114,11 @@ const tests = {
     await page.setViewport({ width: 500, height: 420 })
     await moved()
     assert.equal(await viewOf(), view)
-    assert.equal(await hash(), native('scene.ply', view, '500x420'))
+    assert.equal(await hash(), native('scene.fxs', view, '500x420'))
   },
 
   async 'views of a cameras.json'() {
-    await open('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json')
+    await open(`${SCENE}&cameras=/scenes/cameras.json`)
     const first = await viewOf()
     await page.keyboard.press('n')
     await moved()
@@ -127,7 +127,7 @@ const tests = {
     await page.keyboard.press('p')
     await moved()
     assert.equal(await viewOf(), first)
-    assert.equal(await hash(), native('scene.ply', first, '640x360'))
+    assert.equal(await hash(), native('scene.fxs', first, '640x360'))
   },
 
   async 'the element in a page of its own; its end ends its worker'() {
@@ -137,12 +137,12 @@ const tests = {
         background="#000000"></fixsplat-viewer>`)
     await still()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
-    for (let i = 0; i < 5; i++) assert.ok(await inside(`return v.open(args[0])`, `${base}/scenes/scene.ply`))
+    const at = `${base}/scenes/scene.fxs`
+    for (let i = 0; i < 5; i++) assert.ok(await inside(`return v.open(args[0])`, at))
     const are = async (workers, count) => {
       for (let i = 0; i < 50 && workers().length !== count; i++) await pause(100)
       assert.equal(workers().length, count)
     }
-    const at = `${base}/scenes/scene.ply`
     assert.deepEqual(await inside('return Promise.all([1, 2, 3].map(() => v.open(args[0])))', at), [false, false, true])
     await moved()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
@@ -540,7 +540,7 @@ const tests = {
     await inside(`$('set').click(); v.shadowRoot.querySelector('[name=fov]').focus()`)
     await page.keyboard.press('Escape')
     assert.equal(await inside(`return $('options').hidden`), true)
-    await open('?scene=/scenes/scene.ply&noui')
+    await open(`${SCENE}&noui`)
     assert.deepEqual(
       await inside(
         `return [...v.shadowRoot.querySelectorAll('.ui')].filter((e) => getComputedStyle(e).display !== 'none').length`
@@ -571,7 +571,7 @@ const tests = {
   },
 
   async 'in the width of a phone nothing lies outside'() {
-    await open('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json', 360, 740)
+    await open(`${SCENE}&cameras=/scenes/cameras.json`, 360, 740)
     for (const panel of ['options', 'help'])
       assert.deepEqual(
         await inside(`$('${panel}').hidden = false;
@@ -597,13 +597,13 @@ const tests = {
     for (const backend of ['wasm', 'webgl2']) {
       await open(`${SCENE}&backend=${backend}`)
       assert.equal(await inside('return v.backend'), backend)
-      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
       await inside(`$('set').click()`)
       assert.equal(await inside(`return v.shadowRoot.querySelector('[name=backend]').value`), backend)
     }
     await inside(`v.setAttribute('backend', 'wasm')`)
     await moved()
-    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+    assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
   },
 
   async 'of back ends asked for in a row the last draws; the others are freed'() {
@@ -615,7 +615,7 @@ const tests = {
       await moved()
       await pause(300)
       assert.equal(await inside('return v.backend'), 'wasm')
-      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
       assert.equal(await enginesOf()[0].evaluate(() => self.count()), 1)
       await inside(`v.setAttribute('backend', 'webgl2'); v.remove()`)
       await pause(300)
@@ -760,7 +760,7 @@ const tests = {
         await page.waitForFunction(() => window.trialEnded, { timeout: 60000 })
         await moved()
         assert.equal(await inside('return v.backend'), faster)
-        assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+        assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
         assert.equal(await inside(`return $('stage').children.length`), 1)
       })
     await open(SCENE)
@@ -776,7 +776,7 @@ const tests = {
       await worker.evaluate(() => self.seen.getExtension('WEBGL_lose_context').loseContext())
       await pause(500)
       await moved()
-      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
     }
     await changed('/viewer/worker.js', watch, async () => {
       await open(`${SCENE}&backend=webgl2`)
@@ -827,7 +827,7 @@ const tests = {
       await moved()
       assert.ok((await worker.evaluate(() => self.lost)) >= 2)
       assert.equal(await inside('return v.backend'), 'webgl2')
-      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
       assert.equal(await inside(`return $('error').hidden`), true)
     })
   },
@@ -867,7 +867,7 @@ const tests = {
       await open(`${SCENE}&backend=webgl2`)
       assert.equal(await inside('return v.backend'), 'wasm')
       assert.match(await inside(`return $('note').textContent`), /the processor does/)
-      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
     }
     const before = (more) => (text) => `${more}\n${text}`
     const none = 'OffscreenCanvas.prototype.getContext = new Proxy(OffscreenCanvas.prototype.getContext, ' +
@@ -901,7 +901,7 @@ const tests = {
       for (const b of context.getImageData(0, 0, width, height).data)
         h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n)
       return [[width, height].join('x'), h.toString(16).padStart(16, '0')]`)
-    assert.deepEqual([size, seen], ['680x640', native('scene.ply', await viewOf(), '680x640')])
+    assert.deepEqual([size, seen], ['680x640', native('scene.fxs', await viewOf(), '680x640')])
     const tooLarge = await inside('return v.picture({ scale: 200 }).catch((error) => error.message)')
     assert.match(tooLarge, /expected 1 to 16384/)
   },
@@ -923,7 +923,7 @@ const tests = {
       const [middle, edge] = await seen([[120, 180], [1, 180]])
       assert.ok(Math.abs(middle - value) <= 2, `${look}: ${middle}, and not ${value}`)
       assert.ok(Math.abs(edge - (/vignette/.test(look) ? 64 : value)) <= 3, `${look}: ${edge} at the edge`)
-      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '808080'))
+      assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360', '808080'))
     }
     await inside(`v.settings = { vignette: null, tone: 'filmic', exposure: 0.5 }`)
     assert.match(await inside('return v.link'), /tone=filmic&exposure=0.5/)
@@ -945,7 +945,7 @@ const tests = {
         await page.evaluate(() => dispatchEvent(new Event('online')))
         await still()
         assert.equal(await inside(`return $('error').hidden`), true)
-        assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+        assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
       }
     )
     rmSync(late)
@@ -981,7 +981,7 @@ const tests = {
     assert.equal(await inside('return v.drawn'), 0)
     await inside('v.hide(false)')
     await moved()
-    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+    assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
   },
 
   async 'a poster until the first picture'() {
@@ -1005,10 +1005,10 @@ const tests = {
       return first
     }
     const views = ['--cameras', `${scenes}/more.json`, '--bg', '0e1116']
-    assert.equal(await again(), rendered('scene.ply', ...views))
+    assert.equal(await again(), rendered('scene.fxs', ...views))
     await page.keyboard.press('n')
     await moved()
-    assert.equal(await again(), rendered('scene.ply', ...views, '--view', '1'))
+    assert.equal(await again(), rendered('scene.fxs', ...views, '--view', '1'))
     const wide = (await numbersOf())[9]
     await page.keyboard.press('+')
     await moved()
@@ -1016,7 +1016,7 @@ const tests = {
     await inside(`$('set').click(); v.shadowRoot.querySelector('[name=flat]').click()`)
     await moved()
     assert.equal((await numbersOf()).length, 10)
-    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+    assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360'))
   },
 
   async 'flight: pointers look, keys and the wheel move; the mode is shown'() {

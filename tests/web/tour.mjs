@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
 import * as chromium from './chromium.mjs'
-import { hash, inside, moved, native, open, page, pause, picture, scenes, viewOf, wordsOf } from './chromium.mjs'
+import { go, hash, inside, moved, native, open, page, pause, picture, scenes, viewOf, wordsOf } from './chromium.mjs'
 import { POLICY } from './policy.mjs'
 
 const { policy, run } = chromium
@@ -508,7 +508,7 @@ const tests = {
       '../sky.png', '%2e%2e/sky.png', 'file:///sky.png', 'blob:sky.png', '\\\\localhost\\sky.png']
     for (const skybox of others) {
       put('skybox.json', { fixsplat: 1, skybox })
-      await open(WITH('skybox.json'))
+      await go(WITH('skybox.json'))
       assert.equal(await wordsOf(), 'skybox.json: skybox: leaves the folder of this file: left out')
       assert.equal(await inside(`return v.getAttribute('skybox')`), null)
     }
