@@ -52,7 +52,7 @@ change dark 'int($_ / 4)'
 
 # ---- Fits ------------------------------------------------------------------------------------------------------------
 
-fit='--steps 150 --quiet'
+fit='--steps 150 --max-gaussians 1500 --quiet'
 check "no masks" "$fixsplat" fit set $fit -o plain.fxs --threads 1
 check "masks that ignore nothing" "$fixsplat" fit set $fit -o white.fxs --masks white
 check "masks that ignore nothing: the same file" cmp plain.fxs white.fxs
