@@ -9,8 +9,10 @@ SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
 # LONG lists the tests that take 10 seconds or more. They start first, and `make check` omits them. tests/seconds has
-# the processor time of each test in seconds.
+# the processor time of each test in seconds. Tests in a browser wait most of their time, so they start before the rest:
+# in this way they end while others use the processors.
 LONG := $(filter $(TESTS) $(SCRIPTS) $(GATES),$(shell awk '$$2 >= 10 { print $$1 }' tests/seconds))
+IN_BROWSER := page.sh web.sh webgpu.sh webgl.sh xr.sh preview.sh bundlers.sh publish.sh
 # Tests that need a window, or that measure time, run one at a time after all others.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
@@ -20,10 +22,13 @@ EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# Browser tests wait most of the time, so one more test runs at once than there are processors.
-AT_ONCE = $(shell expr $(PROCESSORS) + 1)
+# As browser tests wait, two more tests run at once than there are processors.
+AT_ONCE = $(shell expr $(PROCESSORS) + 2)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
-    LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
+    LONG='$(LONG)' sh tests/run.sh $(strip $(call among,$(IN_BROWSER),$(1)) \
+        $(call among,$(filter-out $(IN_BROWSER),$(LONG)),$(1)) $(filter-out $(IN_BROWSER) $(LONG),$(1)))
+# $(call among,ORDERED,NAMES): the NAMES that are ORDERED, in that order.
+among = $(foreach name,$(1),$(filter $(name),$(2)))
 JDK := $(patsubst %/bin/javac,%,$(realpath $(shell command -v javac)))
 # $(call needed,SCRIPTS,FILES): files that the tests of these scripts run.
 needed = $(if $(filter $(1),$(RUN)),$(2))
