@@ -90,7 +90,7 @@ static void count_seen(look *l, double close, double far, sight *s)
     memset(l->pixels, 0, sizeof l->pixels);
     for (int i = 0; i < PIXELS; i++) {
         s->covered += l->coverage[i];
-        const double depth = l->depth[i] != FXS_NOTHING ? ldexp(l->depth[i], -16) : close;
+        const double depth = l->depth[i] != FXS_NOTHING ? l->depth[i] / 65536.0 : close;
         s->close += depth < close;
         if (l->id[i].object == FXS_NOTHING || l->coverage[i] < 48)
             continue;
