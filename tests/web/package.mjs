@@ -119,7 +119,7 @@ const words = {
     for (let i = 0; i < 50; i++) {
       const scene = await load(file, modules[module])
       await started(scene, module)
-      scene.render({}, { width: 320, height: 240 })
+      scene.render(i % 5 ? { eye: [2, -1, -4] } : {}, { width: 320, height: 240 })   // {}: a view is searched
       first ||= memoryOf(scene)
       scene.free()
       globalThis.gc()
