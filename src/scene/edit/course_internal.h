@@ -4,8 +4,8 @@
 
 #include "src/gaussian/stream_internal.h"
 
-/* Places on the way of a Gaussian while it is visible: from the first to the last in steps of at most its largest sigma,
-   but in at most 256 steps. A still Gaussian has a way of one place. */
+/* Places on the way of a Gaussian while it is visible: from the first to the last in steps of at most its largest
+   sigma, but in at most 256 steps. A still Gaussian has a way of one place. */
 typedef struct fxs_course {
     const fxs_gaussian *gaussian;
     const fxs_motion *motion;
