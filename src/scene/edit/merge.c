@@ -84,26 +84,18 @@ static int is_kept(const merge_reader *r, const part *p, const fxs_gaussian *g, 
     return kept;
 }
 
-static void multiply(double out[4], const double a[4], const double b[4])
-{
-    out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
-}
-
 static void turn_camera(double camera[4], const double rotation[4])
 {
     const double back[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
     const double old[4] = {camera[0], camera[1], camera[2], camera[3]};
-    multiply(camera, old, back);
+    fxs_quaternion_product(camera, old, back);
 }
 
 static void turn_quaternion(const part *p, float q[4])
 {
     const double own[4] = {q[0], q[1], q[2], q[3]};
     double turned[4];
-    multiply(turned, p->placement.rotation, own);
+    fxs_quaternion_product(turned, p->placement.rotation, own);
     for (int i = 0; i < 4; i++)
         q[i] = (float)turned[i];
 }
@@ -460,7 +452,7 @@ void fxs_world_place(fxs_world *world, const fxs_placement *whole)
         const double *t = old.translation;
         for (int k = 0; k < 3; k++)
             p->translation[k] = rows[k][0] * t[0] + rows[k][1] * t[1] + rows[k][2] * t[2] + rows[k][3];
-        multiply(p->rotation, whole->rotation, old.rotation);
+        fxs_quaternion_product(p->rotation, whole->rotation, old.rotation);
         p->scale = whole->scale * old.scale;
     }
 }
