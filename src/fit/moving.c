@@ -19,10 +19,12 @@
 #include "src/fit/stages/planes.h"
 #include "moving_internal.h"
 #include "nearest.h"
+#include "turn.h"
 
 enum {
     DOUBTFUL = 1, MAY_STAY,        /* whether it may be better at its old place */
-    POSE = 7, KEPT = 14,           /* numbers of planes: of a pose (position, rotation), and of all that steps change */
+    POSE = FXS_FIT_MOVED,          /* number of planes of a pose: position and rotation */
+    KEPT = 14,                     /* number of planes that steps change */
     NEAR = FXS_FIT_NEAR,
     THING_LEAST = 16,              /* smaller things do not move as one */
     CARRY_PASSES = 4,              /* rounds in which Gaussians among tried ones are tried too */
@@ -75,6 +77,7 @@ void fxs_fit_moving_free(struct fxs_fit_moving *m)
     free(m->moves);
     free(m->doubtful);
     free(m->carried);
+    fxs_fit_tracks_free(&m->tracks);
     free(m);
 }
 
@@ -112,7 +115,8 @@ static int make_room(fxs_fit *f, fxs_message *message)
     m->moved_errors = fxs_aligned_allocate(bytes);
     return m->before && m->last && m->rest && m->fitted && m->errors && m->weights && m->some_errors &&
                    m->some_weights && m->asking && m->showing && m->moved_errors && m->order && m->near && m->place &&
-                   m->thing && m->tried && m->moves && m->doubtful && m->carried
+                   m->thing && m->tried && m->moves && m->doubtful && m->carried &&
+                   !fxs_fit_tracks_begin(&m->tracks, stride)
                ? 0 : fxs_fail_memory(message, "a fit", stride * (40 * sizeof(float) + NEAR * sizeof(uint32_t)));
 }
 
@@ -120,8 +124,9 @@ static int make_room(fxs_fit *f, fxs_message *message)
    colour. */
 static int kept_plane(int k)
 {
-    return k < 3 ? FXS_FIT_POSITION + k : k < POSE ? FXS_FIT_ROTATION + k - 3 :
-           k < POSE + 3 ? FXS_FIT_SCALE + k - POSE : FXS_FIT_OPACITY + k - POSE - 3;
+    return k < POSE       ? fxs_fit_moved_plane(k)
+           : k < POSE + 3 ? FXS_FIT_SCALE + k - POSE
+                          : FXS_FIT_OPACITY + k - POSE - 3;
 }
 
 static void take_planes(const fxs_fit_model *model, float *to, int count)
@@ -279,49 +284,6 @@ static void reorder(fxs_fit *f, int back)
 }
 
 /* ---- Motion ------------------------------------------------------------------------------------------------------ */
-
-typedef struct turn {
-    float w, x, y, z;
-} turn;
-
-static turn product(turn a, turn b)
-{
-    return (turn){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                  a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
-
-static turn inverse(turn a)
-{
-    return (turn){a.w, -a.x, -a.y, -a.z};
-}
-
-static turn unit(turn a)
-{
-    const float square = a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z;
-    const float scale = square > 1e-30f ? 1 / sqrtf(square) : 0;
-    return scale > 0 ? (turn){a.w * scale, a.x * scale, a.y * scale, a.z * scale} : (turn){1, 0, 0, 0};
-}
-
-static void rotate(turn q, const float v[3], float out[3])
-{
-    const turn r = product(product(q, (turn){0, v[0], v[1], v[2]}), inverse(q));
-    out[0] = r.x;
-    out[1] = r.y;
-    out[2] = r.z;
-}
-
-static turn turn_at(const float *planes, size_t stride, size_t i)
-{
-    return (turn){planes[i], planes[stride + i], planes[2 * stride + i], planes[3 * stride + i]};
-}
-
-static void put_turn(float *planes, size_t stride, size_t i, turn q)
-{
-    planes[i] = q.w;
-    planes[stride + i] = q.x;
-    planes[2 * stride + i] = q.y;
-    planes[3 * stride + i] = q.z;
-}
 
 /* Returns how a Gaussian has turned since the first moment. `i`: its place in the order of the steps. */
 static turn turned(const fxs_fit *f, size_t i)
@@ -750,6 +712,33 @@ static void count_moved(struct fxs_fit_moving *m, fxs_fit_followed *followed)
 
 /* ---- Holes ------------------------------------------------------------------------------------------------------- */
 
+/* Finds the earlier pose of a Gaussian that moved like another one since then. The numbers of poses are `stride` floats
+   apart. */
+static void put_beside(const fxs_fit_model *model, size_t i, size_t other, float *to, const float *from, size_t stride)
+{
+    const turn now = unit(turn_at(plane(model, FXS_FIT_ROTATION), model->stride, other));
+    const turn back = product(unit(turn_at(from + 3 * stride, stride, 0)), inverse(now));
+    float away[3], carried[3];
+    for (int k = 0; k < 3; k++)
+        away[k] = plane(model, FXS_FIT_POSITION + k)[i] - plane(model, FXS_FIT_POSITION + k)[other];
+    rotate(back, away, carried);
+    for (size_t k = 0; k < 3; k++)
+        to[k * stride] = from[k * stride] + carried[k];
+    put_turn(to + 3 * stride, stride, 0,
+             unit(product(back, unit(turn_at(plane(model, FXS_FIT_ROTATION), model->stride, i)))));
+}
+
+/* Begins the track of a new Gaussian that moved like another one so far. */
+static int adopt_track(fxs_fit *f, size_t i, size_t other)
+{
+    fxs_fit_tracks *t = &f->moving->tracks;
+    if (fxs_fit_tracks_add(t, &f->model, i))
+        return FXS_ERR_MEMORY;
+    for (size_t moment = 0; moment < t->moments; moment++)
+        put_beside(&f->model, i, other, fxs_fit_pose_of(t, moment, i), fxs_fit_pose_of(t, moment, other), 1);
+    return 0;
+}
+
 /* Finds the neighbours of new Gaussians, and where each would have been in the first moment if it had moved like its
    nearest neighbour. */
 static int adopt(fxs_fit *f, size_t first)
@@ -770,18 +759,10 @@ static int adopt(fxs_fit *f, size_t first)
             old = m->near[i * NEAR + k];
         for (int k = 0; k < POSE; k++)
             m->rest[(size_t)k * stride + i] = plane(&f->model, kept_plane(k))[i];
-        if (old < first) {
-            const turn now = unit(turn_at(plane(&f->model, FXS_FIT_ROTATION), stride, old));
-            const turn back = product(unit(turn_at(m->rest + 3 * stride, stride, old)), inverse(now));
-            float away[3], carried[3];
-            for (int k = 0; k < 3; k++)
-                away[k] = plane(&f->model, FXS_FIT_POSITION + k)[i] - plane(&f->model, FXS_FIT_POSITION + k)[old];
-            rotate(back, away, carried);
-            for (size_t k = 0; k < 3; k++)
-                m->rest[k * stride + i] = m->rest[k * stride + old] + carried[k];
-            put_turn(m->rest + 3 * stride, stride, i,
-                     unit(product(back, unit(turn_at(plane(&f->model, FXS_FIT_ROTATION), stride, i)))));
-        }
+        if (old < first)
+            put_beside(&f->model, i, old, m->rest + i, m->rest + old, stride);
+        if (old < first && m->tracks.number[old] != FXS_FIT_STILL && adopt_track(f, i, old))
+            return FXS_ERR_MEMORY;
         m->fitted[i] = UNKNOWN;
         for (size_t k = 0; k < KEPT; k++)
             m->before[k * stride + i] = plane(&f->model, kept_plane((int)k))[i];
@@ -850,6 +831,22 @@ static int make_part(fxs_fit *f, uint8_t kind, size_t stage, size_t stage_end, u
     return error;
 }
 
+/* Keeps the poses of a moment, and those before of the Gaussians that move for the first time. */
+static int keep_moment(fxs_fit *f)
+{
+    struct fxs_fit_moving *m = f->moving;
+    for (size_t i = 0; i < m->count; i++) {
+        if (!m->moves[i] || m->tracks.number[i] != FXS_FIT_STILL)
+            continue;
+        swap_pose(f, m->before, i);
+        const int error = fxs_fit_tracks_add(&m->tracks, &f->model, i);
+        swap_pose(f, m->before, i);
+        if (error)
+            return error;
+    }
+    return fxs_fit_tracks_keep(&m->tracks, &f->model);
+}
+
 static int move(fxs_fit *f, uint32_t steps, fxs_fit_followed *followed, fxs_message *message)
 {
     struct fxs_fit_moving *m = f->moving;
@@ -866,7 +863,7 @@ static int move(fxs_fit *f, uint32_t steps, fxs_fit_followed *followed, fxs_mess
     count_moved(m, followed);
     memcpy(m->last, m->before, POSE * m->stride * sizeof *m->last);
     m->is_under_way = 1;
-    return 0;
+    return keep_moment(f) ? fxs_fail_memory(message, "a fit", 0) : 0;
 }
 
 /* Appends spare Gaussians, which cannot be seen until they fill a hole. */
@@ -904,16 +901,21 @@ int fxs_fit_begin_moving(fxs_fit *f, fxs_message *message)
     take_planes(&f->model, f->moving->rest, POSE);
     FXS_TRY(measure(f, message));
     memcpy(f->moving->fitted, f->moving->errors, f->moving->stride * sizeof(float));
-    return 0;
+    return fxs_fit_tracks_keep(&f->moving->tracks, &f->model) ? fxs_fail_memory(message, "a fit", 0) : 0;
+}
+
+void fxs_fit_show_moment(fxs_fit *f, const fxs_fit_photo *photos)
+{
+    for (size_t i = 0; i < f->count; i++) {
+        f->photographs[i].pixels = photos[i].pixels;
+        f->photographs[i].mask = photos[i].mask;
+    }
 }
 
 int fxs_fit_follow(fxs_fit *f, const fxs_fit_photo *photos, uint32_t steps, fxs_fit_followed *followed,
                    fxs_message *message)
 {
     memset(followed, 0, sizeof *followed);
-    for (size_t i = 0; i < f->count; i++) {
-        f->photographs[i].pixels = photos[i].pixels;
-        f->photographs[i].mask = photos[i].mask;
-    }
+    fxs_fit_show_moment(f, photos);
     return move(f, steps, followed, message);
 }

@@ -8,6 +8,17 @@ enum {
     STAYS, ASKED, ADDED            /* whether a Gaussian is tried: from the first step of a moment on, or later */
 };
 
+/* The poses of the Gaussians that move, in each moment so far. Memory grows with their number only. */
+enum { FXS_FIT_MOVED = 7 };        /* numbers of a pose: position, quaternion */
+#define FXS_FIT_STILL UINT32_MAX
+
+typedef struct fxs_fit_tracks {
+    uint32_t *number;              /* track of each Gaussian, or FXS_FIT_STILL */
+    uint32_t *gaussian;            /* Gaussian of each track */
+    float **poses;                 /* for each moment, FXS_FIT_MOVED floats a track */
+    size_t moments, count, room;
+} fxs_fit_tracks;
+
 struct fxs_fit_moving {
     float *before;                 /* what steps change, in the last moment; planes of stride floats */
     float *last, *rest;            /* poses in the moment before that, and in the first */
@@ -22,11 +33,31 @@ struct fxs_fit_moving {
     uint8_t *tried, *moves, *doubtful, *carried;
     float *moved_errors;           /* mean squared differences at the new places */
     size_t count, stride, tried_count;
+    fxs_fit_tracks tracks;
     int is_under_way;              /* 1: Gaussians have moved before */
 };
 
 /* Puts spare Gaussians where light passes through the scene and the photographs show something else than the
    background. Raises moving->made. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_fill_holes(fxs_fit *fit);
+
+/* Functions of tracks return 0 or FXS_ERR_MEMORY. After an error they can only be freed. */
+int fxs_fit_tracks_begin(fxs_fit_tracks *tracks, size_t gaussians);
+void fxs_fit_tracks_free(fxs_fit_tracks *tracks);
+
+/* Begins the track of a Gaussian: in all moments so far it had its pose in the model. */
+int fxs_fit_tracks_add(fxs_fit_tracks *tracks, const fxs_fit_model *model, size_t gaussian);
+
+/* Adds the model's poses as the next moment. */
+int fxs_fit_tracks_keep(fxs_fit_tracks *tracks, const fxs_fit_model *model);
+
+/* Returns the pose of a Gaussian that has a track. */
+float *fxs_fit_pose_of(const fxs_fit_tracks *tracks, size_t moment, size_t gaussian);
+
+/* Returns the plane of number `k` of a pose among the planes of a model. */
+int fxs_fit_moved_plane(int k);
+
+/* Makes the photographs of a moment those that the next steps fit. */
+void fxs_fit_show_moment(fxs_fit *fit, const fxs_fit_photo *photos);
 
 #endif

@@ -7,7 +7,7 @@
 export FIXSPLAT_QUIET=1
 make_moving_scenes
 make_moving_set set 7 4 100
-fit="--moving --steps 500 --max-gaussians 5000 --moment-steps 80 --sh-degree 0 --hold-out 7"
+fit="--moving --steps 500 --max-gaussians 5000 --moment-steps 80 --refine-steps 100 --sh-degree 0 --hold-out 7"
 
 # ---- Fitted scenes ---------------------------------------------------------------------------------------------------
 
@@ -17,7 +17,7 @@ check "says what it made" grep -Eq '^one.fxs: 4 moments, 23 a second; [0-9]+ Gau
 check "a line for each moment, the mean and the worst" equal "$(grep -Ec '^ +[0-9.]+ +[0-9.]+ +0\.[0-9]+ +[0-9]+$' \
     logs/out) $(grep -Ec '^ +(mean|worst)' logs/out)" "4 2"
 mean_of() { awk '/^ +mean/ { print $2 }' "$1"; }
-check "at least 22 dB from where nothing was fitted" at_least "$(mean_of logs/out)" 22
+check "at least 23.5 dB from where nothing was fitted" at_least "$(mean_of logs/out)" 23.5
 cp logs/out said
 short="--moving --steps 100 --max-gaussians 2000 --moment-steps 20 --sh-degree 0 --hold-out 7"
 succeeds "a short one" fit set -o short.fxs $short --threads 1
@@ -28,7 +28,13 @@ check "--json: moments" equal "$(grep -o '"moved": ' logs/out | wc -l | tr -d ' 
 "$fixsplat" render one.fxs --cameras set/transforms.json --view 0 --hash >first
 "$fixsplat" render one.fxs --cameras set/transforms.json --view 0 --hash --time 0.13 >last
 check "it moves" [ "$(cat first)" != "$(cat last)" ]
-check "in the last moment still at least 20 dB" at_least "$(awk '/^ +0\.130/ { print $2 }' said)" 20
+last_of() { awk '/^ +0\.130/ { print $2 }' "$1"; }
+check "in the last moment still at least 23.5 dB" at_least "$(last_of said)" 23.5
+run fit set -o alone.fxs $fit --refine-steps 0
+check "refined: at least 1 dB more in the last moment" \
+    at_least "$(last_of said)" "$(awk -v a="$(last_of logs/out)" 'BEGIN { print a + 1 }')"
+check "refined: the first moment is no worse" at_least "$(awk '/^ +0\.000/ { print $2 }' said)" \
+    "$(awk '/^ +0\.000/ { print $2 }' logs/out)"
 
 # ---- A folder for each camera ----------------------------------------------------------------------------------------
 
@@ -76,10 +82,15 @@ edited uneven 's/"time": 0\.130435/"time": 0.3/'
 fails "uneven times" 1 'the times are not even' fit set/uneven.json -o x.fxs $fit
 edited still 's/"time": [0-9.]*/"time": 0/'
 fails "one moment" 1 'all photographs are of one moment' fit set/still.json -o x.fxs $fit
-fails "one camera" 1 '0 photographs to fit at each moment: a moving scene needs several cameras' \
+fails "one camera" 1 '0 photographs to fit at each moment, but the first moment is fitted as a still scene' \
     fit set -o x.fxs --moving --hold-out 1
+awk '/t00[0-3]\/c0[1-6]/ { next } { sub(/1\.60*\], \[0, 0/, 1 + NR "], [0, 0"); print }' set/transforms.json |
+    sed '/t003/s/,$//' >set/single.json
+fails "one camera that moves" 1 '1 photograph to fit at each moment, but the first moment is fitted as a still scene' \
+    fit set/single.json -o x.fxs --moving --hold-out 0
 fails "to a .ply" 2 "--moving: x.ply: expected a name ending in .fxs" fit set -o x.ply --moving
 fails "--moment-steps alone" 2 "--moment-steps" fit set -o x.fxs --moment-steps 9
+fails "--refine-steps alone" 2 "--refine-steps" fit set -o x.fxs --refine-steps 9
 fails "--moving with --exposure" 2 "--exposure does not go with --moving" fit set -o x.fxs --moving --exposure gain
 check "leaves nothing beside" [ ! -e x.fxs ]
 

@@ -95,6 +95,8 @@ static const option_row own_rows[] = {
      "a folder or a film for each camera. OUT is an .fxs"},
     {"moment-steps", "N", UINT32(moment_steps, 1, 1000000), .help =
      "steps of each moment of --moving after the first (default 300)"},
+    {"refine-steps", "N", UINT32(refine_steps, 0, 10000), .help =
+     "steps for each moment of --moving that refine all moments together, 0 to 10000 (default 250)"},
     {"fps", "N", REAL(fps, ABOVE_0, 1000, "photographs per second above 0, at most 1000"), .help =
      "moments a second of --moving (default: by the times in the file, else 30)"},
     {"batch", "N", UINT32(options.batch, 1, 8), .help =
@@ -247,7 +249,7 @@ static const option_rule rules[] = {
     {"of photos", "block", 0, "a block follows its --coarse fit"},
     {"coarse", 0, "block", "I/N"},
     {"port", 0, "preview", 0},
-    {"moment-steps fps", 0, "moving", 0},
+    {"moment-steps refine-steps fps", 0, "moving", 0},
     {"exposure refine-poses block coarse crop-to-subject cameras-only save-every measure write-cameras "
      "preview photos of frames", "moving", 0, "it is for still scenes"},
     {0}
@@ -294,6 +296,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     c->reading.hold_out = 8;
     c->port = 8080;
     c->moment_steps = 300;
+    c->refine_steps = 250;
     c->quality = QUALITY_GOOD;
     if (take_options(&command_fit, c, argc, argv))
         return EXIT_USAGE;

@@ -23,6 +23,7 @@ typedef struct fit_command {
     int moving;
     double fps;                     /* photographs of a camera a second; 0: as the files say, or 30 */
     uint32_t moment_steps;          /* steps of each moment of a moving scene but the first */
+    uint32_t refine_steps;          /* steps for each moment that refine all moments together */
     uint64_t port;
     const fit_watcher *watcher;     /* callbacks that show the running fit; null: no preview */
     int json;

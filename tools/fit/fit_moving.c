@@ -1,5 +1,5 @@
-/* Runs `fixsplat fit --moving`: fits the first moment as a still scene, then each next moment from the last one, and
-   packs all as one scene that moves. */
+/* Runs `fixsplat fit --moving`: fits the first moment as a still scene, then each next moment from the last one. Refines
+   all moments together, and packs them as one scene that moves. */
 #include "cmd_fit.h"
 
 #include <inttypes.h>
@@ -18,7 +18,11 @@
 #include "film_frames.h"
 #include "fit_result.h"
 
-enum { BATCH = 256, FRAMES_MOST = 8192 };
+enum { BATCH = 256, FRAMES_MOST = 8192,
+       RECENT = 8,                 /* number of moments that are refined after each moment */
+       RECENT_SHARE = 4 };         /* with --refine-steps divided by this */
+
+#define KEPT_BYTES (UINT64_C(2) << 30)  /* photographs of up to this many bytes stay in memory */
 
 #define UNEVEN 0.02                /* largest difference of a moment from even times, in distances of two moments */
 
@@ -37,6 +41,9 @@ typedef struct moving_fit {
     fxs_packed_scene packed;
     fxs_pack_report report;
     moment *results;
+    fxs_photos *photos;            /* photographs of each moment that stay in memory, and of one that does not */
+    fxs_photos passing;
+    uint64_t kept_bytes;
     double seconds;
     char frames[TASK_PATH];        /* folder with a folder of frames for each film, or empty */
 } moving_fit;
@@ -118,7 +125,48 @@ static int open_moments(moving_fit *m)
     if (!(m->rate <= 1000))
         return fail(EXIT_FAILED, "%s: %g moments a second, which is above 1000: give --fps", c->in, m->rate);
     m->results = calloc(m->count, sizeof *m->results);
-    return m->results ? 0 : no_memory();
+    m->photos = calloc(m->count, sizeof *m->photos);
+    return m->results && m->photos ? 0 : no_memory();
+}
+
+static uint64_t bytes_of(const fxs_fit_photo *photos, size_t count)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < count; i++)
+        bytes += (photos[i].mask ? UINT64_C(4) : UINT64_C(3)) * (uint64_t)photos[i].view.width *
+                 (uint64_t)photos[i].view.height;
+    return bytes;
+}
+
+/* Sets *photos to the photographs of a moment. They stay at least until the next call. */
+static int take_photos(moving_fit *m, size_t number, const fxs_photos **photos, fxs_message *why)
+{
+    *photos = &m->photos[number];
+    if (m->photos[number].fit)
+        return 0;
+    fxs_photos_free(&m->passing);
+    const int error = fxs_moments_read(m->moments, number, &m->passing, why);
+    progress_end();
+    if (error)
+        return error;
+    const uint64_t bytes = bytes_of(m->passing.fit, m->passing.fit_count) +
+                           bytes_of(m->passing.held_out, m->passing.held_out_count);
+    if (m->kept_bytes + bytes > KEPT_BYTES) {
+        *photos = &m->passing;
+        return 0;
+    }
+    m->kept_bytes += bytes;
+    m->photos[number] = m->passing;
+    memset(&m->passing, 0, sizeof m->passing);
+    return 0;
+}
+
+static int read_moment(void *argument, size_t number, const fxs_fit_photo **photos, fxs_message *why)
+{
+    const fxs_photos *all;
+    const int error = take_photos(argument, number, &all, why);
+    *photos = error ? 0 : all->fit;
+    return error;
 }
 
 /* Adds the Gaussians of the fit as the next frame of the scene. */
@@ -153,47 +201,58 @@ static int fit_first(moving_fit *m, const fxs_photos *photos)
         status = fail_for(&why);
     m->sequence = status ? 0 : fxs_sequence_create((uint32_t)m->count, m->rate, fxs_fit_options_of(m->fit)->sh_degree,
                                                    0);
-    if (!status && !m->sequence)
-        status = no_memory();
-    return status ? status : add_frame(m);
+    return status || m->sequence ? status : no_memory();
+}
+
+static int refine(moving_fit *m, size_t first, uint32_t steps, double *absolute)
+{
+    fxs_message why;
+    return steps && fxs_fit_refine_moving(m->fit, first, steps, read_moment, m, absolute, &why) ? fail_for(&why) : 0;
+}
+
+static int refine_all(moving_fit *m)
+{
+    double absolute = 0;
+    const int status = refine(m, 0, m->c->refine_steps * (uint32_t)m->count, &absolute);
+    if (!status && m->c->refine_steps)
+        note("all moments: mean difference %.4f", absolute);
+    return status;
 }
 
 static int fit_next(moving_fit *m, size_t i)
 {
-    fxs_photos photos;
+    const fxs_photos *photos;
     fxs_message why;
     fxs_fit_followed followed;
-    const int unread = fxs_moments_read(m->moments, i, &photos, &why);
-    progress_end();
-    if (unread)
+    double unwanted = 0;
+    if (take_photos(m, i, &photos, &why) ||
+        fxs_fit_follow(m->fit, photos->fit, m->c->moment_steps, &followed, &why))
         return fail_for(&why);
-    const int status = fxs_fit_follow(m->fit, photos.fit, m->c->moment_steps, &followed, &why) ? fail_for(&why) : 0;
-    fxs_photos_free(&photos);
-    if (status)
-        return status;
     m->results[i].tried = followed.tried;
     m->results[i].moved = followed.moved;
     note("moment %zu of %zu: mean difference %.4f, %zu Gaussians moved of %zu tried, %zu are new", i + 1, m->count,
          followed.absolute, followed.moved, followed.tried, followed.added);
-    return add_frame(m);
+    return refine(m, i < RECENT ? 0 : i + 1 - RECENT, m->c->refine_steps / RECENT_SHARE, &unwanted);
 }
 
 static int fit_all(moving_fit *m)
 {
-    fxs_photos photos;
+    const fxs_photos *photos;
     fxs_message why;
-    const int unread = fxs_moments_read(m->moments, 0, &photos, &why);
-    progress_end();
-    if (unread)
+    if (take_photos(m, 0, &photos, &why))
         return fail_for(&why);
-    m->fitted = photos.fit_count;
-    m->held_out = photos.held_out_count;
+    m->fitted = photos->fit_count;
+    m->held_out = photos->held_out_count;
     note("%s: %zu moments", m->c->in, m->count);
-    fit_say_photos(m->c, &photos, photos.point_count);
-    int status = fit_first(m, &photos);
-    fxs_photos_free(&photos);
+    fit_say_photos(m->c, photos, photos->point_count);
+    int status = fit_first(m, photos);
     for (size_t i = 1; i < m->count && !status; i++)
         status = fit_next(m, i);
+    status = status ? status : refine_all(m);
+    for (size_t i = 0; i < m->count && !status; i++) {
+        fxs_fit_set_moment(m->fit, i);
+        status = add_frame(m);
+    }
     return status;
 }
 
@@ -249,16 +308,14 @@ static int pack(moving_fit *m, fxs_message *why)
 static int write_scene(moving_fit *m)
 {
     fxs_message why;
-    fxs_photos photos;
+    const fxs_photos *photos;
     int error = pack(m, &why);
     if (!error)
-        error = fxs_moments_read(m->moments, 0, &photos, &why);
-    progress_end();
+        error = take_photos(m, 0, &photos, &why);
     if (error)
         return fail_for(&why);
     /* A failure is no fault: only the up direction is of use, and fxs_start_choose finds a missing one. */
-    (void)fxs_fit_start_view(photos.fit, photos.fit_count, m->packed.data, &why);
-    fxs_photos_free(&photos);
+    (void)fxs_fit_start_view(photos->fit, photos->fit_count, m->packed.data, &why);
     error = fxs_start_choose(m->packed.data, m->packed.bytes, &why);
     error = error ? error : fxs_file_write(m->c->out, m->packed.data, m->packed.bytes, &why);
     return error ? fail_for(&why) : 0;
@@ -269,24 +326,21 @@ static int write_scene(moving_fit *m)
 static int measure_moment(moving_fit *m, world *scene, size_t i)
 {
     char folder[4096];
-    fxs_photos photos;
+    const fxs_photos *photos;
     fxs_message why;
     frame_options frame = m->c->frame;
-    const int unread = fxs_moments_read(m->moments, i, &photos, &why);
-    progress_end();
-    if (unread)
+    if (take_photos(m, i, &photos, &why))
         return fail_for(&why);
     frame.render.time_q32 = (int64_t)llrint(ldexp((double)i / m->rate, 32));
     int status = 0;
     if (m->c->compare) {
         snprintf(folder, sizeof folder, "%s/%04zu", m->c->compare, i);
         status = make_folder(folder);
-        result_tell_pictures(&photos, folder);
+        result_tell_pictures(photos, folder);
         status = status ? status : files_check();
     }
     if (!status)
-        status = result_measure(&m->results[i].quality, scene, &photos, &frame, m->c->compare ? folder : 0);
-    fxs_photos_free(&photos);
+        status = result_measure(&m->results[i].quality, scene, photos, &frame, m->c->compare ? folder : 0);
     return status;
 }
 
@@ -363,6 +417,10 @@ int fit_moving(fit_command *c)
     for (size_t i = 0; i < m.count && m.results; i++)
         quality_free(&m.results[i].quality);
     free(m.results);
+    for (size_t i = 0; i < m.count && m.photos; i++)
+        fxs_photos_free(&m.photos[i]);
+    free(m.photos);
+    fxs_photos_free(&m.passing);
     fxs_packed_scene_free(&m.packed);
     fxs_sequence_free(m.sequence);
     fxs_fit_destroy(m.fit);

@@ -249,7 +249,7 @@ static int check_cameras(const fxs_view_list *views, size_t *cameras, fxs_messag
         if (count_from(views, i) != count)
             return fxs_fail(message, "%s: %zu photographs at the time %g, but %zu at %g: each camera takes one at each "
                             "moment", views->path, count, v[0].time, count_from(views, i), v[i].time);
-    for (size_t i = count; i < views->count; i++)
+    for (size_t i = count; i < views->count && count > 1; i++)
         if (stand_apart(&v[i % count].view, &v[i].view))
             return fxs_fail(message, "%s: %s was taken by another camera than %s: the cameras of a moving scene stand "
                             "still, and their photographs have names in the same order at each moment", views->path,
@@ -300,9 +300,9 @@ static int arrange(fxs_moments *m, int has_tests, const fxs_moments_options *o, 
     FXS_TRY(check_cameras(fit, &all, message));
     m->cameras = has_tests || !n ? all : all - (all + n - 1) / n;
     if (m->cameras < 2)
-        return fxs_fail(message, "%s: %zu photograph%s to fit at each moment: a moving scene needs several cameras, "
-                        "which see each moment from different places", m->list.cameras, m->cameras,
-                        m->cameras == 1 ? "" : "s");
+        return fxs_fail(message, "%s: %zu photograph%s to fit at each moment, but the first moment is fitted as a still "
+                        "scene: this needs several cameras, which see each moment from different places",
+                        m->list.cameras, m->cameras, m->cameras == 1 ? "" : "s");
     if (fit->count == all)
         return fxs_fail(message, "%s: all photographs are of one moment, so nothing moves", m->list.cameras);
     if (!has_tests && n)
