@@ -1,7 +1,7 @@
 /* Fits a moving scene moment by moment. After the fit of the first moment, the Gaussians of a fit follow the
  * photographs of the next moments: their number and order stay. Gaussians that the new photographs do not ask to move
- * keep all bits. The others change position and rotation, and a little their scale, opacity and colour. At the end all
- * moments are refined together, with smooth motions. Functions return 0, or an error and a message. */
+ * keep all bits. The others change position and rotation, and a little their scale, opacity and colour. Moments so far
+ * can be refined together, with smooth motions. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_MOVING_H
 #define FXS_FIT_MOVING_H
 

@@ -1,8 +1,9 @@
 /* Turns frames into moving Gaussians, in groups of frames.
  *
  * In an ordered group, Gaussian number g is the same thing in all frames. Its track is a polynomial of degree 3 for the
- * position and a line for the quaternion. If the errors of a track are too large, its window of frames is halved, down
- * to single frames. A Gaussian that does not change is one track for as long as it stays.
+ * position and a line for the quaternion. If the errors of a track are too large, its window of frames is divided after
+ * the largest power of two below its length, down to single frames. A Gaussian that does not change is one track for as
+ * long as it stays.
  *
  * In an unordered group, a Gaussian belongs to its frame. A Gaussian with equal numbers in the next frame continues the
  * track.
@@ -334,7 +335,10 @@ static int cover(fxs_sequence *s, const float *const *rows, uint32_t first, uint
         }
         return add_fitted(s, &fit, s->first + first, s->first + end, count);
     }
-    const uint32_t middle = first + (end - first + 1) / 2;
+    uint32_t half = 1;
+    while (2 * half < end - first)
+        half *= 2;
+    const uint32_t middle = first + half;
     const int error = cover(s, rows, first, middle, known);
     return error ? error : cover(s, rows, middle, end, known);
 }

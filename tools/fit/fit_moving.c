@@ -1,5 +1,5 @@
-/* Runs `fixsplat fit --moving`: fits the first moment as a still scene, then each next moment from the last one. Refines
-   all moments together, and packs them as one scene that moves. */
+/* Runs `fixsplat fit --moving`: fits the first moment as a still scene, then each next moment from the last one. At the
+   end all moments are refined together, and packed as one scene that moves. */
 #include "cmd_fit.h"
 
 #include <inttypes.h>

@@ -300,8 +300,8 @@ static int arrange(fxs_moments *m, int has_tests, const fxs_moments_options *o, 
     FXS_TRY(check_cameras(fit, &all, message));
     m->cameras = has_tests || !n ? all : all - (all + n - 1) / n;
     if (m->cameras < 2)
-        return fxs_fail(message, "%s: %zu photograph%s to fit at each moment, but the first moment is fitted as a still "
-                        "scene: this needs several cameras, which see each moment from different places",
+        return fxs_fail(message, "%s: %zu photograph%s to fit at each moment, but the first moment is fitted as a "
+                        "still scene: this needs several cameras, which see each moment from different places",
                         m->list.cameras, m->cameras, m->cameras == 1 ? "" : "s");
     if (fit->count == all)
         return fxs_fail(message, "%s: all photographs are of one moment, so nothing moves", m->list.cameras);
