@@ -728,7 +728,7 @@ static void put_beside(const fxs_fit_model *model, size_t i, size_t other, float
              unit(product(back, unit(turn_at(plane(model, FXS_FIT_ROTATION), model->stride, i)))));
 }
 
-/* Begins the track of a new Gaussian that moved like another one so far. */
+/* Begins the track of a new Gaussian, which moved like another one before. */
 static int adopt_track(fxs_fit *f, size_t i, size_t other)
 {
     fxs_fit_tracks *t = &f->moving->tracks;

@@ -1,7 +1,7 @@
 /* Fits a moving scene moment by moment. After the fit of the first moment, the Gaussians of a fit follow the
  * photographs of the next moments: their number and order stay. Gaussians that the new photographs do not ask to move
- * keep all bits. The others change position and rotation, and a little their scale, opacity and colour. Moments so far
- * can be refined together, with smooth motions. Functions return 0, or an error and a message. */
+ * keep all bits. The others change position and rotation, and a little their scale, opacity and colour. The fitted
+ * moments can be refined together, with smooth motions. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_MOVING_H
 #define FXS_FIT_MOVING_H
 
@@ -35,13 +35,13 @@ int fxs_fit_follow(fxs_fit *fit, const fxs_fit_photo *photos, uint32_t steps, fx
 /* Sets *photos to the photographs of a moment, which stay until the next call. Returns 0, or an error and a message. */
 typedef int fxs_fit_moment_fn(void *argument, size_t moment, const fxs_fit_photo **photos, fxs_message *message);
 
-/* Refines the scene over the moments from number `first` on to the last so far, in `steps` steps: the motion of the
-   Gaussians that moved, and what all moments share. Adds the mean of |picture - photograph|, over all steps, to
-   *absolute. Errors: as fxs_fit_step, and those of `read`. */
+/* Refines the scene over the fitted moments from number `first` on, in `steps` steps: the motion of the Gaussians that
+   moved, and the numbers that all moments share. Adds the mean of |picture - photograph|, over all steps, to *absolute.
+   Errors: as fxs_fit_step and `read`. */
 int fxs_fit_refine_moving(fxs_fit *fit, size_t first, uint32_t steps, fxs_fit_moment_fn *read, void *argument,
                           double *absolute, fxs_message *message);
 
-/* Gives the Gaussians their poses in a moment so far. Afterwards the fit cannot follow further moments. */
+/* Gives the Gaussians their poses in a fitted moment. Afterwards the fit cannot follow further moments. */
 void fxs_fit_set_moment(fxs_fit *fit, size_t number);
 
 #ifdef __cplusplus

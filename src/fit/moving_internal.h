@@ -8,7 +8,7 @@ enum {
     STAYS, ASKED, ADDED            /* whether a Gaussian is tried: from the first step of a moment on, or later */
 };
 
-/* The poses of the Gaussians that move, in each moment so far. Memory grows with their number only. */
+/* The poses of the Gaussians that move, in each fitted moment. Gaussians that stay take no memory for poses. */
 enum { FXS_FIT_MOVED = 7 };        /* numbers of a pose: position, quaternion */
 #define FXS_FIT_STILL UINT32_MAX
 
@@ -45,7 +45,7 @@ int fxs_fit_fill_holes(fxs_fit *fit);
 int fxs_fit_tracks_begin(fxs_fit_tracks *tracks, size_t gaussians);
 void fxs_fit_tracks_free(fxs_fit_tracks *tracks);
 
-/* Begins the track of a Gaussian: in all moments so far it had its pose in the model. */
+/* Begins the track of a Gaussian, with its pose in the model for all fitted moments. */
 int fxs_fit_tracks_add(fxs_fit_tracks *tracks, const fxs_fit_model *model, size_t gaussian);
 
 /* Adds the model's poses as the next moment. */

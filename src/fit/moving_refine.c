@@ -125,8 +125,8 @@ typedef struct curves {
     uint32_t *visits;                  /* number of steps that changed each control */
 } curves;
 
-/* Sets the weights of controls in the poses of a moment, of which those above 0 come first. Returns the number of the
-   first control. */
+/* Sets the weights of controls in the poses of a moment. Weights of 0 come last. Returns the number of the first
+   control. */
 static size_t weights_of(const curves *c, size_t moment, float weights[WIDTH])
 {
     const float u = (float)(moment % KNOT) / KNOT, v = 1 - u;
@@ -211,8 +211,8 @@ static void add_equations(const curves *c, size_t moments, double *a)
         add_product(a, n, i, third_differences, 4, SMOOTH);
 }
 
-/* Fits the curves to the poses of all moments by least squares. inverse: of the normal equations' matrix. sums: room
-   for a double for each control. */
+/* Fits the curves to the poses of all moments by least squares. `inverse` is the inverse matrix of the normal
+   equations, `sums` has room for a double for each control. */
 static void solve(const curves *c, const fxs_fit_tracks *t, const double *inverse, double *sums)
 {
     const size_t n = c->controls;
@@ -266,7 +266,7 @@ static void curves_pose(const curves *c, const fxs_fit_tracks *t, const fxs_fit_
     }
 }
 
-/* Makes a step of Adam by the gradients at the poses of a moment, of which a tenth is in the model's first moments. */
+/* Makes a step of Adam by the gradients at the poses of a moment. The model's first moments hold a tenth of them. */
 static void curves_step(curves *c, const fxs_fit *f, const fxs_fit_step_options *options, float rate, size_t moment,
                         const fxs_fit_photograph *batch)
 {
