@@ -176,7 +176,7 @@ start_node import import
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
 for size in core.wasm:61900 simd.wasm:96100 threads.wasm:96400 import.wasm:101600 import_threads.wasm:101700 \
-    import_sog.wasm:101550 import_core.wasm:128150 fixsplat.js:40000; do
+    import_sog.wasm:101600 import_core.wasm:128150 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
