@@ -10,7 +10,7 @@ KERNELS_wasm := kernels/simd/wasm/*.c
 # library.
 SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.c src/scene/write/*.c \
                    src/scene/edit/*.c src/open/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c src/fit/photos/*.c \
-                   src/fit/stages/*.c src/fit/refine/*.c
+                   src/fit/stages/*.c src/fit/refine/*.c src/surface/*.c
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
 SOURCES_PORT := port/backend/*.c port/board/*.c port/xr/*.c

@@ -11,7 +11,7 @@
 
 static const command *const commands[] = {
     &command_render, &command_view, &command_info, &command_convert, &command_fit, &command_compare,
-    &command_publish, &command_make_scene, &command_bench, &command_demo, &command_doctor,
+    &command_mesh, &command_publish, &command_make_scene, &command_bench, &command_demo, &command_doctor,
     &command_associate, 0
 };
 

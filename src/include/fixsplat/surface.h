@@ -1,0 +1,132 @@
+/* Surfaces: turns rendered depths of a scene into a triangle mesh. All functions are experimental.
+ *
+ * A volume is a box of voxels. A program renders views of the scene (median depth and colour), marks the bricks of 8x8x8
+ * voxels near the surface (fxs_volume_mark), reserves them (fxs_volume_reserve), adds the same views to their voxels
+ * (fxs_volume_add), and takes the mesh (fxs_volume_mesh). Voxels hold integer sums, so the order of the views, the
+ * threads and the back end do not change a bit of the mesh. The method is that of Curless and Levoy (1996), a truncated
+ * signed distance; the mesh comes from marching cubes (Lorensen and Cline 1987).
+ *
+ * Functions return 0, or an FXS_ERR_* and a message. One thread at a time may use a volume or a mesh. */
+#ifndef FXS_SURFACE_H
+#define FXS_SURFACE_H
+
+#include "camera.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Views --------------------------------------------------------------------------------------------------------- */
+
+/* Makes `count` views from all around the box low..high, 1 or more, evenly spread over the directions. Each shows the
+   whole box in a square picture of `size` pixels. The near plane touches the box, so Gaussians in front of it are not
+   drawn. Errors: FXS_ERR_ARGUMENT for an empty box or a number out of range. */
+FXS_EXPERIMENTAL int fxs_views_around(fxs_view *views, uint32_t count, const double low[3], const double high[3],
+                                      int size, fxs_message *message);
+
+/* Makes FXS_VIEWS_WITHIN views from within the box: from 15 places the six directions of the axes, in square pictures
+   of `size` pixels with a field of view of 90 degrees. Errors: as fxs_views_around. */
+#define FXS_VIEWS_WITHIN 90u
+FXS_EXPERIMENTAL int fxs_views_within(fxs_view *views, const double low[3], const double high[3], int size,
+                                      fxs_message *message);
+
+/* ---- Volume -------------------------------------------------------------------------------------------------------- */
+
+#define FXS_VOLUME_RESOLUTION 2048u      /* largest resolution of a volume */
+#define FXS_VOLUME_VIEWS 16383u          /* most views of a volume */
+
+/* A field of 0 stands for its default. */
+typedef struct fxs_volume_options {
+    uint32_t size;
+    uint32_t resolution;           /* voxels along the longest side of the box, 16 to FXS_VOLUME_RESOLUTION; 0: 512 */
+    double low[3], high[3];        /* corners of the box, scene units */
+    double truncation;             /* distance in voxels that counts fully, 1 to 64; 0: 4 */
+    uint32_t least_views;          /* a voxel that fewer views saw is unknown; 0: 1 */
+    int closed;                    /* 1: unknown voxels count as inside, so the mesh has no holes */
+    int is_cave;                   /* 1: the scene is seen from within, and all around the box counts as inside */
+    uint64_t max_memory;           /* limit of all memory of the volume and its mesh, bytes; 0: no limit */
+    fxs_workers workers;
+} fxs_volume_options;
+FXS_INIT(fxs_volume_options)
+
+/* A rendered view. The pictures have the size of the view, without gaps between rows. */
+typedef struct fxs_depth_picture {
+    const fxs_view *view;          /* perspective or orthographic */
+    const uint32_t *depths;        /* median depths, as of fxs_targets */
+    const uint8_t *colours;        /* FXS_FORMAT_RGBA8_COVERAGE */
+    int depth_bits;                /* fraction bits of the depths */
+} fxs_depth_picture;
+
+typedef struct fxs_volume fxs_volume;
+
+/* Makes an empty volume. fxs_volume_free frees *volume, which is null after an error: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY
+   (also if the limit is too low for any mesh of this resolution). */
+FXS_EXPERIMENTAL int fxs_volume_make(fxs_volume **volume, const fxs_volume_options *options, fxs_message *message);
+
+/* Marks the bricks near the surface of a view. A picture of half the size that fxs_volume_add gets is enough. */
+FXS_EXPERIMENTAL int fxs_volume_mark(fxs_volume *volume, const fxs_depth_picture *picture, fxs_message *message);
+
+/* What a volume takes. */
+typedef struct fxs_volume_size {
+    uint32_t bricks;               /* number of marked bricks of 8x8x8 voxels */
+    uint64_t bytes;                /* bytes of the volume and, by estimate, of its mesh */
+    double voxel;                  /* side of a voxel, scene units */
+    uint64_t reserved[4];
+} fxs_volume_size;
+
+/* Reserves the voxels of the marked bricks. Errors: FXS_ERR_MEMORY, with message->bytes_needed, if they exceed
+   max_memory; *size is valid then too. `size` may be null. */
+FXS_EXPERIMENTAL int fxs_volume_reserve(fxs_volume *volume, fxs_volume_size *size, fxs_message *message);
+
+/* Adds a view to the reserved voxels. Errors: FXS_ERR_ARGUMENT for more than FXS_VOLUME_VIEWS views. */
+FXS_EXPERIMENTAL int fxs_volume_add(fxs_volume *volume, const fxs_depth_picture *picture, fxs_message *message);
+
+FXS_EXPERIMENTAL void fxs_volume_free(fxs_volume *volume);
+
+/* ---- Mesh ---------------------------------------------------------------------------------------------------------- */
+
+/* A mesh. Vertices are shared by their triangles, whose corners are counterclockwise seen from outside. The position of
+   a vertex is origin + step * place, in scene units. */
+typedef struct fxs_mesh {
+    uint32_t vertex_count, triangle_count;
+    int32_t *places;               /* three numbers per vertex: voxels, Q16 */
+    uint8_t *colours;              /* red, green, blue per vertex, then 255; 0 if no view shows the vertex */
+    uint32_t *triangles;           /* three numbers of vertices per triangle */
+    double origin[3], step;
+    uint64_t max_memory;           /* as of the volume */
+    uint64_t reserved[4];
+} fxs_mesh;
+
+/* Takes the mesh of a volume. The bricks are freed; the volume can only be freed afterwards. fxs_mesh_free frees *mesh,
+   which is null after an error: FXS_ERR_MEMORY. */
+FXS_EXPERIMENTAL int fxs_volume_mesh(fxs_volume *volume, fxs_mesh **mesh, fxs_message *message);
+
+/* Drops connected parts with fewer than `least` triangles. *parts, which may be null, gets the number of parts that are
+   left. */
+FXS_EXPERIMENTAL int fxs_mesh_drop_parts(fxs_mesh *mesh, uint32_t least, uint32_t *parts, fxs_message *message);
+
+/* Reduces the mesh to at most `triangles` triangles where its shape allows it, by quadric error metrics (Garland and
+   Heckbert 1997). Edges are collapsed one after the other, on the calling thread. */
+FXS_EXPERIMENTAL int fxs_mesh_decimate(fxs_mesh *mesh, uint32_t triangles, fxs_message *message);
+
+/* Options for writing a mesh. */
+typedef struct fxs_mesh_write_options {
+    uint32_t size;
+    double scale;                  /* metres per scene unit; 0: 1 */
+    double up[3];                  /* up direction of the scene, which becomes y in a .glb; all 0: 0, -1, 0 */
+} fxs_mesh_write_options;
+FXS_INIT(fxs_mesh_write_options)
+
+/* Writes a mesh with normals and colours. The ending of the name is the format: .glb (binary glTF 2.0, y up, in metres),
+   .ply (binary) or .obj (colours behind the positions); the last two keep the scene's axes. The file is written under a
+   temporary name and renamed. */
+FXS_EXPERIMENTAL int fxs_mesh_write(const char *path, const fxs_mesh *mesh, const fxs_mesh_write_options *options,
+                                    fxs_message *message);
+
+FXS_EXPERIMENTAL void fxs_mesh_free(fxs_mesh *mesh);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

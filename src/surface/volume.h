@@ -1,0 +1,45 @@
+/* The voxels of a volume. Bricks of 8x8x8 voxels lie in a grid that covers the box and one brick more on each side. */
+#ifndef FXS_VOLUME_H
+#define FXS_VOLUME_H
+
+#include <fixsplat/surface.h>
+
+enum { FXS_BRICK = 8, FXS_BRICK_VOXELS = 512 };
+
+#define FXS_NO_BRICK UINT32_MAX
+
+/* Sums of a brick's voxels. count <= FXS_VOLUME_VIEWS, so |sum| < 2^29. */
+typedef struct fxs_brick {
+    int32_t sum_q15[FXS_BRICK_VOXELS];        /* of clamp(signed distance / truncation, -1, 1); above 0: outside */
+    uint16_t count[FXS_BRICK_VOXELS];
+    uint16_t coloured[FXS_BRICK_VOXELS];      /* views in the colour sums */
+    uint32_t colour[FXS_BRICK_VOXELS][3];
+} fxs_brick;
+
+struct fxs_volume {
+    fxs_volume_options options;
+    double origin[3], step;         /* a voxel (x, y, z) of the grid lies at origin + step * (x, y, z) */
+    uint32_t size[3], cells;        /* size of the grid in bricks, and its product */
+    uint32_t *grid;                 /* number of the brick in a cell, or FXS_NO_BRICK */
+    uint8_t *open;                  /* 1: a view sees through the middle of a cell without a brick */
+    uint32_t *places;               /* the cell of each brick, ascending */
+    fxs_brick *bricks;
+    uint32_t brick_count, views;
+};
+
+/* Runs jobs on the volume's workers. */
+void fxs_volume_run(const fxs_volume *volume, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
+
+/* Fails if `bytes` exceed the limit. */
+int fxs_surface_check(uint64_t bytes, uint64_t limit, fxs_message *message);
+
+/* Returns the bytes of memory that decimation of a mesh takes. */
+uint64_t fxs_mesh_decimate_bytes(uint32_t vertices, uint32_t triangles);
+
+/* Removes vertices without a triangle. Returns 0, or FXS_ERR_MEMORY and a message. */
+int fxs_mesh_compact(fxs_mesh *mesh, fxs_message *message);
+
+/* Gives vertices without a colour the mean of their neighbours' colours, from the coloured ones outwards. */
+int fxs_mesh_spread_colours(fxs_mesh *mesh, fxs_message *message);
+
+#endif
