@@ -214,7 +214,7 @@ static void count_site(void *argument, uint32_t number)
         s->before[i] = (uint16_t)s->vertices;
         s->vertices += ones(s->bits[i]);
     }
-    for (uint32_t voxel = 0; voxel < FXS_BRICK_VOXELS && s->vertices; voxel++)
+    for (uint32_t voxel = 0; voxel < FXS_BRICK_VOXELS; voxel++)
         s->triangles += m->table.count[case_at(block, voxel)] / 3u;
 }
 

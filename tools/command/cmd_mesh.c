@@ -135,6 +135,8 @@ typedef struct mesh_task {
     int is_inside;
     double low[3], high[3];
     int is_covered, has_depth;      /* 1: a view has covered pixels; pixels with a depth */
+    fxs_workers workers;
+    fxs_shapes *shapes;
     fxs_volume *volume;
     fxs_mesh *mesh;
     fxs_pool *pool;
@@ -249,6 +251,7 @@ static int draw_all(mesh_task *t, int divisor, const char *doing,
                         view.height / divisor > 2 ? view.height / divisor : 2);
         if (renderer_render(&t->renderer, &t->world, &view, &t->o->frame.render, &t->picture, 0))
             return EXIT_FAILED;
+        fxs_shapes_refine(t->shapes, &view, t->picture.ids, t->picture.depths, t->picture.depth_bits, &t->workers);
         const fxs_depth_picture depths = {&view, t->picture.depths, t->picture.pixels, t->picture.depth_bits};
         if (divisor > 1)
             look_at_pixels(t);
@@ -284,10 +287,11 @@ static int make_volume(mesh_task *t)
     options.closed = o->watertight;
     options.is_cave = t->is_inside;
     options.max_memory = o->memory;
-    options.workers = (fxs_workers){fxs_pool_run, t->pool, o->frame.threads};
+    options.workers = t->workers;
     memcpy(options.low, t->low, sizeof t->low);
     memcpy(options.high, t->high, sizeof t->high);
-    return fxs_volume_make(&t->volume, &options, &why) ? fail_for(&why) : 0;
+    return fxs_volume_make(&t->volume, &options, &why) || fxs_shapes_make(&t->shapes, t->world.objects, t->world.count, &why)
+               ? fail_for(&why) : 0;
 }
 
 /* Reserves the voxels, and says how many there are before the depths are added. */
@@ -354,7 +358,7 @@ static int make_mesh(mesh_task *t)
         return status;
     settle_backend(&t->o->frame, 2.0 * t->view_count);
     status = renderer_open(&t->renderer, &t->o->frame);
-    t->renderer.draws = DRAW_MEDIAN_DEPTH;
+    t->renderer.draws = DRAW_MEDIAN_DEPTH | DRAW_IDS;
     t->renderer.format = FXS_FORMAT_RGBA8_COVERAGE;
     if (status || make_volume(t) || draw_all(t, 2, "looking", fxs_volume_mark) || reserve(t) ||
         draw_all(t, 1, "adding", fxs_volume_add))
@@ -374,11 +378,13 @@ static int run(int argc, char **argv)
     if (status)
         return status;
     t.pool = fxs_pool_create(o.frame.threads);
+    t.workers = (fxs_workers){fxs_pool_run, t.pool, o.frame.threads};
     status = t.pool ? make_mesh(&t) : fail(EXIT_FAILED, "out of memory: threads");
     renderer_forget(&t.renderer, &t.world);
     renderer_close(&t.renderer);
     picture_free(&t.picture);
     free(t.views);
+    fxs_shapes_free(t.shapes);
     fxs_volume_free(t.volume);
     fxs_mesh_free(t.mesh);
     fxs_pool_destroy(t.pool);

@@ -30,6 +30,22 @@ FXS_EXPERIMENTAL int fxs_views_around(fxs_view *views, uint32_t count, const dou
 FXS_EXPERIMENTAL int fxs_views_within(fxs_view *views, const double low[3], const double high[3], int size,
                                       fxs_message *message);
 
+/* ---- Depths -------------------------------------------------------------------------------------------------------- */
+
+/* The shapes of the Gaussians of objects, 40 bytes each. Objects that move have none. `objects` must stay valid.
+   fxs_shapes_free frees *shapes, which is null after an error: FXS_ERR_MEMORY, FXS_ERR_SCENE. */
+typedef struct fxs_shapes fxs_shapes;
+FXS_EXPERIMENTAL int fxs_shapes_make(fxs_shapes **shapes, const fxs_object *objects, uint32_t count,
+                                     fxs_message *message);
+
+/* Refines the median depths of a view by its ids: a depth of the renderer is that of a Gaussian's centre, and becomes the
+   depth at which the pixel's ray passes the Gaussian. The pictures have the size of the view, without gaps between
+   rows. */
+FXS_EXPERIMENTAL void fxs_shapes_refine(const fxs_shapes *shapes, const fxs_view *view, const fxs_id *ids,
+                                        uint32_t *depths, int depth_bits, const fxs_workers *workers);
+
+FXS_EXPERIMENTAL void fxs_shapes_free(fxs_shapes *shapes);
+
 /* ---- Volume -------------------------------------------------------------------------------------------------------- */
 
 #define FXS_VOLUME_RESOLUTION 2048u      /* largest resolution of a volume */
