@@ -13,6 +13,7 @@
 #define NONE UINT32_MAX
 #define BORDER_WEIGHT 4.0        /* of planes through open borders, relative to the square of the border's length */
 #define LENGTH_WEIGHT 1e-4       /* cost of an edge's squared length, which decides where the surface is flat */
+#define PULL 1e-4
 #define LEAST_COSINE 0.2         /* least cosine between a triangle's normals before and after a collapse */
 
 enum { QUADRIC = 10, MOST_AROUND = 48 };
@@ -75,18 +76,20 @@ static double error_at(const double q[QUADRIC], const double p[3])
     return error > 0 ? error : 0;
 }
 
-/* Finds the point with the least error. Returns 0 if the planes do not fix it. */
-static int solve(const double q[QUADRIC], double p[3])
+/* Moves a point to where its error and the pull of its old place, PULL times the trace, are least: in directions that the
+   planes do not fix, it stays. */
+static void settle_point(const double q[QUADRIC], double p[3])
 {
-    const double xx = q[4] * q[7] - q[5] * q[5], xy = q[2] * q[5] - q[1] * q[7], xz = q[1] * q[5] - q[2] * q[4];
-    const double yy = q[0] * q[7] - q[2] * q[2], yz = q[1] * q[2] - q[0] * q[5], zz = q[0] * q[4] - q[1] * q[1];
-    const double determinant = q[0] * xx + q[1] * xy + q[2] * xz, trace = q[0] + q[4] + q[7];
-    if (!(determinant > 1e-4 * trace * trace * trace))
-        return 0;
-    p[0] = -(xx * q[3] + xy * q[6] + xz * q[8]) / determinant;
-    p[1] = -(xy * q[3] + yy * q[6] + yz * q[8]) / determinant;
-    p[2] = -(xz * q[3] + yz * q[6] + zz * q[8]) / determinant;
-    return 1;
+    const double pull = PULL * (q[0] + q[4] + q[7]), a = q[0] + pull, d = q[4] + pull, f = q[7] + pull;
+    const double xx = d * f - q[5] * q[5], xy = q[2] * q[5] - q[1] * f, xz = q[1] * q[5] - q[2] * d;
+    const double yy = a * f - q[2] * q[2], yz = q[1] * q[2] - a * q[5], zz = a * d - q[1] * q[1];
+    const double determinant = a * xx + q[1] * xy + q[2] * xz;
+    const double x = pull * p[0] - q[3], y = pull * p[1] - q[6], z = pull * p[2] - q[8];
+    if (!(determinant > 0))
+        return;
+    p[0] = (xx * x + xy * y + xz * z) / determinant;
+    p[1] = (xy * x + yy * y + yz * z) / determinant;
+    p[2] = (xz * x + yz * y + zz * z) / determinant;
 }
 
 /* ---- Triangles -------------------------------------------------------------------------------------------------------- */
@@ -163,25 +166,14 @@ static void add_triangle(collapsing *c, uint32_t triangle)
 static double cost_of(const collapsing *c, uint32_t u, uint32_t v, double place[3])
 {
     const vertex *a = &c->vertices[u < v ? u : v], *b = &c->vertices[u < v ? v : u];
-    double q[QUADRIC], length = 0, middle[3];
+    double q[QUADRIC], length = 0;
     for (int i = 0; i < QUADRIC; i++)
         q[i] = a->q[i] + b->q[i];
     for (int i = 0; i < 3; i++) {
         length += (a->at[i] - b->at[i]) * (a->at[i] - b->at[i]);
-        middle[i] = (a->at[i] + b->at[i]) / 2;
+        place[i] = (a->at[i] + b->at[i]) / 2;
     }
-    double away = 0;
-    if (solve(q, place))
-        for (int i = 0; i < 3; i++)
-            away += (place[i] - middle[i]) * (place[i] - middle[i]);
-    else
-        away = INFINITY;
-    if (!(away <= 4 * length)) {
-        const double *choices[3] = {middle, a->at, b->at}, *best = middle;
-        for (int i = 1; i < 3; i++)
-            best = error_at(q, choices[i]) < error_at(q, best) ? choices[i] : best;
-        memcpy(place, best, sizeof middle);
-    }
+    settle_point(q, place);
     return error_at(q, place) + LENGTH_WEIGHT * length;
 }
 
