@@ -507,7 +507,6 @@ static void test_decimate(void)
     CHECK(m->vertex_count == m->triangle_count / 2 + 2);
     CHECK(open_edges(m) == 0);
     CHECK(fabs(volume_of(m) / before - 1) < 0.01);
-    printf("DBG %g\n",volume_of(m) / before);
     for (uint32_t i = 0; i < m->vertex_count; i++) {
         place_of(m, i, at);
         worst = fmax(worst, distance_from(&sphere, at));
@@ -563,7 +562,6 @@ static void test_random(void)
         o.least_views = run / 2 ? 5 : 1;
         fxs_mesh *mesh = mesh_of(views, COUNT, &o, 0);
         CHECK(mesh && mesh->triangle_count > 1000 && open_edges(mesh) == 0);
-        printf("DBG %d %u %zu\n", run, mesh->triangle_count, open_edges(mesh));
         CHECK(!fxs_mesh_decimate(mesh, 5000, &m) && open_edges(mesh) == 0);
         fxs_mesh_free(mesh);
         free_drawn(views, COUNT);
@@ -629,7 +627,7 @@ static void test_memory(void)
 int main(void)
 {
     static const surface sphere = {.sphere = 1};
-    if(getenv("ALL"))test_surfaces();
+    test_surfaces();
     ball_count = draw_all(&sphere, ball, cube, 160);
     RUN(test_order);
     RUN(test_colours);

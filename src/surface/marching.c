@@ -91,19 +91,42 @@ typedef struct marching {
     fxs_mesh *mesh;
 } marching;
 
-static int is_border(const fxs_volume *v, uint32_t cell)
+static void first_of_cell(const fxs_volume *v, uint32_t cell, uint32_t first[3])
 {
-    const uint32_t x = cell % v->size[0], y = cell / v->size[0] % v->size[1], z = cell / v->size[0] / v->size[1];
-    return !x || !y || !z || x == v->size[0] - 1 || y == v->size[1] - 1 || z == v->size[2] - 1;
+    first[0] = FXS_BRICK * (cell % v->size[0]);
+    first[1] = FXS_BRICK * (cell / v->size[0] % v->size[1]);
+    first[2] = FXS_BRICK * (cell / v->size[0] / v->size[1]);
 }
 
-/* The value of all voxels of a cell without a brick. */
+enum overlap { BEYOND, ACROSS, WITHIN };
+
+/* Returns how a cell lies to the box. */
+static enum overlap overlap_of(const fxs_volume *v, uint32_t cell)
+{
+    uint32_t first[3];
+    int low = 1, high = 1;
+    first_of_cell(v, cell, first);
+    for (int i = 0; i < 3; i++) {
+        const uint32_t last = first[i] + FXS_BRICK - 1;
+        if (last < v->first[i] || first[i] > v->last[i])
+            return BEYOND;
+        low &= first[i] >= v->first[i];
+        high &= last <= v->last[i];
+    }
+    return low && high ? WITHIN : ACROSS;
+}
+
+static value value_beyond(const fxs_volume *v)
+{
+    return v->options.closed ? (value){v->options.is_cave ? -1 : 1, 1} : (value){0, 0};
+}
+
+/* The value of the voxels in the box of a cell without a brick. */
 static value value_of_cell(const fxs_volume *v, uint32_t cell)
 {
-    if (!v->options.closed)
-        return (value){0, 0};
-    const int is_inside = is_border(v, cell) ? v->options.is_cave : !v->open[cell];
-    return (value){is_inside ? -1 : 1, 1};
+    if (!v->options.closed || overlap_of(v, cell) == BEYOND)
+        return value_beyond(v);
+    return (value){v->open[cell] ? 1 : -1, 1};
 }
 
 static value value_of_voxel(const fxs_volume *v, const fxs_brick *brick, uint32_t voxel)
@@ -119,18 +142,28 @@ static uint32_t cell_at(const fxs_volume *v, uint32_t cell, uint32_t corner)
     return cell + (corner & 1) + v->size[0] * ((corner >> 1 & 1) + v->size[1] * (corner >> 2));
 }
 
+static int is_in_box(const fxs_volume *v, const uint32_t at[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (at[i] < v->first[i] || at[i] > v->last[i])
+            return 0;
+    return 1;
+}
+
+/* Reads the voxels of a cell and the first ones of the cells behind it. */
 static void gather(const fxs_volume *v, uint32_t cell, value block[BLOCK])
 {
-    for (uint32_t corner = 0; corner < CORNERS; corner++) {
-        const uint32_t at = cell_at(v, cell, corner), number = v->grid[at];
-        const value all = value_of_cell(v, at);
-        const uint32_t x0 = corner & 1, y0 = corner >> 1 & 1, z0 = corner >> 2;
-        for (uint32_t z = 0; z < (z0 ? 1 : FXS_BRICK); z++)
-            for (uint32_t y = 0; y < (y0 ? 1 : FXS_BRICK); y++)
-                for (uint32_t x = 0; x < (x0 ? 1 : FXS_BRICK); x++)
-                    block[((z + FXS_BRICK * z0) * SIDE + y + FXS_BRICK * y0) * SIDE + x + FXS_BRICK * x0] =
-                        number == FXS_NO_BRICK ? all
-                        : value_of_voxel(v, &v->bricks[number], (z * FXS_BRICK + y) * FXS_BRICK + x);
+    uint32_t first[3];
+    first_of_cell(v, cell, first);
+    for (uint32_t i = 0; i < BLOCK; i++) {
+        const uint32_t x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
+        const uint32_t corner = x / FXS_BRICK | y / FXS_BRICK << 1 | z / FXS_BRICK << 2;
+        const uint32_t at = cell_at(v, cell, corner), brick = v->grid[at];
+        const uint32_t voxel = (z % FXS_BRICK * FXS_BRICK + y % FXS_BRICK) * FXS_BRICK + x % FXS_BRICK;
+        if (!is_in_box(v, (uint32_t[]){first[0] + x, first[1] + y, first[2] + z}))
+            block[i] = value_beyond(v);
+        else
+            block[i] = brick == FXS_NO_BRICK ? value_of_cell(v, at) : value_of_voxel(v, &v->bricks[brick], voxel);
     }
 }
 
@@ -162,8 +195,8 @@ static uint32_t ones(uint64_t bits)
     return (uint32_t)(bits * 0x0101010101010101u >> 56);
 }
 
-/* A cell is a site if it has a brick. In a closed mesh, also if a cell that begins there meets a brick, or cells that
-   are inside and outside. */
+/* A cell is a site if it has a brick. In a closed mesh, also if it lies across the side of the box, or if a cell behind it
+   has a brick or another value. */
 static int is_site(const fxs_volume *v, uint32_t cell)
 {
     const uint32_t x = cell % v->size[0], y = cell / v->size[0] % v->size[1], z = cell / v->size[0] / v->size[1];
@@ -171,6 +204,8 @@ static int is_site(const fxs_volume *v, uint32_t cell)
         return 1;
     if (!v->options.closed || x == v->size[0] - 1 || y == v->size[1] - 1 || z == v->size[2] - 1)
         return 0;
+    if (overlap_of(v, cell) == ACROSS)
+        return 1;
     for (uint32_t corner = 1; corner < CORNERS; corner++) {
         const uint32_t at = cell_at(v, cell, corner);
         if (v->grid[at] != FXS_NO_BRICK || value_of_cell(v, at).sum_q15 != value_of_cell(v, cell).sum_q15)
@@ -291,15 +326,15 @@ static void make_vertices(const marching *m, const site *s, const value block[BL
 {
     const fxs_volume *v = m->volume;
     uint32_t number = s->vertices;
-    const uint32_t first[3] = {s->cell % v->size[0], s->cell / v->size[0] % v->size[1],
-                               s->cell / v->size[0] / v->size[1]};
+    uint32_t first[3];
+    first_of_cell(v, s->cell, first);
     for (uint32_t i = 0; i < 3 * FXS_BRICK_VOXELS; i++) {
         const uint32_t axis = i / FXS_BRICK_VOXELS, voxel = i % FXS_BRICK_VOXELS;
         if (!(s->bits[i / 64] >> i % 64 & 1))
             continue;
         const uint32_t at = crossing_q16(&block[block_at(voxel, 0)], &block[block_at(voxel, 1u << axis)]);
         for (uint32_t k = 0; k < 3; k++) {
-            const uint32_t place = (FXS_BRICK * first[k] + (voxel >> 3 * k & 7)) << 16;
+            const uint32_t place = (first[k] + (voxel >> 3 * k & 7)) << 16;
             m->mesh->places[3 * (size_t)number + k] = (int32_t)(place + (k == axis ? at : 0));
         }
         colour_vertex(v, s->cell, axis, voxel, at, m->mesh->colours + 4 * (size_t)number);

@@ -16,8 +16,9 @@
 
 enum { ROWS_OF_JOB = 16 };
 
-#define FLATTEST 0.01            /* least sigma of an axis, as a part of the Gaussian's largest */
-#define EXTENT 3.0               /* reach of a Gaussian, in sigmas */
+#define FLATTEST 0.1             /* least sigma of an axis, as a part of the Gaussian's largest */
+#define SAME 1.0                 /* largest distance of the median from the Gaussian's centre, in its largest sigmas */
+#define EXTENT 3.0               /* largest distance of the refined depth from it */
 
 /* A Gaussian in the world: its centre, the upper triangle of the inverse of its covariance, and its largest sigma. */
 typedef struct shape {
@@ -179,7 +180,7 @@ static double product(const float m[6], const double a[3], const double b[3])
 }
 
 /* Replaces the depth of a pixel by the depth at which its ray is nearest, in sigmas, to the centre of the Gaussian that
-   contributes most: z = d^T M (c - o) / d^T M d. Not if the median lies beyond the Gaussian. */
+   contributes most: z = d^T M (c - o) / d^T M d. Not if the median is of another surface. */
 static void refine_pixel(const refining *r, int x, int y, uint32_t *last)
 {
     const size_t pixel = (size_t)y * (size_t)r->view->width + (size_t)x;
@@ -194,7 +195,7 @@ static void refine_pixel(const refining *r, int x, int y, uint32_t *last)
     }
     const double reach = EXTENT * (double)s->sigma, median = r->depths[pixel] / r->one;
     const double across = product(s->inverse, along, along);
-    if (!(fabs(median - middle) <= reach) || !(across > 0))
+    if (!(fabs(median - middle) <= SAME * (double)s->sigma) || !(across > 0))
         return;
     double depth = product(s->inverse, along, to) / across;
     depth = depth < middle - reach ? middle - reach : depth > middle + reach ? middle + reach : depth;

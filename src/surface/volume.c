@@ -71,7 +71,10 @@ static int place_grid(fxs_volume *v, fxs_message *message)
         const double side = o->high[i] - o->low[i];
         v->size[i] = (uint32_t)(side / v->step / FXS_BRICK) + 3;
         cells *= v->size[i];
-        v->origin[i] = (o->low[i] + o->high[i]) / 2 - v->step * (FXS_BRICK * v->size[i] - 1) / 2;
+        const double middle = (FXS_BRICK * v->size[i] - 1) / 2.0, half = side / v->step / 2;
+        v->origin[i] = (o->low[i] + o->high[i]) / 2 - v->step * middle;
+        v->last[i] = (uint32_t)(middle + half);
+        v->first[i] = FXS_BRICK * v->size[i] - 1 - v->last[i];      /* at least FXS_BRICK */
     }
     v->cells = (uint32_t)cells;                 /* at most (2048 / 8 + 3)^3 */
     return 0;

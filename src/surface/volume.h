@@ -20,6 +20,7 @@ struct fxs_volume {
     fxs_volume_options options;
     double origin[3], step;         /* a voxel (x, y, z) of the grid lies at origin + step * (x, y, z) */
     uint32_t size[3], cells;        /* size of the grid in bricks, and its product */
+    uint32_t first[3], last[3];     /* range of the voxels in the box */
     uint32_t *grid;                 /* number of the brick in a cell, or FXS_NO_BRICK */
     uint8_t *open;                  /* 1: a view sees through the middle of a cell without a brick */
     uint32_t *places;               /* the cell of each brick, ascending */

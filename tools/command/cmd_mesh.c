@@ -87,9 +87,8 @@ static const option_row own_rows[] = {
 };
 
 static const option_rule rules[] = {
-    {"view near", 0, "cameras", 0},
+    {"near", 0, "cameras", 0},
     {"from views", "cameras", 0, "the views are those of the file"},
-    {"view", 0, "cameras", 0},
     {0}
 };
 
@@ -341,10 +340,8 @@ static int finish_mesh(mesh_task *t)
 
 static int check_time(const mesh_task *t)
 {
-    const int moves = world_time(&t->world).duration > 0;
-    if (moves && !is_given("time"))
-        return fail(EXIT_USAGE, "%s: a scene that moves: give --time", name_of(t));
-    return !moves && is_given("time") ? fail(EXIT_USAGE, "%s: does not move: no --time", name_of(t)) : 0;
+    return world_time(&t->world).duration > 0 && !is_given("time")
+               ? fail(EXIT_USAGE, "%s: a scene that moves: give --time", name_of(t)) : 0;
 }
 
 static int make_mesh(mesh_task *t)
