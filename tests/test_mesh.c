@@ -429,17 +429,21 @@ static void test_truth(surface *s)
         CHECK(chamfer <= s->chamfer[i]);
         CHECK(f >= s->f[i]);
         fxs_mesh_free(mesh);
+        o.closed = 1;
+        mesh = mesh_of(views, count, &o, 0);
+        CHECK(mesh && open_edges(mesh) == 0);
+        fxs_mesh_free(mesh);
     }
     free_drawn(views, count);
 }
 
 static void test_surfaces(void)
 {
-    static surface sphere = {.name = "sphere", .sphere = 1, .chamfer = {1, 1}, .f = {0, 0}};
-    static surface ring = {.name = "torus", .ring = 1, .chamfer = {1, 1}, .f = {0, 0}};
-    static surface plate = {.name = "plate", .chamfer = {1, 1}, .f = {0, 0}};
-    static surface frame = {.name = "box with a hole", .chamfer = {1, 1}, .f = {0, 0}};
-    static surface room = {.name = "room from within", .is_within = 1, .chamfer = {1, 1}, .f = {0, 0}};
+    static surface sphere = {.name = "sphere", .sphere = 1, .chamfer = {0.0019, 0.0011}, .f = {0.999, 0.999}};
+    static surface ring = {.name = "torus", .ring = 1, .chamfer = {0.0032, 0.0018}, .f = {0.999, 0.999}};
+    static surface plate = {.name = "plate", .chamfer = {0.0025, 0.0009}, .f = {0.999, 0.999}};
+    static surface frame = {.name = "box with a hole", .chamfer = {0.0022, 0.0012}, .f = {0.998, 0.998}};
+    static surface room = {.name = "room from within", .is_within = 1, .chamfer = {0.0022, 0.002}, .f = {0.985, 0.98}};
     add_box(&plate, (double[]){-1, -1, -0.06}, (double[]){1, 1, 0.06}, 0);
     add_frame(&frame);
     add_box(&room, (double[]){-1, -0.7, -1}, (double[]){1, 0.7, 1}, 0);

@@ -53,7 +53,7 @@ static const option_row own_rows[] = {
     {"view", "N|NAME|LIST|all", TEXT(frame.view), .help = "views of the camera file (default all)"},
     {"from", "WHERE", CHOICE(from, WORDS("auto", "outside", "inside", "both")), .basic = 1, .help =
      "where its own views are: outside, all around the box; inside, at 15 places within it, for rooms; both; auto "
-     "(default) takes inside if the scene's first view is within the scene, else outside"},
+     "(default) takes inside if the start view of an .fxs is within the box, else outside"},
     {"views", "N", UINT32(views, 4, 4096), .help = "number of its own views from outside, 4 to 4096 (default 96)"},
     {"watertight", 0, FLAG(watertight), .basic = 1, .help =
      "close holes: what no view sees counts as inside"},
@@ -189,29 +189,36 @@ static int views_of_cameras(mesh_task *t)
     return 0;
 }
 
-/* Finds the scene's first view, to see whether it is within the scene, and which direction is up. */
-static int look_first(mesh_task *t)
+/* True if a scene has a start view within the box, as a room has. */
+static int starts_inside(const mesh_task *t)
 {
-    fxs_view *first = 0;
+    fxs_view start;
+    const fxs_opened *opened = t->world.scenes[0].opened;
+    return t->world.placed.file_count == 1 && fxs_view_of_start(&start, opened->data, 64, 64) &&
+           is_in_box(t, start.position);
+}
+
+/* Finds the up direction, of the file or else by looking at the scene. */
+static int find_upright(mesh_task *t)
+{
     frame_options f = t->o->frame;
-    f.up.given = 0;
+    fxs_view *first = 0;
+    if (f.up.given || world_up(&t->world, t->o->frame.up.at) || !ends_with(t->o->output, ".glb"))
+        return 0;
     const long count = choose_views(&f, &t->world, &first, 0);
-    if (count < 1)
-        return EXIT_FAILED;
-    if (!t->o->frame.up.given)
-        memcpy(t->o->frame.up.at, f.up.at, sizeof f.up.at);
-    t->is_inside = t->o->from == FROM_INSIDE || (t->o->from == FROM_AUTO && is_in_box(t, first->position));
-    if (t->o->from == FROM_AUTO)
-        t->o->from = t->is_inside ? FROM_INSIDE : FROM_OUTSIDE;
     free(first);
-    return 0;
+    memcpy(t->o->frame.up.at, f.up.at, sizeof f.up.at);
+    return count < 1 ? EXIT_FAILED : 0;
 }
 
 static int views_of_box(mesh_task *t)
 {
     fxs_message why;
-    if (look_first(t))
+    if (find_upright(t))
         return EXIT_FAILED;
+    if (t->o->from == FROM_AUTO)
+        t->o->from = starts_inside(t) ? FROM_INSIDE : FROM_OUTSIDE;
+    t->is_inside = t->o->from == FROM_INSIDE;
     const uint32_t around = t->o->from == FROM_INSIDE ? 0 : t->o->views;
     const uint32_t within = t->o->from == FROM_OUTSIDE ? 0 : FXS_VIEWS_WITHIN;
     int size = (int)(t->o->resolution + t->o->resolution / 4 + 31) / 32 * 32;
