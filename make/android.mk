@@ -15,8 +15,8 @@ FILES_SMALL := src/scene/% src/camera/% src/image/% src/base/% port/% kernels/gl
 FLAGS_SMALL := -Os
 endif
 
-# The package has no fits, nor the declarations for Python. Android has threads in libc, so -lpthread is left out.
-NOT_ON_ANDROID := src/fit/% kernels/fit/% port/backend/fit_engines.c $(B)/declarations.c
+# The package has no fits and meshes, nor the declarations for Python. Android has threads in libc, so -lpthread is left out.
+NOT_ON_ANDROID := src/fit/% src/surface/% kernels/fit/% port/backend/fit_engines.c $(B)/declarations.c
 ON_ANDROID := $(filter-out $(NOT_ON_ANDROID),$(CORE) $(DEVICES) $(LIBRARY)) $(wildcard port/android/*.c)
 $(B)/jni/libfixsplat.so: $(call objects,$(ON_ANDROID)) tools/package/libfixsplat.map $(B)/commands/link
 	@mkdir -p $(@D)

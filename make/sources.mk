@@ -77,7 +77,7 @@ FLAGS_VECTORISED := -O3 -fno-math-errno -fno-trapping-math
 # Kind SINGLES: float arithmetic without excess precision, which i686 and s390x have by default. No flags are added if
 # FLT_EVAL_METHOD is 0, else the first entry of SINGLES_BY that makes it 0. In an entry, a comma stands for a space.
 FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% \
-                 src/image/photograph tests/gpu/test_fit% tests/test_fit_%
+                 src/surface/% src/image/photograph tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
 
 # LIBRARY_name: the header and the linker options of an optional library. A library with the option -ldl alone is

@@ -9,7 +9,7 @@
 #include "check.h"
 #include "scene_writer.h"
 
-/* ---- Surfaces -------------------------------------------------------------------------------------------------------- */
+/* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
 
 typedef struct rectangle {
     double middle[3], u[3], v[3];           /* half of its sides */
@@ -190,7 +190,7 @@ static fxs_opened *open_discs(const surface *s)
     return opened;
 }
 
-/* ---- Meshes ---------------------------------------------------------------------------------------------------------- */
+/* ---- Meshes ------------------------------------------------------------------------------------------------------ */
 
 enum { VIEWS = 48, VIEWS_MOST = FXS_VIEWS_WITHIN };
 
@@ -208,7 +208,8 @@ static void backwards(void *pool, void (*job)(void *argument, uint32_t i), void 
         job(argument, jobs);
 }
 
-static const double cube[2][3] = {{-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}}, wide[2][3] = {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}};
+static const double cube[2][3] = {{-1.1, -1.1, -1.1}, {1.1, 1.1, 1.1}};
+static const double wide[2][3] = {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}};
 
 static int draw(const fxs_opened *opened, const fxs_object *object, drawn *d)
 {
@@ -353,7 +354,7 @@ static double volume_of(const fxs_mesh *m)
     return sum;
 }
 
-/* ---- Truth ----------------------------------------------------------------------------------------------------------- */
+/* ---- Truth ------------------------------------------------------------------------------------------------------- */
 
 /* Returns the distance from a point to the nearest vertex. */
 static double distance_to_mesh(const fxs_mesh *m, const double p[3])
@@ -453,7 +454,7 @@ static void test_surfaces(void)
         RUN_AS(all[i]->name, test_truth(all[i]));
 }
 
-/* ---- One sphere ------------------------------------------------------------------------------------------------------ */
+/* ---- One sphere -------------------------------------------------------------------------------------------------- */
 
 static drawn ball[VIEWS_MOST];
 static uint32_t ball_count;
@@ -534,7 +535,7 @@ static void test_parts(void)
     fxs_mesh_free(m);
 }
 
-/* ---- Random depths --------------------------------------------------------------------------------------------------- */
+/* ---- Random depths ----------------------------------------------------------------------------------------------- */
 
 static uint32_t next_random(uint32_t *state)
 {
@@ -542,8 +543,8 @@ static uint32_t next_random(uint32_t *state)
     return *state >> 8;
 }
 
-/* Depths without any sense: every case of marching cubes, bricks at the border, and cells that no view sees. A closed mesh
-   has no open edge. */
+/* Random depths have every case of marching cubes, bricks at the sides of the box, and cells that no view sees. A
+   closed mesh has no open edge. */
 static void test_random(void)
 {
     enum { SIZE = 48, COUNT = 12 };
@@ -573,7 +574,7 @@ static void test_random(void)
     }
 }
 
-/* ---- Bad arguments --------------------------------------------------------------------------------------------------- */
+/* ---- Bad arguments ----------------------------------------------------------------------------------------------- */
 
 static int make(fxs_volume_options o, fxs_message *m)
 {

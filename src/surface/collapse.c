@@ -41,7 +41,7 @@ uint64_t fxs_mesh_decimate_bytes(uint32_t vertices, uint32_t triangles)
     return vertices * (uint64_t)(sizeof(vertex) + 4) + 12 * (uint64_t)triangles;
 }
 
-/* ---- Vectors ---------------------------------------------------------------------------------------------------------- */
+/* ---- Vectors ----------------------------------------------------------------------------------------------------- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -76,8 +76,8 @@ static double error_at(const double q[QUADRIC], const double p[3])
     return error > 0 ? error : 0;
 }
 
-/* Moves a point to where its error and the pull of its old place, PULL times the trace, are least: in directions that the
-   planes do not fix, it stays. */
+/* Moves a point to the least sum of its error and PULL * trace * (distance from its old place)^2. So it stays where it
+   is in directions that the planes do not fix. */
 static void settle_point(const double q[QUADRIC], double p[3])
 {
     const double pull = PULL * (q[0] + q[4] + q[7]), a = q[0] + pull, d = q[4] + pull, f = q[7] + pull;
@@ -92,7 +92,7 @@ static void settle_point(const double q[QUADRIC], double p[3])
     p[2] = (xz * x + yz * y + zz * z) / determinant;
 }
 
-/* ---- Triangles -------------------------------------------------------------------------------------------------------- */
+/* ---- Triangles --------------------------------------------------------------------------------------------------- */
 
 /* A triangle is dead if its first corner is NONE. */
 static int is_dead(const collapsing *c, uint32_t corner)
@@ -160,7 +160,7 @@ static void add_triangle(collapsing *c, uint32_t triangle)
     }
 }
 
-/* ---- Costs ------------------------------------------------------------------------------------------------------------ */
+/* ---- Costs ------------------------------------------------------------------------------------------------------- */
 
 /* Chooses the place of the vertex that replaces u and v, and returns its cost. */
 static double cost_of(const collapsing *c, uint32_t u, uint32_t v, double place[3])
@@ -177,7 +177,7 @@ static double cost_of(const collapsing *c, uint32_t u, uint32_t v, double place[
     return error_at(q, place) + LENGTH_WEIGHT * length;
 }
 
-/* ---- Heap ------------------------------------------------------------------------------------------------------------- */
+/* ---- Heap -------------------------------------------------------------------------------------------------------- */
 
 static int is_before(const collapsing *c, uint32_t u, uint32_t v)
 {
@@ -218,7 +218,7 @@ static void take_out(collapsing *c, uint32_t v)
     settle(c, last);
 }
 
-/* ---- Collapse --------------------------------------------------------------------------------------------------------- */
+/* ---- Collapse ---------------------------------------------------------------------------------------------------- */
 
 /* Marks the neighbours of a vertex with a new mark, or counts those with the current mark and takes it away. */
 static uint32_t mark_neighbours(collapsing *c, uint32_t v)
@@ -385,7 +385,7 @@ static void collapse_all(collapsing *c, uint32_t triangles)
     }
 }
 
-/* ---- Mesh ------------------------------------------------------------------------------------------------------------- */
+/* ---- Mesh -------------------------------------------------------------------------------------------------------- */
 
 static void begin(collapsing *c)
 {

@@ -15,7 +15,7 @@ enum { CORNERS = 8, EDGES = 24, CASES = 256, CORNERS_OF_CASE = 30, NO_EDGE = 255
 enum { SIDE = FXS_BRICK + 1, BLOCK = SIDE * SIDE * SIDE, WORDS = 3 * FXS_BRICK_VOXELS / 64 };
 enum { CLOSEST_Q16 = 256 };              /* least distance of a vertex from a voxel, so that no triangle is empty */
 
-/* ---- Cases ----------------------------------------------------------------------------------------------------------- */
+/* ---- Cases ------------------------------------------------------------------------------------------------------- */
 
 typedef struct table {
     uint8_t count[CASES];                /* corners of triangles of a case; bit c of a case: corner c is inside */
@@ -28,8 +28,8 @@ static uint8_t edge_between(int p, int q)
     return (uint8_t)(8 * axis + (p & q));
 }
 
-/* Joins the edges of a face: for each run of corners inside, counterclockwise seen from outside, the edge before the run
-   is followed by the edge behind it. So triangles are counterclockwise. */
+/* Joins the edges of a face, with its corners counterclockwise seen from outside. For each run of corners inside, the
+   edge behind the run follows the edge before it, so that triangles are counterclockwise. */
 static void join_face(const int face[4], int inside, uint8_t next[EDGES])
 {
     for (int i = 0; i < 4; i++) {
@@ -67,7 +67,7 @@ static void make_case(table *t, int inside)
         }
 }
 
-/* ---- Sites ----------------------------------------------------------------------------------------------------------- */
+/* ---- Sites ------------------------------------------------------------------------------------------------------- */
 
 /* A cell of the grid with a part of the mesh. Its vertices lie on the edges of the cell's voxels, numbered by axis and
    voxel: bit 512 * axis + voxel of `bits` is an edge from the voxel along the axis that has a vertex. */
@@ -195,8 +195,8 @@ static uint32_t ones(uint64_t bits)
     return (uint32_t)(bits * 0x0101010101010101u >> 56);
 }
 
-/* A cell is a site if it has a brick. In a closed mesh, also if it lies across the side of the box, or if a cell behind it
-   has a brick or another value. */
+/* A cell is a site if it has a brick. In a closed mesh, also if it lies across the side of the box, or if a cell behind
+   it has a brick or another value. */
 static int is_site(const fxs_volume *v, uint32_t cell)
 {
     const uint32_t x = cell % v->size[0], y = cell / v->size[0] % v->size[1], z = cell / v->size[0] / v->size[1];
@@ -231,7 +231,7 @@ static int find_sites(marching *m, fxs_message *message)
     return 0;
 }
 
-/* ---- Counting -------------------------------------------------------------------------------------------------------- */
+/* ---- Counting ---------------------------------------------------------------------------------------------------- */
 
 static void count_site(void *argument, uint32_t number)
 {
@@ -280,7 +280,7 @@ static int make_room(marching *m, fxs_message *message)
     return mesh->places && mesh->colours && mesh->triangles ? 0 : fxs_fail_memory(message, NULL, bytes);
 }
 
-/* ---- Making ---------------------------------------------------------------------------------------------------------- */
+/* ---- Making ------------------------------------------------------------------------------------------------------ */
 
 /* Returns the place of the change of sign between two values, at 0 to 1 in Q16: |a| / (|a| + |b|), a and b means. */
 static uint32_t crossing_q16(const value *from, const value *to)

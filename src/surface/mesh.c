@@ -38,7 +38,7 @@ int fxs_mesh_compact(fxs_mesh *mesh, fxs_message *message)
     return 0;
 }
 
-/* ---- Parts ----------------------------------------------------------------------------------------------------------- */
+/* ---- Parts ------------------------------------------------------------------------------------------------------- */
 
 static uint32_t root_of(uint32_t *parent, uint32_t vertex)
 {
@@ -83,7 +83,7 @@ int fxs_mesh_drop_parts(fxs_mesh *mesh, uint32_t least, uint32_t *parts, fxs_mes
     return fxs_mesh_compact(mesh, message);
 }
 
-/* ---- Colours --------------------------------------------------------------------------------------------------------- */
+/* ---- Colours ----------------------------------------------------------------------------------------------------- */
 
 /* Adds the colours of coloured corners to the sums of the others of each triangle. Returns 0 if there are none. */
 static int sum_neighbours(const fxs_mesh *mesh, uint32_t (*sums)[4])

@@ -27,7 +27,7 @@ typedef struct writer {
     fxs_output output;
 } writer;
 
-/* ---- Numbers ---------------------------------------------------------------------------------------------------------- */
+/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 static void put_u32(writer *w, uint32_t value, fxs_message *message)
 {
@@ -90,7 +90,7 @@ static int sum_normals(writer *w, fxs_message *message)
     return 0;
 }
 
-/* ---- Axes ------------------------------------------------------------------------------------------------------------- */
+/* ---- Axes -------------------------------------------------------------------------------------------------------- */
 
 /* Turns the up direction to y. z stays as near to itself as it can; for z up, -y becomes z. */
 static int turn_up(writer *w, const double up[3], fxs_message *message)
@@ -125,7 +125,7 @@ static void keep_axes(writer *w)
         w->axes[i][i] = 1;
 }
 
-/* ---- .glb ------------------------------------------------------------------------------------------------------------- */
+/* ---- .glb -------------------------------------------------------------------------------------------------------- */
 
 /* Light of sRGB codes, as glTF has colours (IEC 61966-2-1). */
 static void make_linear(writer *w)
@@ -236,7 +236,7 @@ static int write_glb(writer *w, fxs_message *message)
     return error;
 }
 
-/* ---- .ply and .obj ---------------------------------------------------------------------------------------------------- */
+/* ---- .ply and .obj ----------------------------------------------------------------------------------------------- */
 
 static int write_ply(writer *w, fxs_message *message)
 {

@@ -1,5 +1,5 @@
-/* Refines depths by the shapes of the Gaussians: the renderer gives the depth of a Gaussian's centre, a surface needs the
-   depth at which a pixel's ray passes it. */
+/* Refines depths by the shapes of the Gaussians. The renderer gives the depth of a Gaussian's centre; a surface needs
+   the depth at which a pixel's ray passes the Gaussian. */
 #include "volume.h"
 
 #include <math.h>
@@ -48,7 +48,8 @@ static void rotation_of(const float q[4], double r[3][3])
     double square = 0;
     for (int i = 0; i < 4; i++)
         square += (double)q[i] * (double)q[i];
-    const double n = square > 0 ? 2 / square : 0, w = (double)q[0], x = (double)q[1], y = (double)q[2], z = (double)q[3];
+    const double n = square > 0 ? 2 / square : 0;
+    const double w = (double)q[0], x = (double)q[1], y = (double)q[2], z = (double)q[3];
     const double rows[3][3] = {{1 - n * (y * y + z * z), n * (x * y - w * z), n * (x * z + w * y)},
                                {n * (x * y + w * z), 1 - n * (x * x + z * z), n * (y * z - w * x)},
                                {n * (x * z - w * y), n * (y * z + w * x), 1 - n * (x * x + y * y)}};
@@ -137,7 +138,7 @@ void fxs_shapes_free(fxs_shapes *s)
     fxs_release(NULL, s);
 }
 
-/* ---- Depths ---------------------------------------------------------------------------------------------------------- */
+/* ---- Depths ------------------------------------------------------------------------------------------------------ */
 
 typedef struct refining {
     const fxs_shapes *shapes;

@@ -40,7 +40,7 @@ int fxs_surface_check(uint64_t bytes, uint64_t limit, fxs_message *message)
     return FXS_ERR_MEMORY;
 }
 
-/* ---- Making ---------------------------------------------------------------------------------------------------------- */
+/* ---- Making ------------------------------------------------------------------------------------------------------ */
 
 static int check_options(const fxs_volume_options *o, fxs_message *message)
 {
@@ -121,7 +121,7 @@ void fxs_volume_free(fxs_volume *v)
     fxs_release(NULL, v);
 }
 
-/* ---- A view ---------------------------------------------------------------------------------------------------------- */
+/* ---- A view ------------------------------------------------------------------------------------------------------ */
 
 typedef struct plane {
     double x, y, z, d;              /* x X + y Y + z Z + d is the distance from the plane, inside above 0 */
@@ -177,7 +177,7 @@ static int sight_of(sight *s, fxs_volume *v, const fxs_depth_picture *picture, f
     return 0;
 }
 
-/* ---- Marking --------------------------------------------------------------------------------------------------------- */
+/* ---- Marking ----------------------------------------------------------------------------------------------------- */
 
 /* Marks the cells of a box of 2 * margin voxels around a place of the grid. */
 static void mark_around(fxs_volume *v, const double place[3], double margin)
@@ -255,7 +255,7 @@ int fxs_volume_reserve(fxs_volume *v, fxs_volume_size *size, fxs_message *messag
     return 0;
 }
 
-/* ---- Adding ---------------------------------------------------------------------------------------------------------- */
+/* ---- Adding ------------------------------------------------------------------------------------------------------ */
 
 static void measure_tiles(void *argument, uint32_t row)
 {

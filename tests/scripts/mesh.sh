@@ -19,7 +19,8 @@ sum_of() {
 for format in glb ply obj; do
     run mesh ball.ply $small -o made.$format
     check "$format: it is written" equal $status 0
-    check "$format: what is said" grep -Eq "^fixsplat: made.$format: [0-9]+ triangles, [0-9]+ vertices, 1 part\$" logs/err
+    check "$format: what is said" grep -Eq "^fixsplat: made.$format: [0-9]+ triangles, [0-9]+ vertices, 1 part\$" \
+        logs/err
 done
 triangles=$(sed -n 's/.*: \([0-9]*\) triangles.*/\1/p' logs/err)
 vertices=$(sed -n 's/.*triangles, \([0-9]*\) vertices.*/\1/p' logs/err)
@@ -30,7 +31,7 @@ check "ply: size" equal "$(wc -c <made.ply)" \
     $(($(head -c 600 made.ply | grep -a -b -o end_header | cut -d: -f1) + 11 + 27 * vertices + 13 * triangles))
 check "obj: counts" equal "$(cut -d' ' -f1 made.obj | sort | uniq -c | tr -s ' \n' ' ')" \
     " 1 # $triangles f $vertices v $vertices vn "
-radius() { awk '$1 == "v" { r = sqrt($2^2 + $3^2 + $4^2); s += r; n++; if (r > most) most = r } END { printf "%.3f", s / n }' "$1"; }
+radius() { awk '$1 == "v" { s += sqrt($2^2 + $3^2 + $4^2); n++ } END { printf "%.3f", s / n }' "$1"; }
 check "obj: a radius of 1" awk "BEGIN { exit !($(radius made.obj) > 0.98 && $(radius made.obj) < 1.02) }"
 "$fixsplat" --quiet mesh ball.ply $small --scale 2.5 -o big.obj
 check "--scale: a radius of 2.5" awk "BEGIN { exit !($(radius big.obj) > 2.45 && $(radius big.obj) < 2.55) }"
@@ -99,7 +100,7 @@ check "--triangles: 300" grep -q ': 300 triangles, 152 vertices, 1 part$' logs/e
 closed() {
     awk '$1 == "f" { split($2, a, "/"); split($3, b, "/"); split($4, c, "/")
         e[a[1] " " b[1]]++; e[b[1] " " c[1]]++; e[c[1] " " a[1]]++ }
-        END { for (k in e) { split(k, v, " "); if (e[k] != e[v[2] " " v[1]]) open++ } exit open + 0 != 0 || !length(e) }' "$1"
+        END { for (k in e) { split(k, v, " "); n++; if (e[k] != e[v[2] " " v[1]]) open = 1 } exit open || !n }' "$1"
 }
 run mesh ground.ply crate.ply ball.ply --place crate.ply:0,0,-2 --place ball.ply:0,0,3 --watertight $small -o three.obj
 check "--watertight: no open edges" closed three.obj
@@ -109,7 +110,8 @@ camera='"width":160,"height":160,"fx":140,"fy":140'
 echo "[{\"id\":0,\"img_name\":\"a\",\"position\":[0,0,-4],\"rotation\":[[1,0,0],[0,1,0],[0,0,1]],$camera},
     {\"id\":1,\"img_name\":\"b\",\"position\":[0,0,4],\"rotation\":[[-1,0,0],[0,1,0],[0,0,-1]],$camera}]" >two.json
 "$fixsplat" --quiet mesh crate.ply --cameras two.json --resolution 48 --parts 20 -o sides.obj
-check "--cameras: two sides are seen" awk '$1 == "v" { if ($4 < -0.9) a++; if ($4 > 0.9) b++ } END { exit !(a > 500 && b > 500) }' sides.obj
+check "--cameras: two sides are seen" awk '$1 == "v" { a += $4 < -0.9; b += $4 > 0.9 }
+    END { exit !(a > 500 && b > 500) }' sides.obj
 "$fixsplat" --quiet mesh crate.ply --cameras two.json --view b --resolution 48 --parts 20 -o side.obj
 check "--view: one side is seen" awk '$1 == "v" && $4 < 0 { bad = 1 } END { exit bad }' side.obj
 open() { ! closed "$1"; }
@@ -129,7 +131,8 @@ fails "--up of an .obj" 2 'keeps the axes' mesh ball.ply --up 0,0,1 -o a.obj
 fails "--box, turned round" 2 'box' mesh ball.ply --box 1,1,1,0,0,0 -o a.glb
 fails "--view without --cameras" 2 'view' mesh ball.ply --view 1 -o a.glb
 fails "--from with --cameras" 2 'from' mesh ball.ply --cameras two.json --from inside -o a.glb
-fails "too little memory for voxels" 1 '^fixsplat: --resolution 256: the mesh takes [0-9]+ MB, more than the limit of 4 MB; about [0-9]+ fits$' \
+words='^fixsplat: --resolution 256: the mesh takes [0-9]+ MB, more than the limit of 4 MB; about [0-9]+ fits$'
+fails "too little memory for voxels" 1 "$words" \
     mesh ball.ply --resolution 256 --max-memory 4M -o a.glb
 fails "too little memory for the grid" 1 'more than the limit' mesh ball.ply --resolution 2048 --max-memory 1M -o a.glb
 awk '/^end_header/ { on = 1; print; next } on { $7 = -4 } { print }' ball.ply >haze.ply
@@ -137,7 +140,8 @@ fails "haze" 1 'haze.ply: the views show haze only' mesh haze.ply $small -o a.gl
 sed 's/"position":\[0,0,/"position":[0,50,/g' two.json >aside.json
 fails "no camera sees anything" 1 'ball.ply: no view shows a Gaussian' mesh ball.ply --cameras aside.json -o a.glb
 fails "a box elsewhere" 1 'ball.ply: ' mesh ball.ply --cameras two.json --box 7,7,7,8,8,8 -o a.glb
-fails "--parts: all are too small" 1 'no surface has 9999999 triangles' --quiet mesh ball.ply $small --parts 9999999 -o a.glb
+fails "--parts: all are too small" 1 'no surface has 9999999 triangles' \
+    --quiet mesh ball.ply $small --parts 9999999 -o a.glb
 check "errors leave no file" [ ! -e a.glb ] && check "and no other" [ ! -e a.obj ]
 "$fixsplat" --quiet mesh ball.ply $small -o nowhere/a.glb 2>logs/err
 check "a folder that is missing: one line" equal "$(wc -l <logs/err)" 1

@@ -269,6 +269,28 @@ options='up 0,0,1; auto-up; level 0,0,0,1,0,0,0,1,1; rotate 10,0,0; scale 2; tra
 by_design='max-gaussians import-memory' elsewhere='force:all sh-degree:splat sh-degree:moves prune:moves' mask= more=--quiet
 try convert
 
+# ---- mesh ------------------------------------------------------------------------------------------------------------
+
+places='glb ../knot.ply -o out.glb
+ply ../knot.ply -o out.ply
+obj ../start.fxs -o out.obj
+closed ../knot.ply -o out.ply --watertight
+inside ../knot.ply -o out.ply --from inside
+both ../knot.ply -o out.ply --from both
+few ../knot.ply -o out.ply --triangles 200
+cameras ../knot.ply -o out.ply --cameras ../cameras.json
+box ../knot.ply -o out.ply --box -1,-1,-1,1,1,0
+two ../knot.ply ../plain.fxs -o out.ply
+moves ../moving.splatv -o out.ply --time 0.1'
+options="triangles 100; box -1,-1,-1,1,0,1; cameras ../cameras.json; view 1; from inside; views 10; watertight; trim 70;
+    parts 999999; scale 2; up 0.1,-1,0; near 9; device 1; profile small; $of_scenes"
+# Most of these change no mesh by design; the resolution is given. A mesh has no budget and detail. The moving scene is
+# seen from all sides.
+by_design='output resolution threads max-memory cpu backend max-gaussians import-memory'
+elsewhere='watertight:moves trim:moves' mask= more='--resolution 24 --parts 1 --quiet' notes=
+options=$(echo "$options" | sed 's/budget 100; detail 4;//')
+try mesh
+
 # ---- fit -------------------------------------------------------------------------------------------------------------
 
 . "$root/tests/scripts/lib/photos.sh"

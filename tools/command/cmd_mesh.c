@@ -122,7 +122,7 @@ static int read_options(mesh_options *o, int argc, char **argv)
     return frame_options_check(&o->frame);
 }
 
-/* ---- Views and box --------------------------------------------------------------------------------------------------- */
+/* ---- Views and box ----------------------------------------------------------------------------------------------- */
 
 typedef struct mesh_task {
     mesh_options *o;
@@ -219,6 +219,8 @@ static int views_of_box(mesh_task *t)
     if (t->o->from == FROM_AUTO)
         t->o->from = starts_inside(t) ? FROM_INSIDE : FROM_OUTSIDE;
     t->is_inside = t->o->from == FROM_INSIDE;
+    if (t->is_inside && is_given("views"))
+        return fail(EXIT_USAGE, "--views is for views from outside: --from inside has %u", FXS_VIEWS_WITHIN);
     const uint32_t around = t->o->from == FROM_INSIDE ? 0 : t->o->views;
     const uint32_t within = t->o->from == FROM_OUTSIDE ? 0 : FXS_VIEWS_WITHIN;
     int size = (int)(t->o->resolution + t->o->resolution / 4 + 31) / 32 * 32;
@@ -233,7 +235,7 @@ static int views_of_box(mesh_task *t)
     return error ? fail_for(&why) : 0;
 }
 
-/* ---- Depths ---------------------------------------------------------------------------------------------------------- */
+/* ---- Depths ------------------------------------------------------------------------------------------------------ */
 
 static void look_at_pixels(mesh_task *t)
 {
@@ -296,8 +298,9 @@ static int make_volume(mesh_task *t)
     options.workers = t->workers;
     memcpy(options.low, t->low, sizeof t->low);
     memcpy(options.high, t->high, sizeof t->high);
-    return fxs_volume_make(&t->volume, &options, &why) || fxs_shapes_make(&t->shapes, t->world.objects, t->world.count, &why)
-               ? fail_for(&why) : 0;
+    const int error = fxs_volume_make(&t->volume, &options, &why) ||
+                      fxs_shapes_make(&t->shapes, t->world.objects, t->world.count, &why);
+    return error ? fail_for(&why) : 0;
 }
 
 /* Reserves the voxels, and says how many there are before the depths are added. */
@@ -320,7 +323,7 @@ static int reserve(mesh_task *t)
     return 0;
 }
 
-/* ---- Mesh ------------------------------------------------------------------------------------------------------------ */
+/* ---- Mesh -------------------------------------------------------------------------------------------------------- */
 
 static int finish_mesh(mesh_task *t)
 {
@@ -399,8 +402,8 @@ static int run(int argc, char **argv)
 const command command_mesh = {
     "mesh", "scene -> triangle mesh", run,
     "Usage: fixsplat mesh SCENE... -o OUT [OPTION...]\n\n"
-    "Makes a triangle mesh of a scene: .glb, .ply or .obj, with colours and normals. Depths of many views are joined in\n"
-    "voxels. The mesh has the same bytes on every machine, with any threads and back end.\n",
+    "Makes a triangle mesh of a scene: .glb, .ply or .obj, with colours and normals, from the depths of many views.\n"
+    "The mesh has the same bytes on every machine, with any threads and back end.\n",
     0,
     "  $ fixsplat mesh toy.ply -o toy.glb\n"
     "  $ fixsplat mesh toy.ply --cameras cameras.json --box -1,-1,-1,1,1,1 --resolution 768 -o toy.glb\n"

@@ -1,10 +1,10 @@
 /* Surfaces: turns rendered depths of a scene into a triangle mesh. All functions are experimental.
  *
- * A volume is a box of voxels. A program renders views of the scene (median depth and colour), marks the bricks of 8x8x8
- * voxels near the surface (fxs_volume_mark), reserves them (fxs_volume_reserve), adds the same views to their voxels
- * (fxs_volume_add), and takes the mesh (fxs_volume_mesh). Voxels hold integer sums, so the order of the views, the
- * threads and the back end do not change a bit of the mesh. The method is that of Curless and Levoy (1996), a truncated
- * signed distance; the mesh comes from marching cubes (Lorensen and Cline 1987).
+ * A volume is a box of voxels. A program renders views of the scene (median depth and colour), marks the bricks of
+ * 8x8x8 voxels near the surface (fxs_volume_mark), reserves them (fxs_volume_reserve), adds the same views to their
+ * voxels (fxs_volume_add), and takes the mesh (fxs_volume_mesh). Voxels hold integer sums, so the order of the views,
+ * the threads and the back end do not change a bit of the mesh. The method is that of Curless and Levoy (1996), a
+ * truncated signed distance; the mesh comes from marching cubes (Lorensen and Cline 1987).
  *
  * Functions return 0, or an FXS_ERR_* and a message. One thread at a time may use a volume or a mesh. */
 #ifndef FXS_SURFACE_H
@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/* ---- Views --------------------------------------------------------------------------------------------------------- */
+/* ---- Views ------------------------------------------------------------------------------------------------------- */
 
 /* Makes `count` views from all around the box low..high, 1 or more, evenly spread over the directions. Each shows the
    whole box in a square picture of `size` pixels. The near plane touches the box, so Gaussians in front of it are not
@@ -30,7 +30,7 @@ FXS_EXPERIMENTAL int fxs_views_around(fxs_view *views, uint32_t count, const dou
 FXS_EXPERIMENTAL int fxs_views_within(fxs_view *views, const double low[3], const double high[3], int size,
                                       fxs_message *message);
 
-/* ---- Depths -------------------------------------------------------------------------------------------------------- */
+/* ---- Depths ------------------------------------------------------------------------------------------------------ */
 
 /* The shapes of the Gaussians of objects, 40 bytes each. Objects that move have none. `objects` must stay valid.
    fxs_shapes_free frees *shapes, which is null after an error: FXS_ERR_MEMORY, FXS_ERR_SCENE. */
@@ -38,15 +38,15 @@ typedef struct fxs_shapes fxs_shapes;
 FXS_EXPERIMENTAL int fxs_shapes_make(fxs_shapes **shapes, const fxs_object *objects, uint32_t count,
                                      fxs_message *message);
 
-/* Refines the median depths of a view by its ids: a depth of the renderer is that of a Gaussian's centre, and becomes the
-   depth at which the pixel's ray passes the Gaussian. The pictures have the size of the view, without gaps between
+/* Refines the median depths of a view by its ids. A depth of the renderer is that of a Gaussian's centre; it becomes
+   the depth at which the pixel's ray passes the Gaussian. The pictures have the size of the view, without gaps between
    rows. */
 FXS_EXPERIMENTAL void fxs_shapes_refine(const fxs_shapes *shapes, const fxs_view *view, const fxs_id *ids,
                                         uint32_t *depths, int depth_bits, const fxs_workers *workers);
 
 FXS_EXPERIMENTAL void fxs_shapes_free(fxs_shapes *shapes);
 
-/* ---- Volume -------------------------------------------------------------------------------------------------------- */
+/* ---- Volume ------------------------------------------------------------------------------------------------------ */
 
 #define FXS_VOLUME_RESOLUTION 2048u      /* largest resolution of a volume */
 #define FXS_VOLUME_VIEWS 16383u          /* most views of a volume */
@@ -99,7 +99,7 @@ FXS_EXPERIMENTAL int fxs_volume_add(fxs_volume *volume, const fxs_depth_picture 
 
 FXS_EXPERIMENTAL void fxs_volume_free(fxs_volume *volume);
 
-/* ---- Mesh ---------------------------------------------------------------------------------------------------------- */
+/* ---- Mesh -------------------------------------------------------------------------------------------------------- */
 
 /* A mesh. Vertices are shared by their triangles, whose corners are counterclockwise seen from outside. The position of
    a vertex is origin + step * place, in scene units. */
@@ -133,9 +133,9 @@ typedef struct fxs_mesh_write_options {
 } fxs_mesh_write_options;
 FXS_INIT(fxs_mesh_write_options)
 
-/* Writes a mesh with normals and colours. The ending of the name is the format: .glb (binary glTF 2.0, y up, in metres),
-   .ply (binary) or .obj (colours behind the positions); the last two keep the scene's axes. The file is written under a
-   temporary name and renamed. */
+/* Writes a mesh with normals and colours, in metres. The ending of the name is the format: .glb (binary glTF 2.0, y
+   up), .ply (binary) or .obj (colours behind the positions); the last two keep the scene's axes. The file is written
+   under a temporary name and renamed. */
 FXS_EXPERIMENTAL int fxs_mesh_write(const char *path, const fxs_mesh *mesh, const fxs_mesh_write_options *options,
                                     fxs_message *message);
 
