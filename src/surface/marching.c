@@ -79,7 +79,7 @@ typedef struct site {
 
 typedef struct value {
     int32_t sum_q15;
-    uint32_t count;                      /* 0: unknown */
+    uint32_t weight;                     /* 0: unknown */
 } value;
 
 typedef struct marching {
@@ -131,9 +131,9 @@ static value value_of_cell(const fxs_volume *v, uint32_t cell)
 
 static value value_of_voxel(const fxs_volume *v, const fxs_brick *brick, uint32_t voxel)
 {
-    if (brick->count[voxel] < v->options.least_views)
+    if (brick->weight[voxel] < FXS_WHOLE * v->options.least_views)
         return v->options.closed ? (value){-1, 1} : (value){0, 0};
-    return (value){brick->sum_q15[voxel], brick->count[voxel]};
+    return (value){brick->sum_q15[voxel], brick->weight[voxel]};
 }
 
 /* Returns the cell at a corner of the cube of eight cells that begins with `cell`. */
@@ -180,7 +180,7 @@ static uint32_t case_at(const value block[BLOCK], uint32_t voxel)
     uint32_t inside = 0;
     for (uint32_t corner = 0; corner < CORNERS; corner++) {
         const value *v = &block[block_at(voxel, corner)];
-        if (!v->count)
+        if (!v->weight)
             return 0;
         inside |= (uint32_t)(v->sum_q15 < 0) << corner;
     }
@@ -242,7 +242,7 @@ static void count_site(void *argument, uint32_t number)
     for (uint32_t i = 0; i < 3 * FXS_BRICK_VOXELS; i++) {
         const uint32_t voxel = i % FXS_BRICK_VOXELS;
         const value *from = &block[block_at(voxel, 0)], *to = &block[block_at(voxel, 1u << i / FXS_BRICK_VOXELS)];
-        const int crosses = from->count && to->count && (from->sum_q15 < 0) != (to->sum_q15 < 0);
+        const int crosses = from->weight && to->weight && (from->sum_q15 < 0) != (to->sum_q15 < 0);
         s->bits[i / 64] |= (uint64_t)crosses << i % 64;
     }
     for (uint32_t i = 0; i < WORDS; i++) {
@@ -285,8 +285,8 @@ static int make_room(marching *m, fxs_message *message)
 /* Returns the place of the change of sign between two values, at 0 to 1 in Q16: |a| / (|a| + |b|), a and b means. */
 static uint32_t crossing_q16(const value *from, const value *to)
 {
-    const uint64_t a = (uint64_t)(from->sum_q15 < 0 ? -from->sum_q15 : from->sum_q15) * to->count;       /* < 2^43 */
-    const uint64_t b = (uint64_t)(to->sum_q15 < 0 ? -to->sum_q15 : to->sum_q15) * from->count;
+    const uint64_t a = (uint64_t)(from->sum_q15 < 0 ? -from->sum_q15 : from->sum_q15) * to->weight;      /* < 2^47 */
+    const uint64_t b = (uint64_t)(to->sum_q15 < 0 ? -to->sum_q15 : to->sum_q15) * from->weight;
     const uint32_t at = (uint32_t)((65536 * a + (a + b) / 2) / (a + b));
     return at < CLOSEST_Q16 ? CLOSEST_Q16 : at > 65536 - CLOSEST_Q16 ? 65536 - CLOSEST_Q16 : at;
 }

@@ -19,6 +19,7 @@ enum { ROWS_OF_JOB = 16, BRICKS_OF_JOB = 32, CELLS_OF_JOB = 4096, TILE = 16 };
 #define NEAR_SURFACE 2.0         /* distance in voxels from a depth at which voxels are reserved */
 #define RADIUS 6.1               /* radius of a brick's voxels around their middle, 3.5 sqrt(3) and a margin, voxels */
 #define OPEN 4.0                 /* a cell is open if its middle is this many voxels before the surface */
+#define BEHIND 2.0               /* voxels behind a surface in which a sample has its whole weight */
 #define OUTSIDE_Q15 32767
 
 #define MESH_BYTES_OF_BRICK 4096 /* estimate: a brick on a surface has 100 vertices and 200 triangles */
@@ -89,7 +90,7 @@ int fxs_volume_make(fxs_volume **volume, const fxs_volume_options *options, fxs_
     memcpy(&v->options, options, options->size < sizeof v->options ? options->size : sizeof v->options);
     fxs_volume_options *o = &v->options;
     o->resolution = o->resolution ? o->resolution : 512;
-    o->truncation = o->truncation > 0 ? o->truncation : 4;
+    o->truncation = o->truncation > 0 ? o->truncation : o->resolution > 128 ? o->resolution / 32.0 : 4;
     o->least_views = o->least_views ? o->least_views : 1;
     int error = check_options(o, message);
     error = error ? error : place_grid(v, message);
@@ -139,7 +140,8 @@ typedef struct sight {
     int width, height, is_flat;     /* is_flat: orthographic */
     double fx, fy, cx, cy, near, unit;
     double zero[3], axes[3][3];     /* a voxel (x, y, z) has the camera coordinates zero + x axes[0] + ... */
-    double to_q15, truncation, hidden;
+    double to_q15, to_weight, truncation;
+    double behind, hidden;          /* signed distances below which a sample weighs less, and nothing */
     plane sides[4];
     tile *tiles;
     int tiles_across;
@@ -169,6 +171,8 @@ static int sight_of(sight *s, fxs_volume *v, const fxs_depth_picture *picture, f
     s->truncation = v->options.truncation * v->step;
     s->to_q15 = OUTSIDE_Q15 / s->truncation;
     s->hidden = -s->truncation / 2;
+    s->behind = v->options.truncation > 2 * BEHIND ? -BEHIND * v->step : s->hidden;
+    s->to_weight = s->behind > s->hidden ? FXS_WHOLE / (s->behind - s->hidden) : 0;
     const double right = s->width - s->cx, down = s->height - s->cy, flat = s->is_flat;
     s->sides[0] = plane_of(s->fx, 0, s->cx * (1 - flat), s->cx * flat);
     s->sides[1] = plane_of(-s->fx, 0, right * (1 - flat), right * flat);
@@ -317,12 +321,14 @@ static void add_voxel(const sight *s, fxs_brick *brick, uint32_t voxel, const do
         return;
     const double depth = depth_at(s, u, v), distance = depth - at[2];
     if (depth < 0 || distance >= s->truncation) {
-        brick->sum_q15[voxel] += OUTSIDE_Q15;
-        brick->count[voxel]++;
-    } else if (distance >= s->hidden) {
-        brick->sum_q15[voxel] += (int32_t)fxs_floor(distance * s->to_q15 + 0.5);
-        brick->count[voxel]++;
-        add_colour(s, brick, voxel, (int)u, (int)v);
+        brick->sum_q15[voxel] += FXS_WHOLE * OUTSIDE_Q15;
+        brick->weight[voxel] += FXS_WHOLE;
+    } else if (distance > s->hidden) {
+        const int32_t weight = distance < s->behind ? (int32_t)((distance - s->hidden) * s->to_weight) : FXS_WHOLE;
+        brick->sum_q15[voxel] += weight * (int32_t)fxs_floor(distance * s->to_q15 + 0.5);
+        brick->weight[voxel] = (uint16_t)(brick->weight[voxel] + weight);
+        if (weight)
+            add_colour(s, brick, voxel, (int)u, (int)v);
     }
 }
 
@@ -379,8 +385,8 @@ static enum brick_sight look_at_brick(const sight *s, const double at[3])
 static void add_all_outside(fxs_brick *brick)
 {
     for (int i = 0; i < FXS_BRICK_VOXELS; i++) {
-        brick->sum_q15[i] += OUTSIDE_Q15;
-        brick->count[i]++;
+        brick->sum_q15[i] += FXS_WHOLE * OUTSIDE_Q15;
+        brick->weight[i] += FXS_WHOLE;
     }
 }
 

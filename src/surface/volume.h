@@ -8,10 +8,12 @@ enum { FXS_BRICK = 8, FXS_BRICK_VOXELS = 512 };
 
 #define FXS_NO_BRICK UINT32_MAX
 
-/* Sums of a brick's voxels. count <= FXS_VOLUME_VIEWS, so |sum| < 2^29. */
+#define FXS_WHOLE 16             /* weight of a view's sample of a voxel */
+
+/* Sums of a brick's voxels. weight <= FXS_WHOLE * FXS_VOLUME_VIEWS < 2^16, so |sum| < 2^31. */
 typedef struct fxs_brick {
-    int32_t sum_q15[FXS_BRICK_VOXELS];        /* of clamp(signed distance / truncation, -1, 1); above 0: outside */
-    uint16_t count[FXS_BRICK_VOXELS];
+    int32_t sum_q15[FXS_BRICK_VOXELS];        /* of weight * clamp(signed distance / truncation); above 0: outside */
+    uint16_t weight[FXS_BRICK_VOXELS];
     uint16_t coloured[FXS_BRICK_VOXELS];      /* views in the colour sums */
     uint32_t colour[FXS_BRICK_VOXELS][3];
 } fxs_brick;

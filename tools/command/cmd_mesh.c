@@ -23,7 +23,7 @@ typedef struct mesh_options {
     int from;
     uint32_t views, resolution, trim, parts, triangles;
     int has_box, watertight;
-    double box[6], scale;
+    double box[6], scale, band;
     size_t memory;
 } mesh_options;
 
@@ -57,6 +57,9 @@ static const option_row own_rows[] = {
     {"views", "N", UINT32(views, 4, 4096), .help = "number of its own views from outside, 4 to 4096 (default 96)"},
     {"watertight", 0, FLAG(watertight), .basic = 1, .help =
      "close holes: what no view sees counts as inside"},
+    {"band", "VOXELS", REAL(band, 1, 64, "1 to 64 voxels"), .help =
+     "distance before a surface in which depths are averaged, and half as much behind it, 1 to 64 voxels (default "
+     "resolution / 32, at least 4). A wider band averages noisy depths, a narrower one keeps thin walls"},
     {"trim", "N", UINT32(trim, 1, FXS_VOLUME_VIEWS), .help =
      "leave out surfaces that fewer than N views see (default 1)"},
     {"parts", "N", UINT32(parts, 0, UINT32_MAX), .help =
@@ -291,6 +294,7 @@ static int make_volume(mesh_task *t)
     fxs_message why;
     fxs_volume_options_init(&options);
     options.resolution = o->resolution;
+    options.truncation = o->band;
     options.least_views = o->trim;
     options.closed = o->watertight;
     options.is_cave = t->is_inside;
