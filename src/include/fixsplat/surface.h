@@ -56,9 +56,9 @@ typedef struct fxs_volume_options {
     uint32_t size;
     uint32_t resolution;           /* voxels along the longest side of the box, 16 to FXS_VOLUME_RESOLUTION; 0: 512 */
     double low[3], high[3];        /* corners of the box, scene units */
-    double truncation;             /* largest distance before a surface that counts, voxels, 1 to 64; half as much counts
-                                      behind it. Larger ones average more noise, but thicken thin walls. 0: resolution
-                                      / 32, at least 4 */
+    double truncation;             /* largest distance before a surface that counts, voxels, 1 to 64; half as much
+                                      counts behind it. Larger ones average more noise, but thicken thin walls. 0:
+                                      resolution / 32, at least 4 */
     uint32_t least_views;          /* a voxel that fewer views saw is unknown; 0: 1 */
     int closed;                    /* 1: unknown voxels count as inside, so the mesh has no holes */
     int is_cave;                   /* 1: the scene is seen from within, and all around the box counts as inside */
