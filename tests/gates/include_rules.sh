@@ -14,7 +14,7 @@ src/image       src/camera src/base src/core
 src/open        src/scene src/pack src/gaussian src/camera src/base src/core port/posix port/backend
 src/pack        src/gaussian src/base src/core
 src/scene       src/pack src/gaussian src/base src/core
-src/surface     src/pack src/gaussian src/camera src/base src/core
+src/surface     src/scene src/pack src/gaussian src/camera src/base src/core
 src/fit         src/scene src/pack src/gaussian src/image src/camera src/base src/core
 kernels/simd/lanes  src/core
 kernels/simd    kernels/simd/lanes kernels src/core
@@ -37,7 +37,7 @@ src/gaussian  pack start
 src/camera    camera view_more
 src/image     image film picture_metrics
 src/scene     world placements edits time_range
-src/surface   surface
+src/surface   surface collide
 src/fit       fit fit_more
 kernels       kernels
 kernels/gl    gl gl_contexts

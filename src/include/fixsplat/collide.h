@@ -1,0 +1,76 @@
+/* Makes solid voxels of a packed scene: walls and floors for a program that lets someone walk in the scene.
+ *
+ * A voxel absorbs 1 - exp(-sum of alpha), where the sum is over all Gaussians that reach the voxel, and alpha is a
+ * Gaussian's alpha at the voxel's point nearest to its centre (Beer-Lambert). A voxel that absorbs enough is solid. Then
+ * a capsule, which stands for a walker, moves from a seed through all places that it fits into. What it touches is free,
+ * and everything else is solid, so walls are closed from behind.
+ *
+ * The voxels have the axes of glTF: x left, y up, z forward, as (-x, -y, z) of a scene's x, y, z. Voxel (i, j, k) is the
+ * cube from (i, j, k) to (i + 1, j + 1, k + 1), times the voxel's size. All sums are in integers, so the voxels are the
+ * same on every machine and for any number of threads. */
+#ifndef FXS_COLLIDE_H
+#define FXS_COLLIDE_H
+
+#include "scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fxs_voxels fxs_voxels;
+
+/* Lengths are in scene units. Fields of 0 stand for their defaults. */
+typedef struct fxs_collide_options {
+    uint32_t size;
+    double voxel;                  /* edge of a voxel, 2^-16 to 2^16; default 0.05 */
+    double opacity;                /* share of light that a solid voxel absorbs at least, 0.001 to 0.999; default 0.1 */
+    double radius, height;         /* the capsule: defaults 0.2 and 1.6. The radius is at most 31 voxels, the height 2
+                                      radii to 4096 voxels */
+    double up[3];                  /* up direction of the scene; the capsule stands along the axis nearest to it; default
+                                      0, -1, 0 */
+    double low[3], high[3];        /* part of the scene that becomes voxels, such as the inner bounds of a pack report.
+                                      It is widened by the capsule's height, then to multiples of 32 voxels */
+    double seeds[2][3];            /* a free place, and a second one for a first that is not free */
+    uint32_t seed_count;           /* 1 or 2 */
+    size_t max_memory;             /* most bytes of working memory; default 2^31 */
+    fxs_workers workers;
+    fxs_progress progress;
+    const fxs_allocator *allocator;   /* null: malloc */
+} fxs_collide_options;
+FXS_INIT(fxs_collide_options)
+
+/* Makes the voxels of an open scene, which must be still. Returns 0, or an error and a message: FXS_ERR_ARGUMENT,
+   FXS_ERR_SCENE, FXS_ERR_UNSUPPORTED (a scene that moves), FXS_ERR_MEMORY (more than max_memory, found before the work
+   begins), FXS_ERR_STOPPED, FXS_ERR_OBJECT (nothing is solid, or a seed is not free). */
+FXS_EXPERIMENTAL int fxs_collide(const fxs_scene *scene, const fxs_collide_options *options, fxs_voxels **voxels,
+                                 fxs_message *message);
+
+/* Later versions may add fields at its end. */
+typedef struct fxs_voxels_info {
+    double voxel;
+    int32_t low[3], high[3];       /* voxels of the box that was computed, from `low` to before `high`, multiples of 4 */
+    uint64_t absorbing;            /* voxels that absorb enough light */
+    uint64_t free;                 /* voxels that the capsule touches on its way */
+    uint32_t seed;                 /* the seed that was used, 0 or 1 */
+    size_t memory;                 /* largest working memory, bytes */
+} fxs_voxels_info;
+
+FXS_EXPERIMENTAL const fxs_voxels_info *fxs_voxels_describe(const fxs_voxels *voxels);
+
+/* Returns 1 if voxel (x, y, z) is solid. All voxels outside of the box are. */
+FXS_EXPERIMENTAL int fxs_voxels_solid(const fxs_voxels *voxels, int32_t x, int32_t y, int32_t z);
+
+/* Writes voxels by the ending of the path: X.voxel.json and X.voxel.bin, the octree of splat-transform 3, or a .glb, a
+   mesh of the faces between solid and free voxels. Returns 0, or an error and a message. */
+FXS_EXPERIMENTAL int fxs_voxels_write(const fxs_voxels *voxels, const char *path, fxs_message *message);
+
+/* Returns 1 if fxs_voxels_write knows the ending of a path. */
+FXS_EXPERIMENTAL int fxs_voxels_ending(const char *path);
+
+FXS_EXPERIMENTAL void fxs_voxels_free(fxs_voxels *voxels);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

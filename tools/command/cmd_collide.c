@@ -1,0 +1,199 @@
+/* fixsplat collide: makes voxels and meshes that a walker cannot go through. */
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include <fixsplat/collide.h>
+#include <fixsplat/system.h>
+#include <fixsplat/internal/start.h>
+#include "cmd_render.h"
+#include "file_guard.h"
+
+enum { NAME_MOST = 4096 };
+
+typedef struct collide_options {
+    frame_options frame;
+    const char *output;
+    char mesh_name[NAME_MOST];     /* mesh beside a .voxel.json; empty: none */
+    double voxel, opacity, radius, height;
+    point_option seed;
+    int mesh;
+    int moves;                     /* 1: the scene moves */
+} collide_options;
+
+#define OPTIONS collide_options
+
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"output", "OUT", OUTPUT(output), .letter = 'o', .basic = 1, .help =
+     "NAME.voxel.json, with NAME.voxel.bin beside it: an octree of voxels, as splat-transform writes it; or a .glb: a "
+     "mesh of the voxels' faces (required)"},
+    {"mesh", 0, FLAG(mesh), .basic = 1, .help = "write NAME.collision.glb too, beside NAME.voxel.json"},
+    {"voxel", "SIZE", REAL(voxel, 0x1p-16, 0x1p16, "units from 2^-16 to 2^16"), .basic = 1, .help =
+     "edge of a voxel, units (default 0.05)"},
+    {"opacity", "SHARE", REAL(opacity, 0.001, 0.999, "a share from 0.001 to 0.999"), .basic = 1, .help =
+     "a voxel is solid if it absorbs at least this share of light (default 0.1)"},
+    {"seed", "X,Y,Z", POINT(seed), .basic = 1, .help =
+     "a free place where the walker starts, in the axes of a .ply (default: the camera of the start view, else the "
+     "middle of the scene)"},
+    {"radius", "R", REAL(radius, ABOVE_0, 0x1p20, "units above 0"), .basic = 1, .help =
+     "radius of the walker, a capsule, units (default 0.2); at most 31 voxels"},
+    {"height", "H", REAL(height, ABOVE_0, 0x1p20, "units above 0"), .basic = 1, .help =
+     "height of the walker, units (default 1.6); at least twice the radius"},
+    {"time", "SECONDS", TIME(frame.render.time_q32), .basic = 1, .help =
+     "moment of a scene that moves. A scene that loops starts again after its duration"},
+    {"threads", "N", take_threads, FIELD(frame_options, frame), 1, 64, .basic = 1, .help =
+     "number of threads, 1 to 64 (default: one per processor); the files do not depend on it"},
+    {"max-memory", "BYTES", BYTES(frame.max_memory), .help =
+     "refuse voxels that need more working memory, also as 64K, 3M, 2G (default 2G)"},
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+     "how a scene that is not an .fxs is packed: default, compact or small"},
+    {0}
+};
+
+static int name_mesh(collide_options *o)
+{
+    const size_t length = strlen(o->output) - (ends_with(o->output, ".voxel.json") ? strlen(".voxel.json") : 0);
+    if (!o->mesh)
+        return 0;
+    if (ends_with(o->output, ".glb"))
+        return fail(EXIT_USAGE, "--mesh is for a .voxel.json: %s is a mesh", o->output);
+    if (length + sizeof ".collision.glb" > sizeof o->mesh_name)
+        return fail(EXIT_USAGE, "%s: the name is too long", o->output);
+    snprintf(o->mesh_name, sizeof o->mesh_name, "%.*s.collision.glb", (int)length, o->output);
+    return 0;
+}
+
+static int read_options(collide_options *o, int argc, char **argv)
+{
+    frame_options_default(&o->frame);
+    if (take_options(&command_collide, o, argc, argv))
+        return EXIT_USAGE;
+    if (argc - optind != 1)
+        return fail(EXIT_USAGE, "collide takes one scene; see: fixsplat collide --help");
+    if (!o->output)
+        return fail(EXIT_USAGE, "collide needs -o OUT, a .voxel.json or .glb");
+    if (!fxs_voxels_ending(o->output))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .voxel.json or .glb", o->output);
+    return name_mesh(o);
+}
+
+/* Registers the files of the command, so that no output replaces an input. */
+static int check_files(const collide_options *o, const char *path)
+{
+    char bin[NAME_MOST];
+    files_read(path);
+    files_write(o->output);
+    files_write(*o->mesh_name ? o->mesh_name : 0);
+    if (ends_with(o->output, ".voxel.json")) {
+        snprintf(bin, sizeof bin, "%.*s.bin", (int)(strlen(o->output) - strlen(".json")), o->output);
+        files_write(bin);
+    }
+    return files_check();
+}
+
+static int load(loaded_scene *scene, collide_options *o, const char *path)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    load_options *l = &o->frame.load;
+    if (!is_given("time"))
+        return load_scene(scene, path, l);
+    l->has_moment = 1;
+    l->moment = ldexp((double)o->frame.render.time_q32, -32);
+    l->moved = &o->moves;
+    if (open_scene(path, l, &file, &info))
+        return EXIT_FAILED;
+    if (!o->moves) {
+        fxs_scene_file_close(file);
+        return fail(EXIT_FAILED, "%s: does not move: no --time", path);
+    }
+    return load_stream(scene, path, l, file, &info);
+}
+
+static void take_seeds(fxs_collide_options *c, const collide_options *o, const fxs_opened *opened)
+{
+    fxs_start start;
+    fxs_start_of(&start, opened->data);
+    memcpy(c->up, start.up, sizeof c->up);
+    if (o->seed.given)
+        memcpy(c->seeds[c->seed_count++], o->seed.at, sizeof o->seed.at);
+    if (!o->seed.given && start.tangent > 0)
+        memcpy(c->seeds[c->seed_count++], start.position, sizeof start.position);
+    for (int i = 0; i < 3 && !o->seed.given; i++)
+        c->seeds[c->seed_count][i] = (c->low[i] + c->high[i]) / 2;
+    c->seed_count += !o->seed.given;
+}
+
+static int make(fxs_voxels **voxels, const collide_options *o, const loaded_scene *scene)
+{
+    char label[] = "voxels";
+    fxs_message why;
+    fxs_pool *pool = fxs_pool_create(o->frame.threads);
+    const fxs_opened *opened = scene->opened;
+    fxs_collide_options c = {.size = sizeof c, .voxel = o->voxel, .opacity = o->opacity, .radius = o->radius,
+                             .height = o->height, .max_memory = o->frame.max_memory,
+                             .workers = {pool ? fxs_pool_run : 0, pool, o->frame.threads},
+                             .progress = progress_of(&o->frame.load, label)};
+    memcpy(c.low, opened->report->inner_low, sizeof c.low);
+    memcpy(c.high, opened->report->inner_high, sizeof c.high);
+    take_seeds(&c, o, opened);
+    const int error = fxs_collide(opened->scene, &c, voxels, &why);
+    progress_end();
+    fxs_pool_destroy(pool);
+    if (error)
+        return fail(EXIT_FAILED, "%s: %s%s", scene->path, why.text,
+                    error == FXS_ERR_UNSUPPORTED ? ": give --time SECONDS"
+                    : error == FXS_ERR_OBJECT && !o->seed.given ? ": give --seed X,Y,Z" : "");
+    return 0;
+}
+
+static void print_voxels(const collide_options *o, const fxs_voxels *voxels)
+{
+    const fxs_voxels_info *info = fxs_voxels_describe(voxels);
+    printf("%s: %d x %d x %d voxels of %g units, %" PRIu64 " free; %" PRIu64 " of the scene absorb %g or more\n", o->output,
+           (int)(info->high[0] - info->low[0]), (int)(info->high[1] - info->low[1]), (int)(info->high[2] - info->low[2]),
+           info->voxel, info->free, info->absorbing, o->opacity == 0 ? 0.1 : o->opacity);
+}
+
+static int write(const fxs_voxels *voxels, const char *path)
+{
+    fxs_message why;
+    return fxs_voxels_write(voxels, path, &why) ? fail_for(&why) : 0;
+}
+
+static int run(int argc, char **argv)
+{
+    static collide_options o;
+    loaded_scene scene;
+    fxs_voxels *voxels = 0;
+    int status = read_options(&o, argc, argv);
+    if (!status)
+        status = check_files(&o, argv[optind]);
+    if (status || load(&scene, &o, argv[optind]))
+        return status ? status : EXIT_FAILED;
+    status = make(&voxels, &o, &scene);
+    status = status ? status : check_scene(&scene);
+    status = status ? status : write(voxels, o.output);
+    status = status || !*o.mesh_name ? status : write(voxels, o.mesh_name);
+    if (!status && !is_quiet())
+        print_voxels(&o, voxels);
+    fxs_voxels_free(voxels);
+    free_scene(&scene);
+    return status;
+}
+
+const command command_collide = {
+    "collide", "makes voxels or a mesh for walking in a scene", run,
+    "Usage: fixsplat collide SCENE -o OUT [OPTION...]\n\n"
+    "Finds where a scene is solid: a voxel is, if the Gaussians that reach it absorb enough light. Then a walker, a\n"
+    "capsule that stands upright, moves from the seed to all places that it fits into. What it touches is free,\n"
+    "everything else is solid. supersplat-viewer reads the .voxel.json, programs for physics the .glb.\n\n"
+    "The files have the axes of glTF: (-x, -y, z) of a .ply. The same scene and options give the same bytes on every\n"
+    "machine.\n",
+    0,
+    "  $ fixsplat collide room.fxs -o room.voxel.json\n"
+    "  $ fixsplat collide room.ply -o room.voxel.json --mesh --seed 0,0.4,2 --voxel 0.03\n"
+    "  $ fixsplat collide room.ply -o room.collision.glb --height 1.2 --radius 0.15\n",
+    {{own_rows, 0}, {load_rows, offsetof(collide_options, frame.load)}, COMMON_TABLE}
+};
