@@ -25,7 +25,7 @@ static void set_defaults(fxs_collide_options *o)
     o->voxel = o->voxel == 0 ? 0.05 : o->voxel;
     o->opacity = o->opacity == 0 ? 0.1 : o->opacity;
     o->radius = o->radius == 0 ? 0.2 : o->radius;
-    o->height = o->height == 0 ? 1.6 : o->height;
+    o->height = o->height == 0 ? FXS_COLLIDE_HEIGHT : o->height;
     o->max_memory = o->max_memory ? o->max_memory : (size_t)1 << 31;
     if (o->up[0] == 0 && o->up[1] == 0 && o->up[2] == 0)
         o->up[1] = -1;

@@ -22,6 +22,13 @@ typedef struct gaussian {
     int32_t offset_q11;
 } gaussian;
 
+/* Where a Gaussian's distance^2 is at most 9 on a row of voxels, if it is narrow: within `half` of the offset along x
+   slope[0] dy + slope[1] dz. */
+typedef struct narrowing {
+    int is_narrow;
+    int64_t half_q12, slope_q20[2];
+} narrowing;
+
 typedef struct absorption {
     const fxs_scene *scene;
     fxs_bits *grid;
@@ -263,12 +270,43 @@ static uint32_t alpha_at(const int64_t u_q36[3], int32_t offset_q11)
            : (uint32_t)fxs_alpha_q15(square_q11 + offset_q11);
 }
 
+/* On a row, distance^2 = A (x - x0)^2 + m with A = sum of row[k][0]^2 and x0 = -sum of row[k][0] (row[k][1] dy +
+   row[k][2] dz) / A. Gaussians with a 1 / sqrt(A) above 64 voxels are not narrow. The half has a margin of 2 voxels. */
+static narrowing narrow(const gaussian *g)
+{
+    narrowing n = {0, 0, {0, 0}};
+    uint64_t a_q48 = 0;
+    int64_t cross_q48[2] = {0, 0};
+    for (int k = 0; k < 3; k++) {
+        a_q48 += (uint64_t)(g->row_q24[k][0] * g->row_q24[k][0]);
+        for (int i = 0; i < 2; i++)
+            cross_q48[i] += g->row_q24[k][0] * g->row_q24[k][i + 1];
+    }
+    if (a_q48 < (uint64_t)1 << 36)
+        return n;
+    const int zeros = fxs_clz64(a_q48) & ~1;
+    const int64_t root_q12 = (int64_t)(fxs_rsqrt((uint32_t)(a_q48 << zeros >> 32)) >> (26 - zeros / 2));
+    n.half_q12 = 3 * root_q12 + (root_q12 >> 4) + 8192;
+    n.is_narrow = 1;
+    for (int i = 0; i < 2; i++) {
+        n.slope_q20[i] = -cross_q48[i] / (int64_t)(a_q48 >> 20);
+        n.is_narrow = n.is_narrow && n.slope_q20[i] < (int64_t)1 << 33 && n.slope_q20[i] > -((int64_t)1 << 33);
+    }
+    return n;
+}
+
 /* Adds a Gaussian to the sums of the voxels x of row (y, z) from `low` to `high`. A sum at the limit stays. */
-static void add_to_row(uint32_t *sums, const gaussian *g, int32_t low, int32_t high, int32_t y, int32_t z,
-                       uint32_t limit_q15)
+static void add_to_row(uint32_t *sums, const gaussian *g, const narrowing *n, int32_t low, int32_t high, int32_t y,
+                       int32_t z, uint32_t limit_q15)
 {
     const int64_t dy = nearest_q12(g->mean_q12[1], y), dz = nearest_q12(g->mean_q12[2], z);
     int64_t row_q36[3], u_q36[3];
+    if (n->is_narrow) {
+        const int64_t x_q12 = g->mean_q12[0] + ((n->slope_q20[0] * dy + n->slope_q20[1] * dz) >> 20);
+        const int64_t first = (x_q12 - n->half_q12) >> 12, last = (x_q12 + n->half_q12) >> 12;
+        low = first > low ? (int32_t)(first < high ? first : high + 1) : low;
+        high = last < high ? (int32_t)(last > low ? last : low - 1) : high;
+    }
     for (int k = 0; k < 3; k++)
         row_q36[k] = g->row_q24[k][1] * dy + g->row_q24[k][2] * dz;
     for (int32_t x = low; x <= high; x++) {
@@ -285,6 +323,7 @@ static void add_to_row(uint32_t *sums, const gaussian *g, int32_t low, int32_t h
 static void add_to_cell(uint32_t *sums, const gaussian *g, const int32_t cell[3], uint32_t limit_q15)
 {
     int32_t low[3], high[3];
+    const narrowing n = narrow(g);
     for (int i = 0; i < 3; i++) {
         const int32_t first = cell[i] * FXS_CELL, last = first + FXS_CELL - 1;
         low[i] = g->low[i] > first ? g->low[i] : first;
@@ -292,7 +331,7 @@ static void add_to_cell(uint32_t *sums, const gaussian *g, const int32_t cell[3]
     }
     for (int32_t z = low[2]; z <= high[2]; z++)
         for (int32_t y = low[1]; y <= high[1]; y++)
-            add_to_row(sums + FXS_CELL * (FXS_CELL * (z & 31) + (y & 31)), g, low[0], high[0], y, z, limit_q15);
+            add_to_row(sums + FXS_CELL * (FXS_CELL * (z & 31) + (y & 31)), g, &n, low[0], high[0], y, z, limit_q15);
 }
 
 static void absorb_cell(void *argument, uint32_t cell, uint32_t words[FXS_CELL_WORDS], void *scratch)

@@ -58,12 +58,21 @@ static int add(octree *t, words *w, uint32_t word)
 
 /* ---- States ------------------------------------------------------------------------------------------------------ */
 
+/* Blocks outside of the grid are solid. */
 static uint64_t block_bits(const fxs_voxels *v, int32_t x, int32_t y, int32_t z)
 {
+    const int32_t block[3] = {x, y, z};
+    int32_t at[3];
     uint64_t bits = 0;
-    for (int i = 0; i < 64; i++)
-        bits |= (uint64_t)fxs_voxels_solid(v, v->info.low[0] + 4 * x + (i & 3), v->info.low[1] + 4 * y + (i >> 2 & 3),
-                                           v->info.low[2] + 4 * z + (i >> 4)) << i;
+    for (int i = 0; i < 3; i++) {
+        at[i] = v->info.low[i] - v->origin[i] + 4 * block[i];
+        if (at[i] < 0 || at[i] >= v->solid.n[i] * FXS_CELL)
+            return UINT64_MAX;
+    }
+    for (int row = 0; row < 16; row++) {
+        const uint32_t word = fxs_bits_row(&v->solid, at[0] >> 5, at[1] + row % 4, at[2] + row / 4);
+        bits |= (uint64_t)(word >> (at[0] & 31) & 15) << 4 * row;
+    }
     return bits;
 }
 

@@ -5,9 +5,9 @@
 
 #include <fixsplat/collide.h>
 #include <fixsplat/system.h>
-#include <fixsplat/internal/start.h>
 #include "cmd_render.h"
 #include "file_guard.h"
+#include "tools/serve/scene_picture.h"
 
 enum { NAME_MOST = 4096 };
 
@@ -111,33 +111,38 @@ static int load(loaded_scene *scene, collide_options *o, const char *path)
     return load_stream(scene, path, l, file, &info);
 }
 
-static void take_seeds(fxs_collide_options *c, const collide_options *o, const fxs_opened *opened)
+/* Chooses seeds: the given one, or the first view's camera, moved into the box, and the middle of the scene. */
+static int take_seeds(fxs_collide_options *c, const collide_options *o, const fxs_opened *opened)
 {
-    fxs_start start;
-    fxs_start_of(&start, opened->data);
-    memcpy(c->up, start.up, sizeof c->up);
-    if (o->seed.given)
-        memcpy(c->seeds[c->seed_count++], o->seed.at, sizeof o->seed.at);
-    if (!o->seed.given && start.tangent > 0)
-        memcpy(c->seeds[c->seed_count++], start.position, sizeof start.position);
-    for (int i = 0; i < 3 && !o->seed.given; i++)
-        c->seeds[c->seed_count][i] = (c->low[i] + c->high[i]) / 2;
-    c->seed_count += !o->seed.given;
+    const double height = o->height == 0 ? FXS_COLLIDE_HEIGHT : o->height;
+    fxs_camera camera;
+    fxs_message why;
+    memcpy(c->up, opened->info->start.up, sizeof c->up);
+    c->seed_count = o->seed.given ? 1 : 2;
+    if (!o->seed.given && fxs_opened_camera(opened, PICTURE_WIDTH, PICTURE_HEIGHT, &camera, &why))
+        return fail_for(&why);
+    for (int i = 0; i < 3; i++) {
+        const double at = o->seed.given ? o->seed.at[i] : ldexp((double)camera.position_q32[i], -32);
+        c->seeds[0][i] = o->seed.given ? at : fmin(fmax(at, c->low[i] - height / 2), c->high[i] + height / 2);
+        c->seeds[1][i] = (c->low[i] + c->high[i]) / 2;
+    }
+    return 0;
 }
 
 static int make(fxs_voxels **voxels, const collide_options *o, const loaded_scene *scene)
 {
     char label[] = "voxels";
     fxs_message why;
-    fxs_pool *pool = fxs_pool_create(o->frame.threads);
     const fxs_opened *opened = scene->opened;
     fxs_collide_options c = {.size = sizeof c, .voxel = o->voxel, .opacity = o->opacity, .radius = o->radius,
                              .height = o->height, .max_memory = o->frame.max_memory,
-                             .workers = {pool ? fxs_pool_run : 0, pool, o->frame.threads},
                              .progress = progress_of(&o->frame.load, label)};
     memcpy(c.low, opened->report->inner_low, sizeof c.low);
     memcpy(c.high, opened->report->inner_high, sizeof c.high);
-    take_seeds(&c, o, opened);
+    if (take_seeds(&c, o, opened))
+        return EXIT_FAILED;
+    fxs_pool *pool = fxs_pool_create(o->frame.threads);
+    c.workers = (fxs_workers){pool ? fxs_pool_run : 0, pool, o->frame.threads};
     const int error = fxs_collide(opened->scene, &c, voxels, &why);
     progress_end();
     fxs_pool_destroy(pool);

@@ -19,12 +19,14 @@ extern "C" {
 
 typedef struct fxs_voxels fxs_voxels;
 
+#define FXS_COLLIDE_HEIGHT 1.6     /* default height of the capsule */
+
 /* Lengths are in scene units. Fields of 0 stand for their defaults. */
 typedef struct fxs_collide_options {
     uint32_t size;
     double voxel;                  /* edge of a voxel, 2^-16 to 2^16; default 0.05 */
     double opacity;                /* share of light that a solid voxel absorbs at least, 0.001 to 0.999; default 0.1 */
-    double radius, height;         /* the capsule: defaults 0.2 and 1.6. The radius is at most 31 voxels, the height 2
+    double radius, height;         /* the capsule: defaults 0.2 and FXS_COLLIDE_HEIGHT. The radius is at most 31 voxels, the height 2
                                       radii to 4096 voxels */
     double up[3];                  /* up direction of the scene; the capsule stands along the axis nearest to it; default
                                       0, -1, 0 */
