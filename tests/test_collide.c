@@ -181,7 +181,8 @@ static void test_dilation(void)
                         plain[1][i] |= (unsigned char)plain_at(plain[0], i % X + dx, i / X % Y + sets[set][k].dy,
                                                                i / X / Y + sets[set][k].dz, outside);
             }
-            CHECK(!fxs_bits_dilate(&bits, sets[set], counts[set], 31, outside ? FXS_CELL_SOLID : FXS_CELL_EMPTY, &work));
+            CHECK(!fxs_bits_dilate(&bits, sets[set], counts[set], 31, outside ? FXS_CELL_SOLID : FXS_CELL_EMPTY,
+                                   &work));
             if (set < 2)
                 CHECK(!differs(&bits, plain[1]));
             fxs_bits_close(&bits, &work);
@@ -237,8 +238,8 @@ static void test_flood(void)
 
 /* ---- The room ---------------------------------------------------------------------------------------------------- */
 
-/* Two rooms, x from -3 to 3, z from -2 to 2, the floor at y = 0 and the ceiling at y = -2.5 (y down), with a wall between
-   them at x = 0 that has a door of 1 x 2.1 units. `shut` closes it. */
+/* Two rooms, x from -3 to 3, z from -2 to 2, the floor at y = 0 and the ceiling at y = -2.5 (y down). The wall between
+   them at x = 0 has a door of 1 x 2.1 units. `shut` closes it. */
 enum { ROOM_MOST = 20000 };
 
 static void add_plane(list *l, int axis, double at, double u0, double u1, double v0, double v1, int is_wall)
@@ -341,7 +342,7 @@ static int is_solid(const read_back *r, long x, long y, long z)
                    (r->words[r->nodes + 2 * word + bit / 32] >> bit % 32 & 1);
         }
         level--;
-        const unsigned child = (unsigned)((z >> 2 >> level & 1) * 4 + (y >> 2 >> level & 1) * 2 + (x >> 2 >> level & 1));
+        const unsigned to = level + 2, child = (unsigned)((z >> to & 1) * 4 + (y >> to & 1) * 2 + (x >> to & 1));
         if (!(mask >> child & 1))
             return 0;
         node = word & 0xffffff;
@@ -574,7 +575,8 @@ static void test_haze(void)
     made m;
     for (int dense = 0; dense < 2; dense++) {
         for (size_t i = 0; i < l.count; i++) {
-            gaussians[i] = (fxs_gaussian){.scale = {-1, -1, -1}, .rotation = {1, 0, 0, 0}, .opacity = dense ? 2.f : -5.4f};
+            gaussians[i] = (fxs_gaussian){.scale = {-1, -1, -1}, .rotation = {1, 0, 0, 0},
+                                          .opacity = dense ? 2.f : -5.4f};
             for (int k = 0; k < 3; k++)
                 gaussians[i].position[k] = (float)uniform(-8, 8) * (dense ? 0.3f : 2.f);
         }

@@ -43,11 +43,11 @@ static int check(const fxs_collide_options *o, fxs_message *m)
     if (!(o->opacity >= 0.001 && o->opacity <= 0.999))
         return fxs_fail_as(FXS_ERR_ARGUMENT, m, "the opacity of a solid voxel is 0.001 to 0.999");
     if (!(o->radius > 0 && o->radius / o->voxel < FXS_REACH_MOST + 0.5))
-        return fxs_fail_as(FXS_ERR_ARGUMENT, m, "the radius of the capsule is above 0, at most 31 voxels: here %.3g units",
-                           FXS_REACH_MOST * o->voxel);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, m, "the radius of the capsule is above 0, at most 31 voxels: here %.3g "
+                           "units", FXS_REACH_MOST * o->voxel);
     if (!(o->height >= 2 * o->radius && o->height / o->voxel <= HEIGHT_MOST))
-        return fxs_fail_as(FXS_ERR_ARGUMENT, m, "the height of the capsule is twice its radius to 4096 voxels: here %.3g "
-                           "to %.3g units", 2 * o->radius, HEIGHT_MOST * o->voxel);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, m, "the height of the capsule is twice its radius to 4096 voxels: here "
+                           "%.3g to %.3g units", 2 * o->radius, HEIGHT_MOST * o->voxel);
     int valid = is_point(o->up) && is_point(o->low) && is_point(o->high) && o->seed_count >= 1 && o->seed_count <= 2;
     for (int i = 0; i < 3; i++)
         valid = valid && o->low[i] <= o->high[i];
@@ -220,14 +220,14 @@ static int size_grid(int32_t n[3], fxs_voxels *v, const fxs_collide_options *o, 
         const double end = ceil((v->bounds[1][i] + o->height) / o->voxel / FXS_CELL);
         cells *= end - first;
         if (fabs(first) > 0x1p24 || fabs(end) > 0x1p24 || end - first > CELLS_MOST)
-            return fxs_fail_as(FXS_ERR_MEMORY, m, "voxels of %.3g units are too small for a scene of this size or place: "
-                               "make them larger", o->voxel);
+            return fxs_fail_as(FXS_ERR_MEMORY, m, "voxels of %.3g units are too small for a scene of this size or "
+                               "place: make them larger", o->voxel);
         n[i] = (int32_t)(end - first);
         v->origin[i] = (int32_t)first * FXS_CELL;
     }
     if (16 * cells > (double)o->max_memory)
-        return fxs_fail_as(FXS_ERR_MEMORY, m, "voxels of %.3g units need over %.1f MiB, more than %.1f MiB: make them larger",
-                           o->voxel, cells / 65536, (double)o->max_memory / 1048576);
+        return fxs_fail_as(FXS_ERR_MEMORY, m, "voxels of %.3g units need over %.1f MiB, more than %.1f MiB: make them "
+                           "larger", o->voxel, cells / 65536, (double)o->max_memory / 1048576);
     return 0;
 }
 
@@ -241,8 +241,10 @@ static int find_solid(fxs_voxels *v, const fxs_scene *scene, const fxs_collide_o
     work->share = 0.05;
     FXS_TRY(fxs_bits_drop_dust(&v->solid, work));
     v->info.absorbing = fxs_bits_count(&v->solid);
-    return v->info.absorbing ? 0 : fxs_fail_as(FXS_ERR_OBJECT, work->message, "nothing is solid: no voxels side by side "
-                                               "absorb %.3g of the light", o->opacity);
+    if (!v->info.absorbing)
+        return fxs_fail_as(FXS_ERR_OBJECT, work->message, "nothing is solid: no voxels side by side absorb %.3g of the "
+                           "light", o->opacity);
+    return 0;
 }
 
 /* Replaces the solid voxels by those that the capsule cannot reach. */

@@ -395,7 +395,8 @@ static uint32_t spread(uint32_t set, uint32_t free)
     return set;
 }
 
-/* Adds to a row what its neighbours at (y - dy, z) and (y, z - dz) have, and spreads it. Returns 1 if it gained bits. */
+/* Adds to a row the bits of its neighbours at (y - d, z) and (y, z - d), and spreads them. Returns 1 if it gained
+   bits. */
 static int flood_row(uint32_t *words, const uint32_t *free, int row, int d)
 {
     const int y = row % FXS_CELL - d, z = row / FXS_CELL - d;

@@ -218,8 +218,8 @@ static int is_border(const fxs_bits *g, size_t cell)
     return !at[0] || !at[1] || !at[2] || at[0] == x - 1 || at[1] == y - 1 || at[2] == z - 1;
 }
 
-/* Returns a bound of the working memory: three grids, two of them with bits. Bits are near the Gaussians and the border,
-   as far as the capsule reaches in three passes. */
+/* Finds a bound of the working memory: three grids, two of them with bits. Cells with bits are near Gaussians and the
+   border, at most 3 cells away. */
 static int bound_memory(const absorption *a, uint64_t *bytes, fxs_voxel_work *work)
 {
     const size_t cells = fxs_bits_cells(a->grid);

@@ -182,7 +182,8 @@ static void print_json(FILE *file, const faces *f)
             "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
             "{\"POSITION\":0},\"indices\":1}]}],\"buffers\":[{\"byteLength\":%lu}],\"bufferViews\":[{\"buffer\":0,"
             "\"byteLength\":%lu,\"target\":34962},{\"buffer\":0,\"byteOffset\":%lu,\"byteLength\":%lu,"
-            "\"target\":34963}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%lu,\"type\":\"VEC3\"",
+            "\"target\":34963}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%lu,"
+            "\"type\":\"VEC3\"",
             positions + triangles, positions, positions, triangles, positions / 12);
     print_corner(file, f, "min", 0);
     print_corner(file, f, "max", 1);

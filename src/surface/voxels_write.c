@@ -1,10 +1,10 @@
 /* Writes voxels as X.voxel.json and X.voxel.bin, the sparse octree of splat-transform 3 (version 1.1).
  *
- * A leaf of the octree is a block of 4^3 voxels; a node of the level above has up to 8 blocks, child z 4 + y 2 + x. Nodes
- * are 32-bit words, level by level from the root, the children of a node side by side:
+ * A leaf of the octree is a block of 4^3 voxels; a node of the level above has up to 8 blocks, child 4 z + 2 y + x.
+ * Nodes are 32-bit words, level by level from the root, the children of a node side by side:
  *
  *   0xff000000                         all voxels below are solid
- *   mask << 24 | number                a node with the children of the mask; the number is that of the first child's word
+ *   mask << 24 | number                a node with the children of the mask; `number` is the first child's word
  *   number                             a block; two words of `leaves` from 2 number on have bit 16 z + 4 y + x */
 #include <stdlib.h>
 #include <string.h>
@@ -149,8 +149,8 @@ static int add_node(octree *t, int number, const int32_t at[3])
 {
     const unsigned char state = state_at(&t->levels[number], at[0], at[1], at[2]);
     if (t->nodes.count > NUMBER_MOST || t->leaves.count / 2 > NUMBER_MOST)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, t->message, "more than 2^24 nodes, which a .voxel.json cannot hold: make "
-                           "voxels larger");
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, t->message, "more than 2^24 nodes, which a .voxel.json cannot hold: "
+                           "make voxels larger");
     if (state == EMPTY)
         return 0;
     if (state == SOLID)

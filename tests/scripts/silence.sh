@@ -211,6 +211,20 @@ options='count 60; seed 2'
 by_design=output elsewhere= mask= more='--count 50'
 try make-scene
 
+# ---- collide ---------------------------------------------------------------------------------------------------------
+
+places='plain ../knot.ply -o out.voxel.json
+packed ../start.fxs -o out.voxel.json
+levels ../levels.fxs -o out.voxel.json
+mesh ../knot.ply -o out.glb
+moves ../moving.splatv -o out.voxel.json --time 0.3'
+options='mesh; voxel 0.4; opacity 0.7; seed 90,0,0; radius 0.5; height 2; time 0.7; profile small; lod 1; axes rdf; rate 12'
+by_design='output threads max-memory max-gaussians import-memory' mask= more='--voxel 0.2'
+# These change the voxels of a scene with narrow places, and of one with Gaussians of many sizes.
+elsewhere='height:moves profile:moves'
+how=plainly path=$PATH notes=
+try collide
+
 # ---- publish ---------------------------------------------------------------------------------------------------------
 
 mkdir -p page/viewer scenes && echo page >page/viewer/index.html && echo >page/viewer/single.js && echo >page/LICENSE &&

@@ -5,6 +5,7 @@
 
 #include <fixsplat/collide.h>
 #include <fixsplat/system.h>
+#include <fixsplat/internal/start.h>
 #include "cmd_render.h"
 #include "file_guard.h"
 #include "tools/serve/scene_picture.h"
@@ -18,7 +19,6 @@ typedef struct collide_options {
     double voxel, opacity, radius, height;
     point_option seed;
     int mesh;
-    int moves;                     /* 1: the scene moves */
 } collide_options;
 
 #define OPTIONS collide_options
@@ -69,8 +69,10 @@ static int read_options(collide_options *o, int argc, char **argv)
     frame_options_default(&o->frame);
     if (take_options(&command_collide, o, argc, argv))
         return EXIT_USAGE;
-    if (argc - optind != 1)
+    if (argc - optind > 1)
         return fail(EXIT_USAGE, "collide takes one scene; see: fixsplat collide --help");
+    if (take_scenes(&o->frame.world, "collide", argc - optind, argv + optind))
+        return EXIT_USAGE;
     if (!o->output)
         return fail(EXIT_USAGE, "collide needs -o OUT, a .voxel.json or .glb");
     if (!fxs_voxels_ending(o->output))
@@ -92,23 +94,22 @@ static int check_files(const collide_options *o, const char *path)
     return files_check();
 }
 
-static int load(loaded_scene *scene, collide_options *o, const char *path)
+/* Opens the scene, or its moment. */
+static int load(world *w, const collide_options *o)
 {
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
-    load_options *l = &o->frame.load;
-    if (!is_given("time"))
-        return load_scene(scene, path, l);
-    l->has_moment = 1;
-    l->moment = ldexp((double)o->frame.render.time_q32, -32);
-    l->moved = &o->moves;
-    if (open_scene(path, l, &file, &info))
+    world moving;
+    load_options l = o->frame.load;
+    if (world_open(w, &o->frame.world, &l))
         return EXIT_FAILED;
-    if (!o->moves) {
-        fxs_scene_file_close(file);
-        return fail(EXIT_FAILED, "%s: does not move: no --time", path);
-    }
-    return load_stream(scene, path, l, file, &info);
+    if (!is_given("time"))
+        return 0;
+    moving = *w;
+    l.again = 1;
+    l.has_moment = 1;
+    l.moment = ldexp((double)o->frame.render.time_q32, -32);
+    const int status = world_open_merged(w, &moving.placed, moving.placed.files[0], &l);
+    world_close(&moving);
+    return status;
 }
 
 /* Chooses seeds: the given one, or the first view's camera, moved into the box, and the middle of the scene. */
@@ -137,8 +138,7 @@ static int make(fxs_voxels **voxels, const collide_options *o, const loaded_scen
     fxs_collide_options c = {.size = sizeof c, .voxel = o->voxel, .opacity = o->opacity, .radius = o->radius,
                              .height = o->height, .max_memory = o->frame.max_memory,
                              .progress = progress_of(&o->frame.load, label)};
-    memcpy(c.low, opened->report->inner_low, sizeof c.low);
-    memcpy(c.high, opened->report->inner_high, sizeof c.high);
+    fxs_inner_box(opened->data, c.low, c.high);
     if (take_seeds(&c, o, opened))
         return EXIT_FAILED;
     fxs_pool *pool = fxs_pool_create(o->frame.threads);
@@ -156,9 +156,11 @@ static int make(fxs_voxels **voxels, const collide_options *o, const loaded_scen
 static void print_voxels(const collide_options *o, const fxs_voxels *voxels)
 {
     const fxs_voxels_info *info = fxs_voxels_describe(voxels);
-    printf("%s: %d x %d x %d voxels of %g units, %" PRIu64 " free; %" PRIu64 " of the scene absorb %g or more\n", o->output,
-           (int)(info->high[0] - info->low[0]), (int)(info->high[1] - info->low[1]), (int)(info->high[2] - info->low[2]),
-           info->voxel, info->free, info->absorbing, o->opacity == 0 ? 0.1 : o->opacity);
+    printf("%s:", o->output);
+    for (int i = 0; i < 3; i++)
+        printf(i ? " x %d" : " %d", (int)(info->high[i] - info->low[i]));
+    printf(" voxels of %g units, %" PRIu64 " free; %" PRIu64 " of the scene absorb %g or more\n", info->voxel,
+           info->free, info->absorbing, o->opacity == 0 ? 0.1 : o->opacity);
 }
 
 static int write(const fxs_voxels *voxels, const char *path)
@@ -170,21 +172,21 @@ static int write(const fxs_voxels *voxels, const char *path)
 static int run(int argc, char **argv)
 {
     static collide_options o;
-    loaded_scene scene;
+    world w;
     fxs_voxels *voxels = 0;
     int status = read_options(&o, argc, argv);
     if (!status)
         status = check_files(&o, argv[optind]);
-    if (status || load(&scene, &o, argv[optind]))
+    if (status || load(&w, &o))
         return status ? status : EXIT_FAILED;
-    status = make(&voxels, &o, &scene);
-    status = status ? status : check_scene(&scene);
+    status = make(&voxels, &o, &w.scenes[0]);
+    status = status ? status : world_check(&w);
     status = status ? status : write(voxels, o.output);
     status = status || !*o.mesh_name ? status : write(voxels, o.mesh_name);
     if (!status && !is_quiet())
         print_voxels(&o, voxels);
     fxs_voxels_free(voxels);
-    free_scene(&scene);
+    world_close(&w);
     return status;
 }
 

@@ -1,11 +1,11 @@
-/* Makes solid voxels of a packed scene: walls and floors for a program that lets someone walk in the scene.
+/* Makes solid voxels of a packed scene: walls and floors for a program in which a user walks through the scene.
  *
- * A voxel absorbs 1 - exp(-sum of alpha), where the sum is over all Gaussians that reach the voxel, and alpha is a
- * Gaussian's alpha at the voxel's point nearest to its centre (Beer-Lambert). A voxel that absorbs enough is solid. Then
- * a capsule, which stands for a walker, moves from a seed through all places that it fits into. What it touches is free,
- * and everything else is solid, so walls are closed from behind.
+ * A voxel absorbs 1 - exp(-sum of alpha) of the light (Beer-Lambert). The sum is over all Gaussians that reach the
+ * voxel, with their alpha at the voxel's point nearest to their centre. A voxel that absorbs enough is solid. Then a
+ * capsule (the walker) moves from a seed to all places that it fits into. Voxels that the capsule touches are free. All
+ * others are solid, so walls are closed from behind.
  *
- * The voxels have the axes of glTF: x left, y up, z forward, as (-x, -y, z) of a scene's x, y, z. Voxel (i, j, k) is the
+ * The voxels have the axes of glTF: x left, y up, z forward, (-x, -y, z) of a scene's (x, y, z). Voxel (i, j, k) is the
  * cube from (i, j, k) to (i + 1, j + 1, k + 1), times the voxel's size. All sums are in integers, so the voxels are the
  * same on every machine and for any number of threads. */
 #ifndef FXS_COLLIDE_H
@@ -26,10 +26,10 @@ typedef struct fxs_collide_options {
     uint32_t size;
     double voxel;                  /* edge of a voxel, 2^-16 to 2^16; default 0.05 */
     double opacity;                /* share of light that a solid voxel absorbs at least, 0.001 to 0.999; default 0.1 */
-    double radius, height;         /* the capsule: defaults 0.2 and FXS_COLLIDE_HEIGHT. The radius is at most 31 voxels, the height 2
-                                      radii to 4096 voxels */
-    double up[3];                  /* up direction of the scene; the capsule stands along the axis nearest to it; default
-                                      0, -1, 0 */
+    double radius, height;         /* the capsule: defaults 0.2 and FXS_COLLIDE_HEIGHT. The radius is at most 31 voxels,
+                                      the height 2 radii to 4096 voxels */
+    double up[3];                  /* up direction of the scene (default 0, -1, 0). The capsule stands along the nearest
+                                      axis */
     double low[3], high[3];        /* part of the scene that becomes voxels, such as the inner bounds of a pack report.
                                       It is widened by the capsule's height, then to multiples of 32 voxels */
     double seeds[2][3];            /* a free place, and a second one for a first that is not free */
@@ -50,7 +50,7 @@ FXS_EXPERIMENTAL int fxs_collide(const fxs_scene *scene, const fxs_collide_optio
 /* Later versions may add fields at its end. */
 typedef struct fxs_voxels_info {
     double voxel;
-    int32_t low[3], high[3];       /* voxels of the box that was computed, from `low` to before `high`, multiples of 4 */
+    int32_t low[3], high[3];       /* box around the free voxels, from `low` to before `high`, multiples of 4 */
     uint64_t absorbing;            /* voxels that absorb enough light */
     uint64_t free;                 /* voxels that the capsule touches on its way */
     uint32_t seed;                 /* the seed that was used, 0 or 1 */
