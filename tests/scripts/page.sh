@@ -38,7 +38,7 @@ of_webgpu="$package/webgpu.js $package/stages.js"
 of_pages="fit.js published.js served.js list.js single.js"      # other pages
 # Files that the page loads with the first annotation, track, settings file, film, sky, or text in another language.
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
-of_hands="walk.js gamepad.js joystick.js"        # files that the page loads for walking, gamepads and touchscreens
+of_hands="walk.js voxels.js gamepad.js joystick.js"        # files that the page loads for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
 of_keys=keys.js                  # file that the page loads to edit a camera track
 of_looks=look.js                 # file that the page loads with a settings file, a tone curve, an exposure or a vignette

@@ -108,6 +108,16 @@ check "--settings: beside the scene" cmp told/settings.json tour.json
 check "--settings: the page reads them" grep -q '<fixsplat-viewer src="knot.fxs" label="knot" poster="knot.jpg" poster-frame="[0-9. ]*" settings="settings.json">' \
     told/index.html
 
+check "--walk" "$fixsplat" publish knot.ply walked --size 64x36 --walk --quiet
+check "--walk: the page reads the voxels" grep -q 'background="#000000" walls="knot.voxel.json">' walked/index.html
+check "--walk: as collide makes them" "$fixsplat" collide walked/knot.fxs -o knot.voxel.json --quiet
+check "--walk: the same bytes" sh -c 'cmp knot.voxel.json walked/knot.voxel.json && cmp knot.voxel.bin walked/knot.voxel.bin'
+fails "--walk in a single file" 2 "--walk does not go with --single" publish --single knot.ply walk.html --walk
+"$fixsplat" make-scene knot --count 400 -o dot.ply --quiet
+fails "--walk of a scene without room" 1 "publish without --walk, or give a --start-view in a free place" \
+    publish dot.ply walled --size 64x36 --walk --start-view 0,0,0,0,0,1 --quiet
+check "--walk of a scene without room: nothing is left" [ ! -e walled ]
+
 # ---- Several scenes --------------------------------------------------------------------------------------------------
 
 mkdir scenes more && cp knot.ply 'a & b.ply' scenes && cp knot.ply more && cp knot.ply more/index.ply && echo >scenes/text.txt

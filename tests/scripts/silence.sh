@@ -240,7 +240,7 @@ tour ../700.ply site --settings ../tour.json
 moving ../moving.splatv site
 single --single ../700.ply a.html
 packed-single --single ../levels.fxs a.html'
-options='title T; profile compact; single; levels; size 32x18; settings ../tour.json; sound ../a.wav; up 0,0,-1;
+options='title T; profile compact; single; walk; levels; size 32x18; settings ../tour.json; sound ../a.wav; up 0,0,-1;
     start-view 1,-2,-9,0,0,0'
 # Scenes that have levels keep them.
 by_design= elsewhere='levels:levels levels:packed-single' mask= more=

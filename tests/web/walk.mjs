@@ -1,7 +1,8 @@
 // Tests of walking in the viewer, of gamepads and of the on-screen joystick, for page.mjs.
 import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
 import { writeFileSync } from 'node:fs'
-import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
+import { command, hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
 
 // A generated scene to walk in, with the floor at y = 0 and up as -y. It has a ramp and a platform at the right, a wall
 // at the left, and a hole between.
@@ -11,7 +12,10 @@ const HOLE = { x: [-0.3, 0.4], z: [0.4, 1.1], deep: 6 }
 const rise = (x, z) =>
   x < RAMP.left || x > RAMP.right ? 0 : RAMP.slope * Math.max(0, Math.min(z, RAMP.top) - RAMP.from)
 
-function yard() {
+// A wall across the whole yard that only the voxels of walled.ply have.
+const UNSEEN = { z: 1.8 }
+
+function yard(name, isWalled) {
   const points = []
   const [flat, thin] = [Math.log(0.05), Math.log(0.004)]
   const isHole = (x, z) => x > HOLE.x[0] && x < HOLE.x[1] && z > HOLE.z[0] && z < HOLE.z[1]
@@ -22,13 +26,15 @@ function yard() {
     }
   for (let x = -4; x < WALL.right; x += 0.1)
     for (let y = 0; y < WALL.tall; y += 0.1) points.push([x, -y, WALL.z, flat, flat, thin])
+  for (let x = -4; isWalled && x < 4; x += 0.1)
+    for (let y = 0; y < WALL.tall; y += 0.1) points.push([x, -y, UNSEEN.z, flat, flat, thin])
   const names = ['x', 'y', 'z', 'scale_0', 'scale_1', 'scale_2', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacity',
     'rot_0', 'rot_1', 'rot_2', 'rot_3']
   const header = `ply\nformat binary_little_endian 1.0\nelement vertex ${points.length}\n` +
     names.map((name) => `property float ${name}\n`).join('') + 'end_header\n'
   const colours = (x, z) => [Math.sin(3 * x), Math.sin(3 * z), 0.2]
   const rows = points.flatMap((p) => [...p, ...colours(p[0], p[2]), 4, 1, 0, 0, 0])
-  writeFileSync(`${scenes}/yard.ply`, Buffer.concat([Buffer.from(header), Buffer.from(new Float32Array(rows).buffer)]))
+  writeFileSync(`${scenes}/${name}`, Buffer.concat([Buffer.from(header), Buffer.from(new Float32Array(rows).buffer)]))
 }
 
 const start = [2, -1.2, 0.4]
@@ -116,6 +122,20 @@ async function walls() {
   await from(-2, 2.5, [-4, 4])
   const along = await hold('w', ([x]) => x < -2.9)
   assert.ok(along[0] < -2.8 && along[2] < WALL.z - 0.1, `along the wall to ${along}`)
+}
+
+async function voxels() {
+  yard('walled.ply', true)
+  const walker = ['--voxel', '0.1', '--radius', '0.15', '--height', '0.9', '--seed=-2,-0.8,0']
+  execFileSync(command, ['collide', `${scenes}/walled.ply`, '-o', `${scenes}/walled.voxel.json`, '--quiet', ...walker])
+  await inside(`v.setAttribute('walls', '/scenes/walled.voxel.json')`)
+  await from(-2, 0.2, [-2, 9])
+  const [, , stopped] = await hold('w')
+  assert.ok(stopped > 1.2 && stopped < UNSEEN.z - 0.1, `voxels at ${UNSEEN.z}, it stops at ${stopped}`)
+  await inside(`v.removeAttribute('walls')`)
+  await from(-2, 0.2, [-2, 9])
+  const [, , z] = await hold('w', ([, , z]) => z > UNSEEN.z)
+  assert.ok(z > UNSEEN.z, `without voxels, it stops at ${z}`)
 }
 
 async function holes() {
@@ -232,12 +252,12 @@ async function two() {
   assert.ok(high > 3)
 }
 
-const OFTEN = [ground, walls, holes]
+const OFTEN = [ground, walls, voxels, holes]
 const SELDOM = [heights, gamepad, polls, stick, two] // slow tests, which run only with FXS_PROCESSORS=all
 
 export const walking = {
-  async 'walking: on the ground and up a ramp; walls stop, holes do not; with all, gamepads and a stick for the thumb'() {
-    yard()
+  async 'walking: on the ground and up a ramp; walls and voxels stop, holes do not; with all, gamepads and a stick for the thumb'() {
+    yard('yard.ply')
     await without(STUB, async () => {
       await open(YARD, 400, 260)
       for (const test of process.env.FXS_PROCESSORS === 'all' ? [...OFTEN, ...SELDOM] : OFTEN) await test()

@@ -3,12 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include <fixsplat/collide.h>
-#include <fixsplat/system.h>
-#include <fixsplat/internal/start.h>
 #include "cmd_render.h"
 #include "file_guard.h"
-#include "tools/serve/scene_picture.h"
+#include "make_voxels.h"
 
 enum { NAME_MOST = 4096 };
 
@@ -16,8 +13,7 @@ typedef struct collide_options {
     frame_options frame;
     const char *output;
     char mesh_name[NAME_MOST];     /* mesh beside a .voxel.json; empty: none */
-    double voxel, opacity, radius, height;
-    point_option seed;
+    voxel_options voxels;
     int mesh;
 } collide_options;
 
@@ -29,16 +25,16 @@ static const option_row own_rows[] = {
      "NAME.voxel.json, with NAME.voxel.bin beside it: an octree of voxels, as splat-transform writes it; or a .glb: a "
      "mesh of the voxels' faces (required)"},
     {"mesh", 0, FLAG(mesh), .basic = 1, .help = "write NAME.collision.glb too, beside NAME.voxel.json"},
-    {"voxel", "SIZE", REAL(voxel, 0x1p-16, 0x1p16, "units from 2^-16 to 2^16"), .basic = 1, .help =
+    {"voxel", "SIZE", REAL(voxels.voxel, 0x1p-16, 0x1p16, "units from 2^-16 to 2^16"), .basic = 1, .help =
      "edge of a voxel, units (default 0.05)"},
-    {"opacity", "SHARE", REAL(opacity, 0.001, 0.999, "a share from 0.001 to 0.999"), .basic = 1, .help =
+    {"opacity", "SHARE", REAL(voxels.opacity, 0.001, 0.999, "a share from 0.001 to 0.999"), .basic = 1, .help =
      "a voxel is solid if it absorbs at least this share of light (default 0.1)"},
-    {"seed", "X,Y,Z", POINT(seed), .basic = 1, .help =
+    {"seed", "X,Y,Z", POINT(voxels.seed), .basic = 1, .help =
      "a free place where the walker starts, in the axes of a .ply (default: the camera of the start view, else the "
      "middle of the scene)"},
-    {"radius", "R", REAL(radius, ABOVE_0, 0x1p20, "units above 0"), .basic = 1, .help =
+    {"radius", "R", REAL(voxels.radius, ABOVE_0, 0x1p20, "units above 0"), .basic = 1, .help =
      "radius of the walker, a capsule, units (default 0.2); at most 31 voxels"},
-    {"height", "H", REAL(height, ABOVE_0, 0x1p20, "units above 0"), .basic = 1, .help =
+    {"height", "H", REAL(voxels.height, ABOVE_0, 0x1p20, "units above 0"), .basic = 1, .help =
      "height of the walker, units (default 1.6); at least twice the radius"},
     {"time", "SECONDS", TIME(frame.render.time_q32), .basic = 1, .help =
      "moment of a scene that moves. A scene that loops starts again after its duration"},
@@ -112,47 +108,6 @@ static int load(world *w, const collide_options *o)
     return status;
 }
 
-/* Chooses seeds: the given one, or the first view's camera, moved into the box, and the middle of the scene. */
-static int take_seeds(fxs_collide_options *c, const collide_options *o, const fxs_opened *opened)
-{
-    const double height = o->height == 0 ? FXS_COLLIDE_HEIGHT : o->height;
-    fxs_camera camera;
-    fxs_message why;
-    memcpy(c->up, opened->info->start.up, sizeof c->up);
-    c->seed_count = o->seed.given ? 1 : 2;
-    if (!o->seed.given && fxs_opened_camera(opened, PICTURE_WIDTH, PICTURE_HEIGHT, &camera, &why))
-        return fail_for(&why);
-    for (int i = 0; i < 3; i++) {
-        const double at = o->seed.given ? o->seed.at[i] : ldexp((double)camera.position_q32[i], -32);
-        c->seeds[0][i] = o->seed.given ? at : fmin(fmax(at, c->low[i] - height / 2), c->high[i] + height / 2);
-        c->seeds[1][i] = (c->low[i] + c->high[i]) / 2;
-    }
-    return 0;
-}
-
-static int make(fxs_voxels **voxels, const collide_options *o, const loaded_scene *scene)
-{
-    char label[] = "voxels";
-    fxs_message why;
-    const fxs_opened *opened = scene->opened;
-    fxs_collide_options c = {.size = sizeof c, .voxel = o->voxel, .opacity = o->opacity, .radius = o->radius,
-                             .height = o->height, .max_memory = o->frame.max_memory,
-                             .progress = progress_of(&o->frame.load, label)};
-    fxs_inner_box(opened->data, c.low, c.high);
-    if (take_seeds(&c, o, opened))
-        return EXIT_FAILED;
-    fxs_pool *pool = fxs_pool_create(o->frame.threads);
-    c.workers = (fxs_workers){pool ? fxs_pool_run : 0, pool, o->frame.threads};
-    const int error = fxs_collide(opened->scene, &c, voxels, &why);
-    progress_end();
-    fxs_pool_destroy(pool);
-    if (error)
-        return fail(EXIT_FAILED, "%s: %s%s", scene->path, why.text,
-                    error == FXS_ERR_UNSUPPORTED ? ": give --time SECONDS"
-                    : error == FXS_ERR_OBJECT && !o->seed.given ? ": give --seed X,Y,Z" : "");
-    return 0;
-}
-
 static void print_voxels(const collide_options *o, const fxs_voxels *voxels)
 {
     const fxs_voxels_info *info = fxs_voxels_describe(voxels);
@@ -160,7 +115,7 @@ static void print_voxels(const collide_options *o, const fxs_voxels *voxels)
     for (int i = 0; i < 3; i++)
         printf(i ? " x %d" : " %d", (int)(info->high[i] - info->low[i]));
     printf(" voxels of %g units, %" PRIu64 " free; %" PRIu64 " of the scene absorb %g or more\n", info->voxel,
-           info->free, info->absorbing, o->opacity == 0 ? 0.1 : o->opacity);
+           info->free, info->absorbing, o->voxels.opacity == 0 ? 0.1 : o->voxels.opacity);
 }
 
 static int write(const fxs_voxels *voxels, const char *path)
@@ -171,7 +126,7 @@ static int write(const fxs_voxels *voxels, const char *path)
 
 static int run(int argc, char **argv)
 {
-    static collide_options o;
+    static collide_options o = {.voxels.hint = ": give --seed X,Y,Z"};
     world w;
     fxs_voxels *voxels = 0;
     int status = read_options(&o, argc, argv);
@@ -179,7 +134,8 @@ static int run(int argc, char **argv)
         status = check_files(&o, argv[optind]);
     if (status || load(&w, &o))
         return status ? status : EXIT_FAILED;
-    status = make(&voxels, &o, &w.scenes[0]);
+    o.voxels.max_memory = o.frame.max_memory;
+    status = make_voxels(&voxels, &o.voxels, &w.scenes[0], &o.frame);
     status = status ? status : world_check(&w);
     status = status ? status : write(voxels, o.output);
     status = status || !*o.mesh_name ? status : write(voxels, o.mesh_name);

@@ -9,6 +9,7 @@
 #include "src/base/os_calls.h"
 #include "cmd_render.h"
 #include "file_guard.h"
+#include "make_voxels.h"
 #include "tools/serve/made_list.h"
 #include "tools/serve/page_folder.h"
 #include "publish_scene.h"
@@ -30,7 +31,7 @@ typedef struct publish_options {
     publish_start start;
     const char *title, *site, *settings;
     char *const *words;
-    int single;
+    int single, walk;
     char mark[TASK_PATH];          /* path of the file that marks an unfinished folder */
     scene_list list;
     page_facts *facts;             /* for each scene */
@@ -50,6 +51,8 @@ static const option_row own_rows[] = {
     {"single", 0, FLAG(single), .help =
      "write one scene as one .html file that holds everything. It opens by a double click, without a server or a "
      "network"},
+    {"walk", 0, FLAG(walk), .help =
+     "make walls for walking (key 3), as fixsplat collide does from the start view: files NAME.voxel.json and .bin"},
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack scenes, .fxs included, with levels of detail: the page then fetches only the visible part of a large scene"},
     {"up", "X,Y,Z", take_direction, FIELD(vector_option, start.up), .expected = DIRECTION_EXPECTED, .help =
@@ -92,6 +95,26 @@ static int write_sound(publish_options *o, size_t number, const fxs_sound *sound
     return write_bytes(o, o->site, name, sound->data, sound->bytes);
 }
 
+/* Writes the voxels of a scene, for walking. */
+static int write_walls(publish_options *o, const listed_scene *s, const loaded_scene *scene)
+{
+    const voxel_options options = {.hint = ": publish without --walk, or give a --start-view in a free place"};
+    char name[LISTED_NAME + 16], path[TASK_PATH], bin[TASK_PATH];
+    fxs_voxels *voxels = 0;
+    fxs_message why;
+    int status = make_voxels(&voxels, &options, scene, &o->frame);
+    snprintf(name, sizeof name, "%s.voxel.json", s->name);
+    join_path(path, o->site, name);
+    snprintf(name, sizeof name, "%s.voxel.bin", s->name);
+    join_path(bin, o->site, name);
+    made_list_add(&o->made, path);
+    made_list_add(&o->made, bin);
+    if (!status && fxs_voxels_write(voxels, path, &why))
+        status = fail_for(&why);
+    fxs_voxels_free(voxels);
+    return status;
+}
+
 static int write_scene(publish_options *o, size_t number)
 {
     const listed_scene *s = &o->list.scenes[number];
@@ -110,8 +133,10 @@ static int write_scene(publish_options *o, size_t number)
     publish_frame(o->facts[number].frame, scene.opened, o->frame.width ? o->frame.width : PICTURE_WIDTH,
                   o->frame.height ? o->frame.height : PICTURE_HEIGHT);
     made_list_add(&o->made, path);
-    const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
-    const int status = error ? fail_for(&why) : write_sound(o, number, &scene.sound);
+    int status = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why) ? fail_for(&why) : 0;
+    status = status ? status : write_sound(o, number, &scene.sound);
+    if (!status && o->walk)
+        status = write_walls(o, s, &scene);
     free_scene(&scene);
     return status;
 }
@@ -192,7 +217,7 @@ static int copy_page(publish_options *o, const char *package)
 }
 
 static void print_scene(FILE *file, const char *title, const char *name, const page_facts *facts,
-                        const char *settings)
+                        const publish_options *o)
 {
     static const char of_scene[] =
         "<meta property=\"og:image\" content=\"%s.jpg\">\n"
@@ -210,7 +235,9 @@ static void print_scene(FILE *file, const char *title, const char *name, const p
         print_html(file, " sound=\"%s%s\"", name, facts->sound);
         fprintf(file, " volume=\"%g\"", facts->volume);
     }
-    fprintf(file, "%s%s", facts->frame, settings ? " settings=\"settings.json\"" : " background=\"#000000\"");
+    fprintf(file, "%s%s", facts->frame, o->settings ? " settings=\"settings.json\"" : " background=\"#000000\"");
+    if (o->walk)
+        print_html(file, " walls=\"%s.voxel.json\"", name);
     print_html(file, in_scene, name);
 }
 
@@ -235,7 +262,7 @@ static int write_page(publish_options *o, const char *name, const listed_scene *
     const int is_one = s && o->list.count > 1;
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
-        print_scene(file, title, s->name, &o->facts[s - o->list.scenes], o->settings);
+        print_scene(file, title, s->name, &o->facts[s - o->list.scenes], o);
     else
         print_list(file, title, &o->list);
     if (fxs_print_end(&printed))
@@ -329,8 +356,8 @@ static int publish_file(publish_options *o, const char *package)
     const listed_scene *s = o->list.scenes;
     if (o->list.count != 1)
         return fail(EXIT_USAGE, "publish: --single takes one scene, not %zu", o->list.count);
-    if (o->settings)
-        return fail(EXIT_USAGE, "publish: --settings does not go with --single");
+    if (o->settings || o->walk)
+        return fail(EXIT_USAGE, "publish: --%s does not go with --single", o->settings ? "settings" : "walk");
     const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
                               .name = s->name, .words = o->words, .start = &o->start,
                               .has_profile = is_given("profile")};

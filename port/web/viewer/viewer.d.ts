@@ -417,6 +417,8 @@ export interface ViewerAttributes {
   /** The language: 'de', 'en' or 'zh'. The default is the first supported language of the browser. */
   lang?: string
   'eye-height'?: number | string
+  /** The address of walls for walking: a .voxel.json of `fixsplat collide`, with its .voxel.bin beside it. */
+  walls?: string
   /** The on-screen stick for flying and walking: '' shows the stick, 'none' hides the stick. The default shows the
       stick on touchscreens, unless `noui` or `ui` is set. */
   joystick?: '' | 'none'

@@ -1281,6 +1281,7 @@ export class Viewer extends HTMLElement {
     pilot.walker ??= new Walker(pilot, {
       scene: () => this.#scene,
       height: () => this.#numberOf('eye-height'),
+      walls: () => this.getAttribute('walls'),
       draw: async (camera, size) => this.#engine.ask('heights', camera, { ...this.#frame(), sky: null, ...size }),
       note: (words) => this.#panels.note(words),
     })

@@ -1,5 +1,6 @@
 // Walking: the eye stays at its height above the ground, low steps are climbed, and walls stop the walk. A height map
-// finds ground and walls. The height map is a small orthographic picture of depths, straight down from the eye.
+// finds ground and walls. The height map is a small orthographic picture of depths, straight down from the eye. With
+// the viewer's attribute `walls`, voxels stop the walk instead.
 import { add, cross, dot, unit } from './motion.js'
 
 const CELLS = 48
@@ -67,9 +68,10 @@ export class Walker {
   #eye = null // position of the eye after the last step of walking; if the eye is elsewhere, begin() must be called
   #usual = { scene: null, height: 1 }
   #last = 0
+  #walls = { address: null, voxels: null }
 
-  /** `host` is an object with two functions. draw(camera, size) returns a promise of depths. height() returns the
-      wanted height of the eye; 0: the estimated height. */
+  /** `host` is an object with functions. draw(camera, size) returns a promise of depths. height() returns the wanted
+      height of the eye; 0: the estimated height. walls() returns the address of a .voxel.json; null: none. */
   constructor(pilot, host) {
     this.#pilot = pilot
     this.#host = host
@@ -103,7 +105,7 @@ export class Walker {
   async begin(point = null) {
     const own = (this.#asking = {})
     const { camera } = this.#pilot
-    await this.#findUsual()
+    await Promise.all([this.#findUsual(), this.#findWalls()])
     const spot = point ? this.#before(point, camera) : await this.#spot(camera)
     if (own === this.#asking && camera === this.#pilot.camera) await this.#settle(camera, spot)
     if (own === this.#asking) this.#asking = null
@@ -135,6 +137,15 @@ export class Walker {
     const feet = ground ? this.#groundAt(ground, eye, tall / 16) : null
     const height = feet === null ? tall / 8 : Math.min(dot(eye, up) - feet, tall / 2)
     this.#usual = { scene, height: Math.max(height, tall / 100) }
+  }
+
+  async #findWalls() {
+    const address = this.#host.walls()
+    if (this.#walls.address === address) return
+    this.#walls = { address, voxels: null }
+    const read = address && import('./voxels.js').then(({ readVoxels }) => readVoxels(address))
+    const voxels = await Promise.resolve(read).catch((error) => this.#host.note(error.message))
+    if (this.#walls.address === address) this.#walls.voxels = voxels ?? null
   }
 
   async #map(eye, height) {
@@ -223,6 +234,11 @@ export class Walker {
 
   #stops(place) {
     const limit = this.#feet + STEP * this.height
+    const { voxels } = this.#walls
+    if (voxels) {
+      const eye = dot(place, this.#up)
+      return voxels.stops(place, this.#up, BODY * this.height, limit - eye, this.#feet + this.height - eye)
+    }
     return this.#ground.heights(place, BODY * this.height).filter((y) => y > limit).length
   }
 
