@@ -38,8 +38,9 @@ of_webgpu="$package/webgpu.js $package/stages.js"
 of_pages="fit.js published.js served.js list.js single.js"      # other pages
 # Files that the page loads with the first annotation, track, settings file, film, sky, or text in another language.
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
-of_hands="walk.js voxels.js gamepad.js joystick.js"        # files that the page loads for walking, gamepads and touchscreens
+of_hands="walk.js gamepad.js joystick.js"        # files that the page loads for walking, gamepads and touchscreens
 of_tour_pages="film.js sky.js $(basename -a $of_tours) $(basename -a "$package"/viewer/language_*.js)"
+of_walls=voxels.js               # file that the page loads for walking with the attribute `walls`
 of_keys=keys.js                  # file that the page loads to edit a camera track
 of_looks=look.js                 # file that the page loads with a settings file, a tone curve, an exposure or a vignette
 of_headsets='xr.js eyes.js'      # files that the page loads with a headset
@@ -49,7 +50,7 @@ of_moving=moving.js              # file that the page loads with a moving scene,
 of_sounds=sound.js               # file that the page loads with the sound of a moving scene
 of_drops=drop.js                 # file that the page loads when a scene is dropped
 of_errors=words.js               # file that the page loads with the first error
-others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_hands $of_headsets $of_rooms $of_drops $of_moving $of_sounds $of_edits $of_errors paged.js store.js webgpu.js \
+others=$(printf '/%s$|' $of_pages $of_tour_pages $of_keys $of_looks $of_walls $of_hands $of_headsets $of_rooms $of_drops $of_moving $of_sounds $of_edits $of_errors paged.js store.js webgpu.js \
     stages.js node.js system.js thread_node.js)
 # Of this size, 1.3 KB find the package's other files, also on another server, and report missing ones. 3.4 KB end slow,
 # endless or wrong downloads, keep a scene to its folder's files, and check calls.
@@ -58,6 +59,7 @@ check "size" at_most 56950 "$package"/viewer/index.html "$package"/viewer/page.c
 check "size of what scenes in parts need" at_most 8150 $of_parts
 check "size of annotations, tracks and settings files" at_most 13200 $of_tours
 check "size of walking, gamepads and the stick" at_most 5500 $(printf "$package/viewer/%s " $of_hands)
+check "size of walls" at_most 1200 "$package/viewer/$of_walls"
 check "size of a track's keys" at_most 1100 "$package/viewer/keys.js"
 check "size of tone curves and vignette" at_most 1150 "$package/viewer/look.js"
 check "size of moving scenes" at_most 2800 "$package/viewer/moving.js"

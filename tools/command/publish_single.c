@@ -59,7 +59,7 @@ static int is_carried(const char *name)
     static const char *const left_out[] = {
         "threads.wasm", "import_threads.wasm", "import_core.wasm", "editor.js", "placed.js", "playcanvas.js",
         "three.js", "viewer/edit.js", "viewer/fit.js", "viewer/page.js", "viewer/published.js", "viewer/served.js",
-        "viewer/single.js"
+        "viewer/single.js", "viewer/voxels.js"
     };
     int is = 0;
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
