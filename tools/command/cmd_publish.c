@@ -127,6 +127,10 @@ static int write_scene(publish_options *o, size_t number)
     if (options_of_file(&own, &o->frame.load, 0, 1) ||
         publish_load(&scene, s->path, &own, is_given("profile"), &o->start))
         return EXIT_FAILED;
+    if (o->walk && scene.opened->scene->motion) {
+        free_scene(&scene);
+        return fail(EXIT_FAILED, "%s: a scene that moves has no voxels: publish it without --walk", s->path);
+    }
     if (!is_given("profile"))
         publish_say_gain(&scene, o->words);
     o->bytes += scene.opened->bytes;
