@@ -43,31 +43,31 @@ typedef struct publish_options {
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"title", "TEXT", TEXT(title), .help =
+    {"title", "TEXT", TEXT(title), .basic = 1, .help =
      "title of the page or, for several scenes, of their list (default: the scene's name)"},
-    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .basic = 1, .help =
      "how scenes are packed: small (20 bytes per Gaussian), compact or default (default: small; an .fxs is copied "
      "unchanged)"},
-    {"single", 0, FLAG(single), .help =
+    {"single", 0, FLAG(single), .basic = 1, .help =
      "write one scene as one .html file that holds everything. It opens by a double click, without a server or a "
      "network"},
-    {"walk", 0, FLAG(walk), .help =
+    {"walk", 0, FLAG(walk), .basic = 1, .help =
      "make walls for walking (key 3), as fixsplat collide does from the start view: files NAME.voxel.json and .bin"},
-    {"levels", 0, FLAG(frame.load.tree), .help =
+    {"levels", 0, FLAG(frame.load.tree), .basic = 1, .help =
      "pack scenes, .fxs included, with levels of detail: the page then fetches only the visible part of a large scene"},
-    {"up", "X,Y,Z", take_direction, FIELD(vector_option, start.up), .expected = DIRECTION_EXPECTED, .help =
+    {"up", "X,Y,Z", take_direction, FIELD(vector_option, start.up), .expected = DIRECTION_EXPECTED, .basic = 1, .help =
      "up direction in the page, in the axes of a .ply (x right, y down, z to the front). The start view is then chosen "
      "anew (default: the .fxs's own, else found in the scene)"},
     {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, FIELD(start_option, start.view),
-     .expected = START_EXPECTED, .help =
+     .expected = START_EXPECTED, .basic = 1, .help =
      "first view of the page and the poster, for one scene: as for fixsplat convert (default: the .fxs's own, else "
      "chosen by looking at the scene from many sides)"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED,
      .help = "size of the poster (default 1280x720)"},
-    {"sound", "FILE", take_sound, FIELD(const char *, start.sound), .expected = SOUND_EXPECTED, .help =
+    {"sound", "FILE", take_sound, FIELD(const char *, start.sound), .expected = SOUND_EXPECTED, .basic = 1, .help =
      "sound of a moving scene, which the page plays with it, for one scene: .mp3, .m4a, .aac, .ogg, .opus, .wav, "
      ".flac or .webm (default: the sound in the scene's file)"},
-    {"settings", "FILE", TEXT(settings), .help =
+    {"settings", "FILE", TEXT(settings), .basic = 1, .help =
      "settings file of the viewer or of supersplat-viewer, with camera, annotations and tracks; for a folder of one "
      "scene"},
     {0}
@@ -412,6 +412,7 @@ const command command_publish = {
     "  $ fixsplat publish garden.ply site\n"
     "  $ fixsplat publish garden.fxs site --title 'The garden' --settings settings.json\n"
     "  $ fixsplat publish scenes site --levels\n"
+    "  $ fixsplat publish room.fxs site --walk\n"
     "  $ fixsplat publish --single garden.ply garden.html\n",
     {{own_rows, 0}, COMMON_TABLE}
 };
