@@ -53,7 +53,7 @@ export async function textAt(url, words) {
 export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))
 
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
-  'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'walls', 'joystick',
+  'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
   'ar', 'tone', 'exposure', 'vignette', 'time', 'playing', 'speed', 'loop', 'sound', 'muted', 'volume']
 
 export function followAddress(viewer) {

@@ -1,7 +1,7 @@
 // Solid voxels of a scene, as `fixsplat collide` and splat-transform write them: X.voxel.json and X.voxel.bin.
 // src/surface/voxels_write.c describes the octree. Its axes are (-x, -y, z) of the scene's.
 import { download } from 'fixsplat/read.js'
-import { add, cross, unit } from './motion.js'
+import { add, cross, dot, unit } from './motion.js'
 import { addressOf, textAt } from './views.js'
 
 const MOST = 1 << 28
@@ -38,17 +38,18 @@ export class Voxels {
     return !!((this.words[this.nodeCount + 2 * leaf + (bit >> 5)] >>> (bit & 31)) & 1)
   }
 
-  /** Counts the solid places of a column around a point, a voxel apart, from `low` to `high` along `up`. */
+  /** Counts the solid places of a column around a point, a voxel apart, at heights from `low` to `high`. */
   stops(point, up, radius, low, high) {
     const right = unit(cross(up, Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 0, 1]))
     const ahead = cross(up, right)
     const far = Math.floor(radius / this.size)
+    const level = dot(point, up)
     let found = 0
     for (let i = -far; i <= far; i++)
       for (let j = -far; j <= far; j++) {
         if (i * i + j * j > far * far) continue
         const foot = add(add(point, right, i * this.size), ahead, j * this.size)
-        for (let rise = low; rise <= high; rise += this.size) found += this.isSolid(add(foot, up, rise))
+        for (let y = low; y <= high; y += this.size) found += this.isSolid(add(foot, up, y - level))
       }
     return found
   }

@@ -68,7 +68,7 @@ export class Walker {
   #eye = null // position of the eye after the last step of walking; if the eye is elsewhere, begin() must be called
   #usual = { scene: null, height: 1 }
   #last = 0
-  #walls = { address: null, voxels: null }
+  #walls = {}
 
   /** `host` is an object with functions. draw(camera, size) returns a promise of depths. height() returns the wanted
       height of the eye; 0: the estimated height. walls() returns the address of a .voxel.json; null: none. */
@@ -142,10 +142,9 @@ export class Walker {
   async #findWalls() {
     const address = this.#host.walls()
     if (this.#walls.address === address) return
-    this.#walls = { address, voxels: null }
-    const read = address && import('./voxels.js').then(({ readVoxels }) => readVoxels(address))
-    const voxels = await Promise.resolve(read).catch((error) => this.#host.note(error.message))
-    if (this.#walls.address === address) this.#walls.voxels = voxels ?? null
+    const walls = (this.#walls = { address })
+    const read = address && import('./voxels.js').then((file) => file.readVoxels(address))
+    walls.voxels = await read?.catch(({ message }) => this.#host.note(message))
   }
 
   async #map(eye, height) {
@@ -235,10 +234,7 @@ export class Walker {
   #stops(place) {
     const limit = this.#feet + STEP * this.height
     const { voxels } = this.#walls
-    if (voxels) {
-      const eye = dot(place, this.#up)
-      return voxels.stops(place, this.#up, BODY * this.height, limit - eye, this.#feet + this.height - eye)
-    }
+    if (voxels) return voxels.stops(place, this.#up, BODY * this.height, limit, this.#feet + this.height)
     return this.#ground.heights(place, BODY * this.height).filter((y) => y > limit).length
   }
 
