@@ -53,35 +53,46 @@ typedef struct sums {
     double low, high;
 } sums;
 
+/* Adds a Gaussian's alpha to a voxel whose nearest point is at `at` from the centre. */
+static void add_alpha(sums *sum, const double at[3], double axes[3][3], const double sigma[3], double opacity)
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        const double u = (axes[k][2] * at[2] - axes[k][0] * at[0] - axes[k][1] * at[1]) / sigma[k];
+        square += u * u;
+    }
+    const double alpha = fmin(opacity * exp(-square / 2), 0.99), slack = 0.02 * (1 + square);
+    if (square < 9 + slack && alpha > (1 - slack) / 255)
+        sum->high += alpha * (1 + slack);
+    if (square < 9 - slack && alpha > (1 + slack) / 255)
+        sum->low += alpha * (1 - slack);
+}
+
 static void add_gaussian(sums *voxels, const fxs_scene *scene, uint32_t number, const int32_t origin[3])
 {
     const decoded d = decode(scene, number);
-    double axes[3][3], sigma[3], at[3];
+    double axes[3][3], sigma[3], mean[3], most = 0;
+    int low[3], high[3], cell[3];
     word_axes(axes, d.rotation, d.axis_bits);
+    for (int k = 0; k < 3; k++) {
+        sigma[k] = fmax(exp(d.scale[k]) / voxel, 1 / 64.0);
+        most = fmax(most, sigma[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        mean[k] = (k < 2 ? -1 : 1) * d.position[k] / voxel - origin[k];
+        low[k] = (int)fmax(mean[k] - 3.4 * most - 1, 0);
+        high[k] = (int)fmin(mean[k] + 3.4 * most + 1, SIDE - 1);
+    }
     if (d.opacity * 255 < 1)
         return;
-    for (int k = 0; k < 3; k++)
-        sigma[k] = fmax(exp(d.scale[k]) / voxel, 1 / 64.0);
-    for (int32_t i = 0; i < SIDE * SIDE * SIDE; i++) {
-        const int32_t cell[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
-        double square = 0, far = 0;
-        for (int k = 0; k < 3; k++) {
-            const double mean = (k < 2 ? -1 : 1) * d.position[k] / voxel - origin[k];
-            at[k] = fmin(fmax(mean, cell[k]), cell[k] + 1) - mean;
-            far = fmax(far, fabs(at[k]));
-        }
-        if (far > 3.4 * fmax(sigma[0], fmax(sigma[1], sigma[2])))
-            continue;
-        for (int k = 0; k < 3; k++) {
-            const double u = (axes[k][2] * at[2] - axes[k][0] * at[0] - axes[k][1] * at[1]) / sigma[k];
-            square += u * u;
-        }
-        const double alpha = fmin(d.opacity * exp(-square / 2), 0.99), slack = 0.02 * (1 + square);
-        if (square < 9 + slack && alpha > (1 - slack) / 255)
-            voxels[i].high += alpha * (1 + slack);
-        if (square < 9 - slack && alpha > (1 + slack) / 255)
-            voxels[i].low += alpha * (1 - slack);
-    }
+    for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+        for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
+            for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
+                double at[3];
+                for (int k = 0; k < 3; k++)
+                    at[k] = fmin(fmax(mean[k], cell[k]), cell[k] + 1) - mean[k];
+                add_alpha(&voxels[cell[0] + SIDE * (cell[1] + SIDE * cell[2])], at, axes, sigma, d.opacity);
+            }
 }
 
 static void test_sums(void)
