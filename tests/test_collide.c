@@ -48,7 +48,7 @@ enum { RANDOM = 300, SIDE = 96 };
 
 static const double voxel = 0.05;
 
-/* Bounds of the sum of alphas in a voxel: what is near a cut-off counts only in the upper bound. */
+/* Bounds of the sum of alphas in a voxel: alphas near a cut-off count only in the upper bound. */
 typedef struct sums {
     double low, high;
 } sums;
@@ -417,7 +417,7 @@ static void test_door(void)
         if (!CHECK((shut ? through < -0.15 && through > -0.4 : through > 2.45) && wall < -0.15 && wall > -0.4) ||
             !CHECK(end < -2.6 && end > -2.9))
             printf("  shut %d: %g %g %g\n", shut, through, wall, end);
-        /* behind the walls all is solid, and with a shut door so is the other room */
+        /* all is solid behind the walls; with a shut door, the other room is solid too */
         CHECK(touches(&r, (double[3]){-1.5, 0.88, 0}, 0.15, 1.5) == shut);
         CHECK(touches(&r, (double[3]){1.5, 0.88, 2.3}, 0.01, 0.1) && touches(&r, (double[3]){1.5, 2.8, 0}, 0.01, 0.1));
         free(r.words);
@@ -451,7 +451,7 @@ static void test_files(void)
     CHECK(!wrong && open == info->free && open > 200000);
     free(r.words);
 
-    /* the mesh: its area is that of all faces, and the volume that it encloses, seen from within, that of the free */
+    /* the area of the mesh is the area of all faces; it encloses the volume of the free voxels */
     FILE *file = fopen(in_folder("room.glb"), "rb");
     static unsigned char bytes[1 << 22];
     const size_t size = file ? fread(bytes, 1, sizeof bytes, file) : 0;
@@ -578,7 +578,7 @@ static void test_refusals(void)
     fxs_packed_scene_free(&m.packed);
 }
 
-/* Haze: Gaussians so faint that no voxel is solid, and so dense that all are. */
+/* Haze: faint Gaussians, which make no voxel solid, and dense ones, which make all solid. */
 static void test_haze(void)
 {
     static fxs_gaussian gaussians[2000];
@@ -599,7 +599,7 @@ static void test_haze(void)
     }
 }
 
-/* The second seed serves where the first is not free, and the capsule stands along the axis nearest to up. */
+/* The second seed is used if the first is not free. The capsule stands along the axis nearest to up. */
 static void test_seeds(void)
 {
     made m;

@@ -45,7 +45,7 @@ entries() {
 minified() {
     for entry in fixsplat-viewer/element.js fixsplat-viewer/worker_whole.js fixsplat-viewer/worker.js fixsplat/thread.js; do
         set -- --external:./xr.js --external:./ar.js --external:./drop.js --external:./words.js --external:./tour.js --external:./film.js '--external:./language_*.js' \
-            --external:./look.js --external:./edit.js --external:./moving.js --external:./walk.js --external:./voxels.js --external:./gamepad.js --external:./joystick.js
+            --external:./look.js --external:./edit.js --external:./moving.js --external:./walk.js --external:./gamepad.js --external:./joystick.js
         [ $entry != fixsplat-viewer/worker.js ] || set -- "$@" --external:./webgpu.js --external:./paged.js --external:./editor.js --external:./sky.js
         esbuild "$work/entries/node_modules/$entry" --bundle --minify --format=esm --outfile="$work/minified/$entry" "$@" --log-level=error ||
             return 1
