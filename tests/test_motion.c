@@ -2,6 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <fixsplat/fit.h>
+#include <fixsplat/internal/edits.h>
 #include <fixsplat/internal/kernels.h>
 #include <fixsplat/internal/packed.h>
 #include <fixsplat/internal/stage.h>
@@ -822,6 +824,28 @@ static void wrong_motion_is_refused(void)
 }
 
 /* Any bytes of motion give a picture or FXS_ERR_SCENE. Sanitizers watch. */
+static void moving_scenes_are_neither_edited_nor_refined(void)
+{
+    cloud c = make_cloud(COUNT / 4, every);
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    fxs_editor editor;
+    fxs_message message;
+    fxs_context context;
+    fxs_refine_options options;
+    fxs_refine_options_init(&options);
+    options.context = &context;
+    CHECK(!fxs_context_init(&context, 0));
+    if (!CHECK(!pack_levels(&c, 0, FXS_PROFILE_DEFAULT, -1, 1, &packed)))
+        return;
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    CHECK(fxs_editor_open(&editor, &scene, &message) == FXS_ERR_UNSUPPORTED);
+    fxs_editor_close(&editor);
+    CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_UNSUPPORTED);
+    fxs_packed_scene_free(&packed);
+    free_cloud(&c);
+}
+
 /* `threads` as for pack_levels. */
 static void random_motion_of(cloud *c, uint32_t threads)
 {
@@ -910,6 +934,7 @@ int main(void)
     RUN(memory_threads_and_kernels_give_the_same_bytes);
     RUN(frames_do_not_depend_on_the_order);
     RUN(moving_scenes_have_levels);
+    RUN(moving_scenes_are_neither_edited_nor_refined);
     RUN(edits_commute_with_time);
     RUN(crops_follow_the_ways);
     RUN(ranges_show_the_same);

@@ -398,6 +398,8 @@ int fxs_refine(void *data, size_t bytes, const fxs_refine_options *given, fxs_me
         return fxs_fail_as(error, message, "%s", fxs_strerror(error));
     if (!r.scene.nodes)
         return 0;
+    if (r.scene.motion)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "a scene that moves is not refined");
     double origin[3];
     find_origin(&r.scene, origin);
     if (fxs_is_far(origin))

@@ -72,6 +72,8 @@ uint32_t fxs_edit_checksum(const fxs_scene *scene)
 int fxs_editor_open(fxs_editor *e, const fxs_scene *scene, fxs_message *message)
 {
     memset(e, 0, sizeof *e);
+    if (scene->motion)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "a scene that moves is not edited by hand");
     e->scene = *scene;
     e->scene.nodes = NULL;
     e->count = scene->chunk_count * FXS_CHUNK;
