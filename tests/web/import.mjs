@@ -251,9 +251,11 @@ const words = {
     const [server, base] = await serverOf(async (request, answer) => {
       const length = request.url === '/huge' ? 4e9 : request.url === '/cut' ? bytes.length + 1 : bytes.length
       if (request.url !== '/unknown') answer.setHeader('content-length', length)
+      const [before, isSeen] = [seen.length, ['/whole', '/cut'].includes(request.url)]
       for (let i = 1; i < parts.length; i++) {
         answer.write(bytes.subarray(parts[i - 1], parts[i]))
         await pause(i === 1 ? 900 : 20)
+        for (let k = 0; i === 1 && isSeen && k < 100 && seen.length === before; k++) await pause(100)
       }
       if (length === bytes.length) answer.end()
       else answer.destroy()

@@ -231,6 +231,8 @@ export const words = {
   'there is no WebGL 2, which shows the pictures there': 'es gibt kein WebGL 2, das dort die Bilder zeigt',
   'there is no picture at this address': 'an dieser Adresse ist kein Bild',
   'there is no sound at this address': 'an dieser Adresse ist kein Ton',
+  'there are no walls at this address': 'an dieser Adresse sind keine Wände',
+  'these are no walls': 'das sind keine Wände',
   'this browser does not play this sound': 'dieser Browser spielt diesen Ton nicht',
   'this browser does not read it as a picture': 'dieser Browser liest es nicht als Bild',
   'this is no address': 'das ist keine Adresse',

@@ -222,6 +222,8 @@ export const words = {
   'there is no WebGL 2, which shows the pictures there': '没有用于显示画面的 WebGL 2',
   'there is no picture at this address': '此地址没有图片',
   'there is no sound at this address': '此地址没有声音',
+  'there are no walls at this address': '此地址没有墙壁数据',
+  'these are no walls': '这不是墙壁数据',
   'this browser does not play this sound': '此浏览器无法播放此声音',
   'this browser does not read it as a picture': '此浏览器无法将其读作图片',
   'this is no address': '这不是有效地址',
