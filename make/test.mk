@@ -22,8 +22,9 @@ EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-# As browser tests wait, two more tests run at once than there are processors.
-AT_ONCE = $(shell expr $(PROCESSORS) + 2)
+# Browser tests wait most of the time, so one more test runs at once than there are processors. With two more, tests of
+# frame clocks and previews failed.
+AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(call among,$(IN_BROWSER),$(1)) \
         $(call among,$(filter-out $(IN_BROWSER),$(LONG)),$(1)) $(filter-out $(IN_BROWSER) $(LONG),$(1)))
