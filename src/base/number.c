@@ -17,6 +17,16 @@ void fxs_print_number(FILE *file, int digits, double value)
         fprintf(file, "%.*s.%s", (int)length, text, rest + strcspn(rest, "0123456789"));
 }
 
+void fxs_print_list(FILE *file, int digits, const char *between, const double *values, int count)
+{
+    fputc('[', file);
+    for (int i = 0; i < count; i++) {
+        fputs(i ? between : "", file);
+        fxs_print_number(file, digits, values[i]);
+    }
+    fputc(']', file);
+}
+
 int fxs_read_number(const char *word, double *value)
 {
     char text[512], half[16], *end;

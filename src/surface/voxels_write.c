@@ -194,22 +194,12 @@ static int make_nodes(octree *t)
 
 /* ---- Files ------------------------------------------------------------------------------------------------------- */
 
-static void print_corner(FILE *file, const char *name, const double at[3])
-{
-    fprintf(file, "\"%s\": [", name);
-    for (int i = 0; i < 3; i++) {
-        fputs(i ? ", " : "", file);
-        fxs_print_number(file, 15, at[i]);
-    }
-    fputc(']', file);
-}
-
 static void print_box(FILE *file, const char *name, double box[2][3])
 {
-    fprintf(file, "  \"%s\": {", name);
-    print_corner(file, "min", box[0]);
-    fputs(", ", file);
-    print_corner(file, "max", box[1]);
+    fprintf(file, "  \"%s\": {\"min\": ", name);
+    fxs_print_list(file, 15, ", ", box[0], 3);
+    fputs(", \"max\": ", file);
+    fxs_print_list(file, 15, ", ", box[1], 3);
     fputs("},\n", file);
 }
 

@@ -310,12 +310,11 @@ int fxs_edits_add(fxs_edits *edits, uint32_t done, int keep, fxs_message *messag
 
 static void print_list(FILE *file, const char *name, const double *numbers, int count)
 {
-    fprintf(file, ", \"%s\": %s", name, count > 1 ? "[" : "");
-    for (int i = 0; i < count; i++) {
-        fputs(i ? ", " : "", file);
-        fxs_print_number(file, 17, numbers[i]);
-    }
-    fputs(count > 1 ? "]" : "", file);
+    fprintf(file, ", \"%s\": ", name);
+    if (count == 1)
+        fxs_print_number(file, 17, *numbers);
+    else
+        fxs_print_list(file, 17, ", ", numbers, count);
 }
 
 static void print_camera(FILE *file, const fxs_camera *camera)

@@ -250,12 +250,9 @@ static void print_book(FILE *json, const float book[FXS_BOOK], const char *files
 
 static void print_corner(FILE *json, const char *name, const double corner[3])
 {
-    fprintf(json, "\"%s\":[", name);
-    for (int i = 0; i < 3; i++) {
-        fputs(i ? "," : "", json);
-        fxs_print_number(json, 17, corner[i]);
-    }
-    fputs("],", json);
+    fprintf(json, "\"%s\":", name);
+    fxs_print_list(json, 17, ",", corner, 3);
+    fputc(',', json);
 }
 
 static int degree_of(const fxs_sog *w)

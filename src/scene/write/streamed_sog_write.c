@@ -224,12 +224,9 @@ static void remove_parts(const streamed_writer *w)
 
 static void print_corner(FILE *json, const char *before, const float corner[3])
 {
+    const double wide[3] = {(double)corner[0], (double)corner[1], (double)corner[2]};
     fputs(before, json);
-    for (int k = 0; k < 3; k++) {
-        fputs(k ? "," : "[", json);
-        fxs_print_number(json, PRECISION, (double)corner[k]);
-    }
-    fputs("]", json);
+    fxs_print_list(json, PRECISION, ",", wide, 3);
 }
 
 /* Returns the energy of a leaf's Gaussians, in the units of merging errors. The energy is the sum of squared colours
