@@ -9,6 +9,7 @@
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/exponential.h"
+#include "src/base/glb.h"
 #include "src/base/number.h"
 #include "src/base/os_calls.h"
 #include "src/base/output_internal.h"
@@ -149,16 +150,6 @@ static void find_bounds(writer *w)
     }
 }
 
-static void print_corner(FILE *json, const char *name, const double corner[3])
-{
-    fprintf(json, ",\"%s\":[", name);
-    for (int i = 0; i < 3; i++) {
-        fputs(i ? "," : "", json);
-        fxs_print_number(json, 9, corner[i]);
-    }
-    fputs("]", json);
-}
-
 /* The colours are those of pictures, with their light: a viewer shows them without lights of its own. */
 static void make_json(FILE *json, const writer *w)
 {
@@ -171,8 +162,10 @@ static void make_json(FILE *json, const writer *w)
           "{\"KHR_materials_unlit\":{}}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
           "\"COLOR_0\":2},\"indices\":3,\"material\":0}]}],\"accessors\":[", json);
     fprintf(json, "{\"bufferView\":0,\"componentType\":5126,\"count\":%" PRIu32 ",\"type\":\"VEC3\"", n);
-    print_corner(json, "min", w->low);
-    print_corner(json, "max", w->high);
+    fputs(",\"min\":", json);
+    fxs_print_list(json, 9, ",", w->low, 3);
+    fputs(",\"max\":", json);
+    fxs_print_list(json, 9, ",", w->high, 3);
     fprintf(json, "},{\"bufferView\":1,\"componentType\":5126,\"count\":%" PRIu32 ",\"type\":\"VEC3\"},{\"bufferView\":"
             "2,\"componentType\":5123,\"normalized\":true,\"count\":%" PRIu32 ",\"type\":\"VEC4\"},{\"bufferView\":3,"
             "\"componentType\":5125,\"count\":%" PRIu64 ",\"type\":\"SCALAR\"}],\"bufferViews\":[", n, n,
@@ -183,22 +176,14 @@ static void make_json(FILE *json, const writer *w)
         offset += sizes[i];
     }
     fprintf(json, "],\"buffers\":[{\"byteLength\":%" PRIu64 "}]}", offset);
-    while (ftell(json) % 4)
-        fputc(' ', json);
+    fxs_glb_pad(json);
 }
 
 static void put_glb(writer *w, const fxs_printed *json, fxs_message *message)
 {
     const fxs_mesh *m = w->mesh;
-    const uint32_t length = (uint32_t)json->size, bytes = 32 * m->vertex_count + 12 * m->triangle_count;
     float three[3];
-    fxs_output_write(&w->output, "glTF\2\0\0", 8, message);
-    put_u32(w, 28 + length + bytes, message);
-    put_u32(w, length, message);
-    fxs_output_write(&w->output, "JSON", 4, message);
-    fxs_output_write(&w->output, json->text, json->size, message);
-    put_u32(w, bytes, message);
-    fxs_output_write(&w->output, "BIN", 4, message);
+    fxs_glb_begin(w->output.file, json->text, json->size, 32 * m->vertex_count + 12 * m->triangle_count);
     for (uint32_t i = 0; i < m->vertex_count; i++) {
         position_of(w, i, three);
         put_floats(w, three, message);

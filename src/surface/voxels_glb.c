@@ -5,6 +5,7 @@
 
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/packed.h>
+#include "src/base/glb.h"
 #include "src/base/number.h"
 #include "src/base/os_calls.h"
 #include "src/base/output_internal.h"
@@ -159,7 +160,7 @@ static int write_triangles(const faces *f, fxs_output *output)
 
 static void print_corner(FILE *file, const faces *f, const char *name, int is_high)
 {
-    fprintf(file, ",\"%s\":", name);
+    double values[3];
     for (int axis = 0; axis < 3; axis++) {
         float most = 0;
         for (size_t i = 0; i < f->count; i++) {
@@ -169,10 +170,10 @@ static void print_corner(FILE *file, const faces *f, const char *name, int is_hi
                 if ((!i && !k) || (is_high ? corners[k][axis] > most : corners[k][axis] < most))
                     most = corners[k][axis];
         }
-        fputc(axis ? ',' : '[', file);
-        fxs_print_number(file, 9, (double)most);
+        values[axis] = (double)most;
     }
-    fputc(']', file);
+    fprintf(file, ",\"%s\":", name);
+    fxs_print_list(file, 9, ",", values, 3);
 }
 
 static void print_json(FILE *file, const faces *f)
@@ -188,22 +189,12 @@ static void print_json(FILE *file, const faces *f)
     print_corner(file, f, "min", 0);
     print_corner(file, f, "max", 1);
     fprintf(file, "},{\"bufferView\":1,\"componentType\":5125,\"count\":%lu,\"type\":\"SCALAR\"}]}", triangles / 4);
+    fxs_glb_pad(file);
 }
 
 static int write_chunks(const faces *f, const fxs_printed *json, fxs_output *output)
 {
-    const uint32_t padded = (uint32_t)(json->size + 3) / 4 * 4, binary = (uint32_t)f->count * 72;
-    const uint32_t head[5] = {0x46546c67, 2, 12 + 8 + padded + 8 + binary, padded, 0x4e4f534a};
-    const uint32_t next[2] = {binary, 0x004e4942};
-    uint32_t little[5];
-    for (int i = 0; i < 5; i++)
-        little[i] = fxs_little_32(head[i]);
-    FXS_TRY(fxs_output_write(output, little, sizeof little, f->message));
-    FXS_TRY(fxs_output_write(output, json->text, json->size, f->message));
-    FXS_TRY(fxs_output_write(output, "   ", padded - json->size, f->message));
-    for (int i = 0; i < 2; i++)
-        little[i] = fxs_little_32(next[i]);
-    FXS_TRY(fxs_output_write(output, little, sizeof next, f->message));
+    fxs_glb_begin(output->file, json->text, json->size, (uint32_t)f->count * 72);
     FXS_TRY(write_positions(f, output));
     return write_triangles(f, output);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/glb.h"
 #include "src/base/number.h"
 #include "src/base/os_calls.h"
 #include "src/gaussian/attributes.h"
@@ -36,11 +37,7 @@ static void print_vector(FILE *json, const char *name, int digits, double x, dou
 {
     const double vector[3] = {x, y, z};
     fprintf(json, ",\"%s\":", name);
-    for (int i = 0; i < 3; i++) {
-        fputc(i ? ',' : '[', json);
-        fxs_print_number(json, digits, vector[i]);
-    }
-    fputc(']', json);
+    fxs_print_list(json, digits, ",", vector, 3);
 }
 
 static void print_corner(FILE *json, const char *name, float x, float y, float z)
@@ -85,8 +82,7 @@ static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row
     add_accessors(json, o);
     fprintf(json, "],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%" PRIu64 ",\"byteStride\":%" PRIu32 ","
             "\"target\":34962}],\"buffers\":[{\"byteLength\":%" PRIu64 "}]}", o->count * row, row, o->count * row);
-    while (ftell(json) % 4)
-        fputc(' ', json);
+    fxs_glb_pad(json);
 }
 
 static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *length)
@@ -101,32 +97,20 @@ static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *l
     return printed.text;
 }
 
-static void write_header(FILE *file, const char *json, size_t length, uint32_t bytes)
-{
-    uint8_t header[20] = "glTF\2", chunk[8] = "....BIN";
-    fxs_put_u32(header + 8, (uint32_t)(28 + length) + bytes);
-    fxs_put_u32(header + 12, (uint32_t)length);
-    memcpy(header + 16, "JSON", 4);
-    fxs_put_u32(chunk, bytes);
-    fwrite(header, 1, sizeof header, file);
-    fwrite(json, 1, length, file);
-    fwrite(chunk, 1, sizeof chunk, file);
-}
-
 /* Opens a .glb and checks that all sizes fit 32 bits. */
 static int glb_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
 {
     glb_writer *w = writer;
     size_t length = 0;
     w->row = SH + 12 * (uint32_t)((o->sh_degree + 1) * (o->sh_degree + 1));
-    if (o->count > (UINT32_MAX - JSON_MOST - 28) / w->row)
+    if (o->count > (UINT32_MAX - JSON_MOST - FXS_GLB_FRAME) / w->row)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a .glb has 4 GiB at most: %" PRIu64 " Gaussians of SH "
                            "degree %d take more", path, o->count, o->sh_degree);
     char *json = json_text(o, w->row, &length);
     const int error = json ? fxs_output_open(&w->output, path, o->count, message)
                            : fxs_fail_memory(message, path, JSON_MOST);
     if (!error)
-        write_header(w->output.file, json, length, (uint32_t)o->count * w->row);
+        fxs_glb_begin(w->output.file, json, length, (uint32_t)o->count * w->row);
     free(json);
     return error;
 }
