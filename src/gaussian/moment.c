@@ -72,8 +72,6 @@ static const fxs_reader moment = {NULL, sizeof(moment_reader), NULL, moment_read
 
 int fxs_scene_file_at(fxs_scene_file *file, double seconds, fxs_scene_file_info *info, fxs_message *message)
 {
-    enum { BATCH = 256 };
-    fxs_gaussian batch[BATCH];
     if (!(info->time.duration > 0))
         return 0;
     moment_reader *r = fxs_allocate_zeroed(fxs_stream_allocator(file), 1, sizeof *r);
@@ -85,14 +83,7 @@ int fxs_scene_file_at(fxs_scene_file *file, double seconds, fxs_scene_file_info 
     r->time = info->time;
     r->seconds = fxs_time_within(&info->time, seconds);
     fxs_stream_swap(file, &r->reader, &r->data);
-    FXS_TRY(fxs_scene_file_rewind(file, message));
-    info->count = 0;
     info->time = (fxs_time){.duration = 0};
-    long n;
-    while ((n = fxs_scene_file_read(file, batch, BATCH, message)) > 0)
-        info->count += (uint64_t)n;
-    FXS_TRY((int)n);
-    if (!info->count)
-        return fxs_fail(message, "no Gaussian exists at %g seconds", r->seconds);
-    return fxs_scene_file_rewind(file, message);
+    FXS_TRY(fxs_stream_count(file, &info->count, message));
+    return info->count ? 0 : fxs_fail(message, "no Gaussian exists at %g seconds", r->seconds);
 }

@@ -82,6 +82,18 @@ int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)
     return file->reader->rewind(file->data, message);
 }
 
+int fxs_stream_count(fxs_scene_file *file, uint64_t *count, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
+    long n;
+    *count = 0;
+    FXS_TRY(fxs_scene_file_rewind(file, message));
+    while ((n = fxs_scene_file_read(file, batch, BATCH, message)) > 0)
+        *count += (uint64_t)n;
+    return n < 0 ? (int)n : fxs_scene_file_rewind(file, message);
+}
+
 int fxs_stream_check_still(const fxs_scene_file_info *info, const char *what, fxs_message *message)
 {
     return !(info->time.duration > 0) ? 0

@@ -57,6 +57,9 @@ extern const fxs_motion fxs_still;
    read from the old state. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);
 
+/* Counts the Gaussians of a stream, from its beginning, and rewinds it. Returns 0, or an error and a message. */
+int fxs_stream_count(fxs_scene_file *file, uint64_t *count, fxs_message *message);
+
 /* Returns 0 if a scene is still, else FXS_ERR_UNSUPPORTED and a message that says what is not done with moving ones. */
 int fxs_stream_check_still(const fxs_scene_file_info *info, const char *what, fxs_message *message);
 

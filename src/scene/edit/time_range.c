@@ -174,8 +174,6 @@ static const fxs_reader range = {NULL, sizeof(range_reader), NULL, range_read, r
 /* Puts a copy of a reader between the file and its own reader, and counts the Gaussians that it gives. */
 static int attach(fxs_scene_file *file, const range_reader *how, fxs_scene_file_info *info, fxs_message *message)
 {
-    enum { BATCH = 256 };
-    fxs_gaussian batch[BATCH];
     range_reader *r = fxs_allocate_zeroed(fxs_stream_allocator(file), 1, sizeof *r);
     if (!r)
         return fxs_fail_memory(message, NULL, sizeof *r);
@@ -184,12 +182,7 @@ static int attach(fxs_scene_file *file, const range_reader *how, fxs_scene_file_
     r->data = r;
     r->allocator = fxs_stream_allocator(file);
     fxs_stream_swap(file, &r->reader, &r->data);
-    FXS_TRY(fxs_scene_file_rewind(file, message));
-    info->count = 0;
-    long n;
-    while ((n = fxs_scene_file_read(file, batch, BATCH, message)) > 0)
-        info->count += (uint64_t)n;
-    return n < 0 ? (int)n : fxs_scene_file_rewind(file, message);
+    return fxs_stream_count(file, &info->count, message);
 }
 
 int fxs_scene_file_between(fxs_scene_file *file, double from, double to, fxs_scene_file_info *info,
