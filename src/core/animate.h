@@ -16,8 +16,8 @@ FXS_STAGE int fxs_motion_read(fxs_motion_header *header, const fxs_scene *scene)
 /* Finds out whether a chunk is alive at a time, and computes its powers of u. Returns 1, 0 or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_moment_of(fxs_moment *out, const fxs_scene *scene, uint32_t chunk, int32_t time_q16);
 
-/* Returns the largest number of chunks, of a moving scene also of nodes, that a frame at any time draws of a scene
-   without a tree, or of a moving scene. */
+/* Returns the largest number of chunks of a moving scene that are alive at one time, with the chunks of its tree. Of a
+   still scene, returns the number of its leaves. */
 uint32_t fxs_most_alive(const fxs_scene *scene);
 
 /* Returns the layout of the rows of motion of a scene. */

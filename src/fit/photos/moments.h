@@ -1,5 +1,5 @@
-/* The photographs of a moving scene, grouped by the moment at which they were taken. All cameras stand still, and each
- * takes one photograph at each moment. Functions return 0, or an error and a message. */
+/* The photographs of a moving scene, grouped by moment. All cameras stand still, and each takes one photograph at each
+ * moment. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_MOMENTS_H
 #define FXS_FIT_MOMENTS_H
 
@@ -14,15 +14,15 @@ typedef struct fxs_moments fxs_moments;
 /* How moments are found where the camera file states no times. */
 typedef struct fxs_moments_options {
     const char *frames;            /* folder with a folder of photographs for each camera; null: the folder of the
-                                      camera file, or that of its images */
+                                      camera file, or the folder of its images */
     double fps;                    /* photographs of a camera a second; 0: 30 */
 } fxs_moments_options;
 
 /* Reads the cameras of a moving scene, and groups them by moment. Two layouts are read:
 
-   - A transforms.json whose frames have a "time", in seconds. The times may have any distance.
-   - A camera file with a view for each camera, whose image is NAME.png or NAME/FILE.png, and a folder NAME for each
-     camera, with a photograph for each moment. Their order is that of the last number in their names.
+   - A transforms.json. Its frames have a "time", in seconds. The times may have any distance.
+   - A camera file with a view for each camera, with the image NAME.png or NAME/FILE.png. The folder NAME of a camera
+     has a photograph for each moment. The last number in the names gives the order.
 
    Of each `photos->hold_out` cameras, the first by name is held out at all moments, unless the file names test
    photographs. `photos` must stay until fxs_moments_free frees *moments, which is null after an error. Errors: as
@@ -35,8 +35,8 @@ void fxs_moments_free(fxs_moments *moments);
 size_t fxs_moments_count(const fxs_moments *moments);
 double fxs_moments_time(const fxs_moments *moments, size_t number);    /* Returns the time of a moment in seconds. */
 
-/* Reads the photographs of a moment; fxs_photos_free frees them. Those of all moments have the same cameras in the same
-   order. Only moment 0 gets points. Held-out photographs are those of the moment, perhaps none. */
+/* Reads the photographs of a moment; fxs_photos_free frees them. All moments have the same cameras in the same order.
+   Only moment 0 gets points. The held-out photographs are of this moment too; perhaps none. */
 int fxs_moments_read(const fxs_moments *moments, size_t number, fxs_photos *photos, fxs_message *message);
 
 #ifdef __cplusplus
