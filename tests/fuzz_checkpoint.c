@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "src/fit/fit_internal.h"
-#include "src/fit/random.h"
+#include "src/base/random.h"
 
 enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 56, PRINT_BYTES = 8, END = 12 };
 
@@ -55,7 +55,7 @@ static void seal(uint8_t *bytes, size_t size)
 {
     uint64_t sum = 0;
     for (size_t i = 0; i + 8 < size; i += 4)
-        sum = fxs_fit_mix(sum ^ (bytes[i] | (uint32_t)bytes[i + 1] << 8 | (uint32_t)bytes[i + 2] << 16 |
+        sum = fxs_random_mix(sum ^ (bytes[i] | (uint32_t)bytes[i + 1] << 8 | (uint32_t)bytes[i + 2] << 16 |
                                  (uint32_t)bytes[i + 3] << 24));
     for (size_t i = 0; i < 8; i++)
         bytes[size - 8 + i] = (uint8_t)(sum >> 8 * i);

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "src/fit/coarse.h"
-#include "src/fit/random.h"
+#include "src/base/random.h"
 #include <fixsplat/system.h>
 #include <fixsplat/internal/fit_more.h>
 #include "folder.h"
@@ -18,7 +18,7 @@ static fxs_fit_options options;
 
 static float uniform(uint64_t index)
 {
-    return fxs_fit_uniform(fxs_fit_random(17, 4, index));
+    return fxs_random_uniform(fxs_random(17, 4, index));
 }
 
 /* Makes photographs of coloured spots, so coarse that the fit splits and clones Gaussians. */
@@ -568,7 +568,7 @@ static void seal(uint8_t *bytes, size_t size)
 {
     uint64_t sum = 0;
     for (size_t i = 0; i + 8 < size; i += 4)
-        sum = fxs_fit_mix(sum ^ get_u32(bytes + i));
+        sum = fxs_random_mix(sum ^ get_u32(bytes + i));
     put_u32(bytes + size - 8, (uint32_t)sum);
     put_u32(bytes + size - 4, (uint32_t)(sum >> 32));
 }
@@ -775,7 +775,7 @@ static void any_finite_numbers_are_lived_with(void)
     for (uint64_t turn = 0; turn < 40; turn++) {
         memcpy(changed, bytes, size);
         for (uint64_t i = 0; i < 600; i++) {
-            const uint64_t random = fxs_fit_random(1, turn, i);
+            const uint64_t random = fxs_random(1, turn, i);
             const size_t word = FIRST + (size_t)(random % ((size - 16) / 4 - FIRST));
             const uint32_t value = (uint32_t)(random >> 32) & (turn % 2 && word >= moments ? 0xff7fffff : 0xc17fffff);
             put_u32(changed + 4 * word, turn % 4 == 3 && i % 8 == 0 ? 0 : value);

@@ -7,8 +7,8 @@
 #include <fixsplat/fit.h>
 #include <fixsplat/internal/kernels.h>
 #include "src/fit/model.h"
-#include "src/fit/nearest.h"
-#include "src/fit/random.h"
+#include "src/gaussian/nearest.h"
+#include "src/base/random.h"
 #include "src/fit/recipe.h"
 #include "check.h"
 
@@ -36,7 +36,7 @@ static uint64_t turn;
 
 static double uniform(double low, double high)
 {
-    return low + (high - low) * (double)(fxs_fit_random(77, 5, turn++) >> 11) * 0x1p-53;
+    return low + (high - low) * (double)(fxs_random(77, 5, turn++) >> 11) * 0x1p-53;
 }
 
 static float *at(const fxs_fit_model *m, int plane, size_t i)
@@ -106,6 +106,12 @@ static void lay_out(fxs_fit_point *points, size_t count, int layout)
         points[count / 2].position[0] = 1e9f;
 }
 
+static int nearest_squares(const fxs_fit_point *points, size_t count, float *squares)
+{
+    const float *const first[3] = {points->position, points->position + 1, points->position + 2};
+    return fxs_nearest_squares(first, sizeof *points / sizeof(float), count, squares);
+}
+
 static double plain_mean_square(const fxs_fit_point *points, size_t count, size_t of)
 {
     double nearest[3] = {INFINITY, INFINITY, INFINITY}, sum = 0;
@@ -140,7 +146,7 @@ static void nearest_points(void)
         for (int c = 0; c < 9; c++) {
             size_t wrong = 0;
             lay_out(points, counts[c], layout);
-            CHECK(!fxs_fit_nearest(points, counts[c], squares));
+            CHECK(!nearest_squares(points, counts[c], squares));
             for (size_t i = 0; i < counts[c]; i += 1 + counts[c] / 200)
                 wrong += !is_near((double)squares[i], plain_mean_square(points, counts[c], i), 1e-5);
             CHECK(!wrong);
@@ -154,7 +160,7 @@ static void nearest_of_many(void)
     float *squares = calloc(count, sizeof *squares);
     for (int layout = SAME_PLACE; layout <= OUTLIER && points && squares; layout++) {
         lay_out(points, count, layout);
-        CHECK(!fxs_fit_nearest(points, count, squares));
+        CHECK(!nearest_squares(points, count, squares));
         CHECK(layout == OUTLIER || squares[7] == 0);
     }
     free(points);
@@ -1021,7 +1027,7 @@ static uint64_t bytes_of_fit(unsigned cpu)
         for (size_t k = 0; k < sizeof g / sizeof(float); k++) {
             uint32_t bits;
             memcpy(&bits, (char *)&g + k * sizeof bits, sizeof bits);
-            sum = fxs_fit_mix(sum ^ bits);
+            sum = fxs_random_mix(sum ^ bits);
         }
     fxs_fit_destroy(fit);
     return sum;

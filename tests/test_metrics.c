@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "src/fit/random.h"
+#include "src/base/random.h"
 #include "tools/command/metrics.h"
 #include "check.h"
 
@@ -18,7 +18,7 @@ static double left(void)
 
 static uint8_t random_level(uint64_t number, double low, double high)
 {
-    return (uint8_t)(low + (high - low) * (double)fxs_fit_uniform(fxs_fit_random(3, 1, number)));
+    return (uint8_t)(low + (high - low) * (double)fxs_random_uniform(fxs_random(3, 1, number)));
 }
 
 static void map_colours(const double map[3][4])

@@ -10,7 +10,7 @@
 #include "src/base/options.h"
 #include "src/base/output_internal.h"
 #include "coarse.h"
-#include "random.h"
+#include "src/base/random.h"
 
 #define MAGIC 0x74696678u          /* first word of a file of a saved fit: "xfit" in ASCII */
 #define END 0x646e6578u            /* last word of a file of a saved fit: "xend" in ASCII */
@@ -80,7 +80,7 @@ static void number(archive *a, uint32_t *value)
             bytes[i] = (uint8_t)(*value >> 8 * i);
     else
         *value = bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-    a->checksum = fxs_fit_mix(a->checksum ^ *value);
+    a->checksum = fxs_random_mix(a->checksum ^ *value);
 }
 
 static void long_number(archive *a, uint64_t *value)
@@ -136,17 +136,17 @@ static uint64_t fingerprint(const fxs_fit *f)
         uint32_t words[sizeof p->camera / 4];
         memcpy(words, &p->camera, sizeof words);
         for (size_t k = 0; k < sizeof words / sizeof *words; k++)
-            sum = fxs_fit_mix(sum ^ words[k]);
+            sum = fxs_random_mix(sum ^ words[k]);
         const size_t bytes = 3 * (size_t)p->camera.width * (size_t)p->camera.height;
         uint64_t eight = 0;
         for (size_t k = 0; k < bytes; k++) {
             eight = eight << 8 | p->pixels[k];
             if (k % 8 == 7 || k + 1 == bytes)
-                sum = fxs_fit_mix(sum ^ eight);
+                sum = fxs_random_mix(sum ^ eight);
         }
         for (size_t k = 0; p->mask && k < bytes / 3; k++)
             if (!p->mask[k])
-                sum = fxs_fit_mix(sum ^ k);
+                sum = fxs_random_mix(sum ^ k);
     }
     return sum;
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/internal/message.h>
-#include "random.h"
+#include "src/base/random.h"
 
 uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera)
 {
@@ -15,7 +15,7 @@ uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera)
     memcpy(words, camera->rotation, sizeof camera->rotation);
     memcpy(words + 9, camera->eye, sizeof camera->eye);
     for (int i = 0; i < 12; i++)
-        key = fxs_fit_mix(key ^ words[i]);
+        key = fxs_random_mix(key ^ words[i]);
     return key;
 }
 

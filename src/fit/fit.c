@@ -15,7 +15,7 @@
 #include <fixsplat/internal/fit_more.h>
 #include "src/fit/stages/exposure.h"
 #include "src/fit/stages/pose.h"
-#include "random.h"
+#include "src/base/random.h"
 #include "recipe.h"
 #include "sky.h"
 
@@ -364,7 +364,7 @@ void fxs_fit_set_order(fxs_fit *f, uint64_t number)
     for (uint32_t i = 0; i < count; i++)
         f->order[i] = i;
     for (uint32_t i = count - 1; i; i--) {
-        const uint32_t j = (uint32_t)(fxs_fit_random(f->options.seed, first, i) % (i + 1)), swap = f->order[i];
+        const uint32_t j = (uint32_t)(fxs_random(f->options.seed, first, i) % (i + 1)), swap = f->order[i];
         f->order[i] = f->order[j];
         f->order[j] = swap;
     }
@@ -408,7 +408,7 @@ static float gain_rate(const fxs_fit *f, float part)
 
 static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_options *options)
 {
-    const uint64_t key = fxs_fit_random(f->options.seed, f->step, UINT64_MAX);
+    const uint64_t key = fxs_random(f->options.seed, f->step, UINT64_MAX);
     memset(options, 0, sizeof *options);
     options->sh_degree = plan->sh_degree;
     options->number = f->step;

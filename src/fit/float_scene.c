@@ -13,7 +13,7 @@
 #include "src/base/os_calls.h"
 #include "fit_internal.h"
 #include "src/fit/stages/planes.h"
-#include "random.h"
+#include "src/base/random.h"
 
 struct fxs_float_scene {
     fxs_fit_model model;
@@ -126,7 +126,7 @@ void fxs_float_scene_nudge(fxs_float_scene *s, double distance)
 
 static double by_chance(uint64_t axis, uint64_t i)
 {
-    return 2 * (double)fxs_fit_uniform(fxs_fit_random(1, axis, i)) - 1;
+    return 2 * (double)fxs_random_uniform(fxs_random(1, axis, i)) - 1;
 }
 
 static void place_from(const fxs_float_scene *s, const double eye[3])

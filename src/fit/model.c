@@ -8,7 +8,7 @@
 #include "src/base/run.h"
 #include "src/base/os_calls.h"
 #include "src/fit/stages/curve.h"
-#include "nearest.h"
+#include "src/gaussian/nearest.h"
 #include "src/fit/stages/planes.h"
 
 static float *planes_of(size_t stride, size_t planes)
@@ -100,9 +100,10 @@ static void set_point(fxs_fit_model *m, size_t i, const fxs_fit_point *point, fl
 
 int fxs_fit_model_begin(fxs_fit_model *m, const fxs_fit_point *points, size_t count, float opacity)
 {
+    const float *const first[3] = {points->position, points->position + 1, points->position + 2};
     if (fxs_fit_model_room(m, count))
         return FXS_ERR_MEMORY;
-    if (fxs_fit_nearest(points, count, m->views)) {
+    if (fxs_nearest_squares(first, sizeof *points / sizeof(float), count, m->views)) {
         fxs_fit_model_free(m);
         return FXS_ERR_MEMORY;
     }

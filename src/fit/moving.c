@@ -18,14 +18,14 @@
 #include "src/base/try_internal.h"
 #include "src/fit/stages/planes.h"
 #include "moving_internal.h"
-#include "nearest.h"
+#include "src/gaussian/nearest.h"
 #include "turn.h"
 
 enum {
     DOUBTFUL = 1, MAY_STAY,        /* whether it may be better at its old place */
     POSE = FXS_FIT_MOVED,          /* number of planes of a pose: position and rotation */
     KEPT = 14,                     /* number of planes that steps change */
-    NEAR = FXS_FIT_NEAR,
+    NEAR = FXS_NEAR,
     THING_LEAST = 16,              /* smaller things do not move as one */
     CARRY_PASSES = 4,              /* rounds in which Gaussians among tried ones are tried too */
     FIRST_STEPS = 2,               /* the first move takes this many times the steps, as nothing is known of it */
@@ -747,7 +747,7 @@ static int adopt(fxs_fit *f, size_t first)
     const size_t stride = m->stride;
     const float *const planes[3] = {plane(&f->model, 0), plane(&f->model, 1), plane(&f->model, 2)};
     uint32_t *near = malloc(m->made * NEAR * sizeof *near);
-    if (!near || fxs_fit_neighbours(planes, m->made, near)) {
+    if (!near || fxs_neighbours(planes, m->made, near)) {
         free(near);
         return FXS_ERR_MEMORY;
     }
@@ -895,7 +895,7 @@ int fxs_fit_begin_moving(fxs_fit *f, fxs_message *message)
     FXS_TRY(make_room(f, message));
     f->moving->made = made;
     const float *const planes[3] = {plane(&f->model, 0), plane(&f->model, 1), plane(&f->model, 2)};
-    if (fxs_fit_neighbours(planes, made, f->moving->near))
+    if (fxs_neighbours(planes, made, f->moving->near))
         return fxs_fail_memory(message, "a fit", 0);
     take_planes(&f->model, f->moving->last, POSE);
     take_planes(&f->model, f->moving->rest, POSE);

@@ -15,7 +15,7 @@
 #include "src/fit/stages/adam.h"
 #include "src/fit/stages/planes.h"
 #include "moving_internal.h"
-#include "random.h"
+#include "src/base/random.h"
 #include "turn.h"
 
 enum {
@@ -360,7 +360,7 @@ static uint32_t moment_of(const refinement *r, uint32_t visit)
 {
     const uint32_t count = (uint32_t)(r->fit->moving->tracks.moments - r->first);
     for (uint32_t i = 0; i < count && visit % count == 0; i++) {
-        const uint32_t j = (uint32_t)(fxs_fit_random(r->fit->options.seed, r->fit->step, i) % (i + 1));
+        const uint32_t j = (uint32_t)(fxs_random(r->fit->options.seed, r->fit->step, i) % (i + 1));
         r->order[i] = r->order[j];
         r->order[j] = (uint32_t)r->first + i;
     }

@@ -8,7 +8,7 @@
 #include "src/camera/colmap_internal.h"
 #include <fixsplat/internal/message.h>
 #include "src/scene/read/ply_header.h"
-#include "src/fit/random.h"
+#include "src/base/random.h"
 
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
 #define FARTHEST 134217728.0       /* limit of coordinates: 2^27 scene units, as in the renderer */
@@ -206,7 +206,7 @@ int fxs_photo_points_random(fxs_photo_points *p, const double middle[3], double 
     for (uint64_t i = 0; i < RANDOM_POINTS; i++) {
         double position[3];
         for (uint64_t k = 0; k < 3; k++) {
-            const float uniform = fxs_fit_uniform(fxs_fit_random(seed, RANDOM_STEP, 3 * i + k));
+            const float uniform = fxs_random_uniform(fxs_random(seed, RANDOM_STEP, 3 * i + k));
             position[k] = middle[k] + half * (2 * (double)uniform - 1);
         }
         FXS_TRY(add_point(p, "random points", position, grey, message));

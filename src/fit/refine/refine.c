@@ -25,7 +25,7 @@
 #include "src/pack/tree.h"
 #include "src/fit/fit_internal.h"
 #include "src/fit/stages/planes.h"
-#include "src/fit/random.h"
+#include "src/base/random.h"
 #include "refine_views.h"
 
 #define LOGIT_MOST 7.0f                /* logits of opacity are clamped to this; larger ones have practically no
@@ -211,7 +211,7 @@ static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t num
     for (uint32_t i = 0; i < count && at == 0; i++)
         r->order[i] = i;
     for (uint32_t i = count - 1; i > 0 && at == 0; i--) {
-        const uint32_t j = (uint32_t)(fxs_fit_random((uint64_t)level, number, i) % (i + 1)), swap = r->order[i];
+        const uint32_t j = (uint32_t)(fxs_random((uint64_t)level, number, i) % (i + 1)), swap = r->order[i];
         r->order[i] = r->order[j];
         r->order[j] = swap;
     }

@@ -16,7 +16,7 @@
 #include "src/camera/camera_internal.h"
 #include "src/camera/first_view.h"
 #include "src/fit/fit_internal.h"
-#include "src/fit/random.h"
+#include "src/base/random.h"
 
 enum { LEAST = 720, MOST = 1920 };     /* limits of the longer side of a large picture, in pixels */
 enum { FOV = 50, PARTS = 6 };
@@ -37,7 +37,7 @@ static uint32_t most_views(const fxs_refine_options *o)
 
 static double random_between(uint32_t view, uint32_t axis)
 {
-    return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
+    return 2 * (double)fxs_random_uniform(fxs_random(0, view, axis)) - 1;
 }
 
 /* Returns the longer side of a scene's pictures in pixels. Scenes with more Gaussians need larger pictures to stay

@@ -3,7 +3,7 @@
 #define FXS_FIT_RELOCATE_ONE_H
 
 #include "planes.h"
-#include "src/fit/random.h"
+#include "src/base/random.h"
 
 enum { SHARING = 51 };             /* largest number of Gaussians that share one place; larger counts are clamped */
 #define DEAD UINT32_MAX            /* marks a faint Gaussian, in place of the number of times that it is drawn */
@@ -32,7 +32,7 @@ static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
    random numbers. */
 static inline uint32_t drawn(const fxs_fit_relocate *r, uint64_t stream, uint64_t k, const uint64_t *sums, size_t count)
 {
-    return find(sums, count, fxs_fit_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);
+    return find(sums, count, fxs_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);
 }
 
 static inline int is_dead(const fxs_fit_model *m, const fxs_fit_relocate *r, size_t i)

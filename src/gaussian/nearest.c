@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "random.h"
+#include <fixsplat/fixsplat.h>
+#include "src/base/random.h"
 
 enum { LEAF = 8 };                 /* largest number of points in a leaf of the tree */
 
@@ -43,7 +44,7 @@ static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;
     while (end - first > 1) {
-        swap_items(&items[first], &items[first + fxs_fit_random(first, end, middle) % (end - first)]);
+        swap_items(&items[first], &items[first + fxs_random(first, end, middle) % (end - first)]);
         const item pivot = items[first];
         size_t at = first;
         for (size_t i = first + 1; i < end; i++)
@@ -100,8 +101,8 @@ static float square_to(const box *b, const float p[3])
 
 /* The nearest points found so far, from near to far. */
 typedef struct found {
-    float squares[FXS_FIT_NEAR];   /* squared distances; INFINITY: none */
-    uint32_t points[FXS_FIT_NEAR];
+    float squares[FXS_NEAR];   /* squared distances; INFINITY: none */
+    uint32_t points[FXS_NEAR];
     int wanted;
 } found;
 
@@ -191,11 +192,10 @@ static found look_around(const tree *t, size_t count, size_t i, int wanted)
     return f;
 }
 
-int fxs_fit_nearest(const fxs_fit_point *points, size_t count, float *squares)
+int fxs_nearest_squares(const float *const planes[3], size_t step, size_t count, float *squares)
 {
-    const float *const first[3] = {points->position, points->position + 1, points->position + 2};
     tree t;
-    const int error = tree_build(&t, first, sizeof *points / sizeof(float), count);
+    const int error = tree_build(&t, planes, step, count);
     for (size_t i = 0; i < count && !error; i++) {
         const found f = look_around(&t, count, i, 3);
         squares[t.items[i].point] = mean_of(f.squares);
@@ -204,14 +204,14 @@ int fxs_fit_nearest(const fxs_fit_point *points, size_t count, float *squares)
     return error;
 }
 
-int fxs_fit_neighbours(const float *const planes[3], size_t count, uint32_t *near)
+int fxs_neighbours(const float *const planes[3], size_t count, uint32_t *near)
 {
     tree t;
     const int error = tree_build(&t, planes, 1, count);
     for (size_t i = 0; i < count && !error; i++) {
-        const found f = look_around(&t, count, i, FXS_FIT_NEAR);
-        for (int k = 0; k < FXS_FIT_NEAR; k++)
-            near[(size_t)t.items[i].point * FXS_FIT_NEAR + (size_t)k] = f.points[k];
+        const found f = look_around(&t, count, i, FXS_NEAR);
+        for (int k = 0; k < FXS_NEAR; k++)
+            near[(size_t)t.items[i].point * FXS_NEAR + (size_t)k] = f.points[k];
     }
     tree_free(&t);
     return error;
