@@ -13,7 +13,8 @@ let package = Package(
             exclude: ["docs", "make", "port/posix/http", "tests", "tools"],
             sources: [
                 "src/core", "src/base", "src/gaussian", "src/scene", "src/open", "src/pack", "src/camera", "src/image",
-                "src/fit", "src/surface", "kernels/kernels.c", "kernels/simd/arm", "kernels/fit/fit_neon.c", "port/backend", "port/xr",
+                "src/fit", "src/select", "src/surface", "kernels/kernels.c", "kernels/simd/arm",
+                "kernels/fit/fit_neon.c", "port/backend", "port/xr",
                 "port/board/panel.c", "port/board/strip.c", "port/board/turntable.c", "port/posix",
             ],
             publicHeadersPath: "src/include",

@@ -10,7 +10,7 @@ KERNELS_wasm := kernels/simd/wasm/*.c
 # library.
 SOURCES_LIBRARY := src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/read/*.c src/scene/write/*.c \
                    src/scene/edit/*.c src/open/*.c src/pack/*.c src/camera/*.c src/image/*.c src/fit/*.c src/fit/photos/*.c \
-                   src/fit/stages/*.c src/fit/refine/*.c src/surface/*.c
+                   src/fit/stages/*.c src/fit/refine/*.c src/select/*.c src/surface/*.c
 SOURCES_posix := port/posix/*.c
 SOURCES_win32 := port/win32/*.c
 SOURCES_PORT := port/backend/*.c port/board/*.c port/xr/*.c
@@ -77,7 +77,7 @@ FLAGS_VECTORISED := -O3 -fno-math-errno -fno-trapping-math
 # Kind SINGLES: float arithmetic without excess precision, which i686 and s390x have by default. No flags are added if
 # FLT_EVAL_METHOD is 0, else the first entry of SINGLES_BY that makes it 0. In an entry, a comma stands for a space.
 FILES_SINGLES := src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% \
-                 src/surface/% src/image/photograph tests/gpu/test_fit% tests/test_fit_%
+                 src/select/% src/surface/% src/image/photograph tests/gpu/test_fit% tests/test_fit_%
 SINGLES_BY := -msse2,-mfpmath=sse -msse2 -fexcess-precision=fast
 
 # LIBRARY_name: the header and the linker options of an optional library. A library with the option -ldl alone is

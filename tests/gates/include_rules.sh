@@ -11,11 +11,12 @@ src/base        src/core
 src/gaussian    src/base src/core
 src/camera      src/gaussian src/base src/core
 src/image       src/camera src/base src/core
-src/open        src/scene src/pack src/gaussian src/camera src/base src/core port/posix port/backend
+src/open        src/scene src/select src/pack src/gaussian src/camera src/base src/core port/posix port/backend
 src/pack        src/gaussian src/base src/core
-src/scene       src/pack src/gaussian src/base src/core
-src/surface     src/scene src/pack src/gaussian src/camera src/base src/core
-src/fit         src/scene src/pack src/gaussian src/image src/camera src/base src/core
+src/select      src/pack src/gaussian src/base src/core
+src/scene       src/select src/pack src/gaussian src/base src/core
+src/surface     src/scene src/select src/pack src/gaussian src/camera src/base src/core
+src/fit         src/scene src/select src/pack src/gaussian src/image src/camera src/base src/core
 kernels/simd/lanes  src/core
 kernels/simd    kernels/simd/lanes kernels src/core
 kernels/gl      src/core
@@ -31,11 +32,12 @@ tools           public
 '
 
 public='
-src/core      fixsplat pace rates packed parts stage pixel fixed declarations
+src/core      fixsplat pace rates packed parts stage pixel fixed declarations weigh
 src/base      allocator message scene sound system output
 src/gaussian  pack start
 src/camera    camera view_more
 src/image     image film picture_metrics
+src/select    select
 src/scene     world placements edits time_range
 src/surface   surface collide
 src/fit       fit fit_more
