@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/scene.h>
+#include <fixsplat/select.h>
 #include <fixsplat/internal/allocator.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/crc32.h"
@@ -194,7 +195,7 @@ static void draw_mask(const fxs_edit_shape *s, uint8_t *mask)
 {
     if (s->kind == FXS_EDIT_LASSO)
         draw_lasso(s, mask);
-    else
+    else if (s->kind == FXS_EDIT_BRUSH)
         for (uint32_t i = 0; i + 2 < s->point_numbers; i += 3)
             draw_disc(&s->camera, mask, s->points + i);
 }
@@ -236,17 +237,18 @@ static int make_picture(const fxs_editor *e, const fxs_context *context, const f
     const fxs_camera *c = &s->camera;
     const int is_size = c->width > 0 && c->height > 0 && c->width <= FXS_MAX_SIZE && c->height <= FXS_MAX_SIZE;
     const size_t pixels = is_size ? (size_t)c->width * (size_t)c->height : 0;
+    const int has_depths = s->front && s->kind != FXS_EDIT_OBJECT;
     if (!is_size || pixels > FXS_EDIT_PIXELS_MOST)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a lasso or a brush in a picture of %d x %d pixels: at most %u "
                            "in all", (int)c->width, (int)c->height, FXS_EDIT_PIXELS_MOST);
     if (!has_range(s))
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a pixel of a lasso or a brush, or a radius, is out of range");
     p->mask = fxs_allocate_zeroed(NULL, pixels, 1);
-    p->depths = s->front ? fxs_allocate(NULL, pixels, sizeof *p->depths) : NULL;
-    if (!p->mask || (s->front && !p->depths))
+    p->depths = has_depths ? fxs_allocate(NULL, pixels, sizeof *p->depths) : NULL;
+    if (!p->mask || (has_depths && !p->depths))
         return fxs_fail_memory(message, NULL, 5 * pixels);
     draw_mask(s, p->mask);
-    return s->front ? find_depths(e, context, c, p->depths, message) : 0;
+    return has_depths ? find_depths(e, context, c, p->depths, message) : 0;
 }
 
 static void select(fxs_editor *e, const fxs_edit_shape *s, const picture *p)
@@ -263,9 +265,50 @@ static void select(fxs_editor *e, const fxs_edit_shape *s, const picture *p)
     }
 }
 
+static void choose(fxs_editor *e, const fxs_edit_shape *s, const uint8_t *objects)
+{
+    e->chosen = 0;
+    for (uint32_t i = 0; i < e->count; i++) {
+        if (!is_there(e, i))
+            continue;
+        if (objects[i])
+            e->slots[i].flags = s->subtract ? 0 : CHOSEN;
+        e->chosen += e->slots[i].flags == CHOSEN;
+    }
+}
+
+/* Selects the Gaussians of an object by clicks and boxes. */
+static int select_object(fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, fxs_message *message)
+{
+    const fxs_select_options options = {.size = sizeof options, .workers = context->config.workers};
+    const uint32_t count = s->point_numbers / FXS_EDIT_HINT;
+    const fxs_camera *c = &s->camera;
+    picture p = {NULL, NULL};
+    int error = make_picture(e, context, s, &p, message);
+    fxs_select_hint *hints = fxs_allocate(NULL, count + 1, sizeof *hints);
+    uint8_t *objects = fxs_allocate(NULL, e->count, 1);
+    if (!error && (!hints || !objects))
+        error = fxs_fail_memory(message, NULL, e->count + count * (uint64_t)sizeof *hints);
+    for (uint32_t i = 0; i < count && !error; i++) {
+        const int32_t *n = s->points + FXS_EDIT_HINT * i;
+        hints[i] = (fxs_select_hint){n[0], n[1], n[2], n[3], n[4] != 0};
+    }
+    const fxs_select_view view = {*c, p.mask};
+    error = error ? error : fxs_select_mark(context, &e->scene, c, hints, count, p.mask, message);
+    error = error ? error : fxs_select(context, &e->scene, &view, 1, &options, objects, message);
+    if (!error)
+        choose(e, s, objects);
+    fxs_release(NULL, p.mask);
+    fxs_release(NULL, hints);
+    fxs_release(NULL, objects);
+    return error;
+}
+
 int fxs_editor_select(fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, fxs_message *message)
 {
     picture p = {NULL, NULL};
+    if (s->kind == FXS_EDIT_OBJECT)
+        return select_object(e, context, s, message);
     const int error = s->kind < FXS_EDIT_LASSO ? 0 : make_picture(e, context, s, &p, message);
     if (!error)
         select(e, s, &p);

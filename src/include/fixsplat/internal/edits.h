@@ -16,18 +16,21 @@ extern "C" {
 #define FXS_BRUSH_MOST 1024             /* largest radius of a brush, pixels */
 #define FXS_EDIT_OUTSIDE (1 << 20)      /* largest distance of a lasso or a brush from the picture's corner, pixels */
 
-enum fxs_edit_kind { FXS_EDIT_BOX, FXS_EDIT_SPHERE, FXS_EDIT_LASSO, FXS_EDIT_BRUSH, FXS_EDIT_KINDS };
+enum fxs_edit_kind { FXS_EDIT_BOX, FXS_EDIT_SPHERE, FXS_EDIT_LASSO, FXS_EDIT_BRUSH, FXS_EDIT_OBJECT, FXS_EDIT_KINDS };
 
-/* A shape that selects the Gaussians with centres in it. */
+#define FXS_EDIT_HINT 5             /* coordinates of a hint of an object */
+
+/* A shape that selects the Gaussians with centres in it, or the Gaussians of an object. */
 typedef struct fxs_edit_shape {
     enum fxs_edit_kind kind;
     int subtract;               /* 1: takes the Gaussians out of the selection instead */
     int front;                  /* lasso, brush: 1: leaves out Gaussians behind the surface that the picture shows: more
                                    than 1/32 deeper than the median depth of their pixel */
     double numbers[6];          /* box: least x, y, z and greatest; sphere: middle and radius; scene units */
-    fxs_camera camera;          /* lasso, brush: camera of the picture, not cropped */
+    fxs_camera camera;          /* lasso, brush, object: camera of the picture, not cropped */
     /* Coordinates in the picture, pixels. Lasso: x, y of each corner of a polygon (even-odd rule). Brush: x, y and
-       radius of each disc. A Gaussian's centre selects it if the centre of its pixel is inside. */
+       radius of each disc. A Gaussian's centre selects it if the centre of its pixel is inside. Object: clicks and
+       boxes (fxs_select_hint of select.h), x, y, right, bottom and 1 for the object or 0 for something else. */
     const int32_t *points;
     uint32_t point_numbers;     /* number of coordinates, up to FXS_EDIT_NUMBERS_MOST */
 } fxs_edit_shape;
