@@ -82,8 +82,8 @@ typedef struct command {
 } command;
 
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
-                     command_mesh, command_collide, command_publish, command_make_scene, command_bench, command_demo,
-                     command_doctor, command_associate;
+                     command_mesh, command_collide, command_select, command_publish, command_make_scene, command_bench,
+                     command_demo, command_doctor, command_associate;
 
 /* Null-terminated array of all subcommands. */
 extern const command *const *all_commands;

@@ -11,8 +11,8 @@
 
 static const command *const commands[] = {
     &command_render, &command_view, &command_info, &command_convert, &command_fit, &command_compare,
-    &command_mesh, &command_collide, &command_publish, &command_make_scene, &command_bench, &command_demo,
-    &command_doctor, &command_associate, 0
+    &command_mesh, &command_collide, &command_select, &command_publish, &command_make_scene, &command_bench,
+    &command_demo, &command_doctor, &command_associate, 0
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands - 1 };

@@ -55,8 +55,9 @@ typedef struct fxs_select_hint {
 } fxs_select_hint;
 
 /* Marks pixels of a picture from clicks and boxes, for fxs_select. Renders the scene. A click marks the region of like
-   colour and depth around it; a box, what lies before or stands out from its edge. Later hints win. What is not marked
-   is FXS_SELECT_PERHAPS. `marks` has width * height bytes. Errors as fxs_select; FXS_ERR_ARGUMENT also for a hint
+   colour and depth around it; a box, what stands out from its edge. Clicks count more than boxes. Regions of several
+   clicks meet at edges of the picture, so a click on something else takes back what another click took too much. What is
+   not marked is FXS_SELECT_PERHAPS. `marks` has width * height bytes. Errors as fxs_select; FXS_ERR_ARGUMENT also for a hint
    outside of the picture or on its background. */
 FXS_EXPERIMENTAL int fxs_select_mark(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
                                      const fxs_select_hint *hints, uint32_t hint_count, uint8_t *marks,
