@@ -396,29 +396,27 @@ static int cut_object(const selecting *s, uint32_t object, uint8_t *objects)
 
 static int take_weights(const selecting *s, uint32_t object, uint8_t *objects)
 {
-    int error = FXS_ERR_OBJECT;
     for (uint32_t i = 0; i < s->slots; i++) {
         double own, other;
         weights_of(s, i, object, &own, &other);
-        if (s->is_full[i] && lead_of(s, own, other) > 0) {
+        if (s->is_full[i] && lead_of(s, own, other) > 0)
             give(s, i, object, objects);
-            error = 0;
-        }
     }
-    return error;
+    return 0;
 }
 
 static int find_objects(const selecting *s, uint8_t *objects, fxs_message *m)
 {
     int error = 0;
     memset(objects, 0, s->slots);
-    for (uint32_t object = 1; object <= s->o.objects && !error; object++) {
+    for (uint32_t object = 1; object <= s->o.objects && !error; object++)
         error = s->o.exact ? take_weights(s, object, objects) : cut_object(s, object, objects);
-        if (error == FXS_ERR_OBJECT)
-            return fxs_fail_as(error, m, "object %u: its marks show no Gaussian more than other marks do", object);
-        if (error)
-            return fxs_fail_as(error, m, "%s", fxs_strerror(error));
-    }
+    if (error && error != FXS_ERR_OBJECT)
+        return fxs_fail_as(error, m, "%s", fxs_strerror(error));
+    for (uint32_t object = 1; object <= s->o.objects; object++)
+        if (!memchr(objects, (int)object, s->slots))
+            return fxs_fail_as(FXS_ERR_OBJECT, m, "object %u: its marks show no Gaussian more than other marks do",
+                               object);
     return 0;
 }
 

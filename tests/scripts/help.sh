@@ -10,7 +10,7 @@ silent() { [ ! -s "$1" ] || { cat "$1"; return 1; }; }
 # ---- Help ------------------------------------------------------------------------------------------------------------
 
 commands=$("$fixsplat" --help | awk '/^Commands:/ { on = 1; next } /^[^ ]/ { on = 0 } on { print $1 }')
-check "commands" equal "$(echo $commands)" "render view info convert fit compare mesh collide publish make-scene bench demo doctor associate"
+check "commands" equal "$(echo $commands)" "render view info convert fit compare mesh collide select publish make-scene bench demo doctor associate"
 for command in $commands; do
     "$fixsplat" "$command" --help >logs/wanted
     for way in "help $command" "$command -h" "$command --json -h"; do

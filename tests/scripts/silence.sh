@@ -225,6 +225,22 @@ elsewhere='height:moves profile:moves'
 how=plainly path=$PATH notes=
 try collide
 
+# ---- select ----------------------------------------------------------------------------------------------------------
+
+mkdir masks && "$fixsplat" render knot.ply --cameras cameras.json --view 0 -o masks/a.png
+places='plain ../knot.ply --eye 0,-2,-9 --look 0,0,0 -o out.ply --around 300,100,900,700
+packed ../start.fxs -o out.fxs --click 640,360
+several ../knot.ply -o out.ply --cameras ../cameras.json --around 8,3,56,34
+masked ../knot.ply -o out.ply --cameras ../cameras.json --masks ../masks --alone'
+options='rest rest.ply; ids; picture look.png; masks ../masks; labels; click 500,300; not 600,400; around 500,300,600,400; bias 0.2
+alone; cameras ../cameras.json; view 1; eye 0,-3,-9; look 0.3,0,0; up 1,0,0; fov 30; size 800x600; profile small; lod 1; axes rdf
+rate 12'
+by_design='output threads max-memory max-gaussians import-memory' mask= more=
+# What is clicked at, or white in the masks, is in the box already.
+elsewhere='click:plain masks:several'
+how=plainly path=$PATH notes=
+try select
+
 # ---- publish ---------------------------------------------------------------------------------------------------------
 
 mkdir -p page/viewer scenes && echo page >page/viewer/index.html && echo >page/viewer/single.js && echo >page/LICENSE &&

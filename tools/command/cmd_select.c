@@ -99,8 +99,8 @@ static const option_row own_rows[] = {
     {"labels", 0, FLAG(labels), .help =
      "the grey of a mask is the number of an object, 1 to 200; 0: no object; 255: unknown"},
     {"click", "VIEW:X,Y,OBJECT", take_click, 0, .expected = "X,Y or X,Y,OBJECT, an object 1 to 200", .basic = 1, .help =
-     "a pixel of the object: the region of like colour and depth there. May be repeated. X,Y alone is in --view, of object "
-     "1; so it is for the next two"},
+     "a pixel of the object: the region of like colour and depth there. May be repeated. X,Y alone is in --view, and "
+     "of object 1, also for the next two options"},
     {"not", "VIEW:X,Y", take_not, 0, .expected = "X,Y", .basic = 1, .help =
      "a pixel of something else, to take back what --click took too much"},
     {"around", "VIEW:X,Y,X,Y,OBJECT", take_around, 0, .expected =
@@ -143,6 +143,7 @@ static const option_rule rules[] = {
 
 static int read_options(select_options *o, int argc, char **argv)
 {
+    int is_packed = 0;
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
     if (take_options(&command_select, o, argc, argv) || check_rules(rules))
@@ -159,8 +160,9 @@ static int read_options(select_options *o, int argc, char **argv)
         const char *name = i ? o->rest : o->output;
         if (name && !fxs_scene_format_of(name, 1))
             return fail(EXIT_USAGE, "%s: expected a scene's name, as out.ply or out.fxs", name);
+        is_packed |= name && ends_with(name, ".fxs");
     }
-    return 0;
+    return is_given("profile") && !is_packed ? fail(EXIT_USAGE, "--profile is for .fxs") : 0;
 }
 
 /* ---- Marked views ------------------------------------------------------------------------------------------------ */
@@ -480,9 +482,12 @@ static int select_objects(selection *s)
                                .kernels = &s->kernels};
     fxs_kernels_choose(&s->kernels, ~0u);
     fxs_context_init(&s->context, &config);
-    if (mark_views(s) || check_files(s) || find_objects(s) || (o->picture && write_picture(s)))
-        return EXIT_FAILED;
-    const int status = write_scenes(s);
+    int status = mark_views(s);
+    status = status ? status : check_files(s);
+    status = status ? status : find_objects(s);
+    if (!status && o->picture)
+        status = write_picture(s);
+    status = status ? status : write_scenes(s);
     if (!status && o->ids)
         print_ids(s);
     return status;
@@ -525,5 +530,5 @@ const command command_select = {
     "  $ fixsplat select room.ply --cameras cameras.json --click 3:640,380 --click 17:512,300 -o chair.ply\n"
     "  $ fixsplat select room.ply --cameras cameras.json --masks masks -o chair.ply\n"
     "  $ fixsplat select room.ply --cameras sparse/0 --masks labels --labels -o thing-%d.ply --rest room-only.ply\n",
-    {{own_rows, 0}, COMMON_TABLE}
+    {{own_rows, 0}, {load_rows, offsetof(select_options, frame.load)}, COMMON_TABLE}
 };
