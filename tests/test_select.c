@@ -1,5 +1,5 @@
-/* Tests the selection of objects: ten things on a floor between walls, whose Gaussians are known, are found by masks and
-   by clicks and compared with the truth. Smallest cuts are compared with all cuts of small graphs. */
+/* Tests the selection of objects: ten things on a floor between walls, whose Gaussians are known, are found by masks
+   and by clicks and compared with the truth. Smallest cuts are compared with all cuts of small graphs. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -280,7 +280,8 @@ typedef struct shares {
     double gaussians, pixels;
 } shares;
 
-static shares least_of(const truth *t, const uint8_t *objects, int thing_number, int object, const int *marked, int count)
+static shares least_of(const truth *t, const uint8_t *objects, int thing_number, int object, const int *marked,
+                       int count)
 {
     shares least = {share_of_gaussians(t, objects, thing_number, object), 1};
     for (int view = 0; view < VIEWS; view++) {
@@ -325,7 +326,7 @@ static void test_masks(const truth *t)
     free(objects);
 }
 
-/* A pixel well inside of a thing: the one farthest from the border, of a coarse search. */
+/* Finds the pixel of a thing with the most of its pixels in eight directions. */
 static int find_click(const truth *t, int view, int thing_number, int32_t *x, int32_t *y)
 {
     int best = 0;
@@ -334,7 +335,8 @@ static int find_click(const truth *t, int view, int thing_number, int32_t *x, in
             int free = 0;
             for (int way = 0; way < 8; way++)
                 for (int step = 1; step < 40; step++) {
-                    const int32_t a = u + step * ((way * 5 + 1) % 9 % 3 - 1), b = v + step * ((way * 5 + 1) % 9 / 3 - 1);
+                    const int to = way < 4 ? way : way + 1;
+                    const int32_t a = u + step * (to % 3 - 1), b = v + step * (to / 3 - 1);
                     if (a < 0 || b < 0 || a >= WIDTH || b >= HEIGHT || t->pictures[view][b * WIDTH + a] != thing_number)
                         break;
                     free++;
@@ -374,6 +376,151 @@ static void test_click(const truth *t)
     free(objects);
 }
 
+/* ---- The same everywhere ----------------------------------------------------------------------------------------- */
+
+static void backwards(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    while (jobs--)
+        job(argument, jobs);
+}
+
+/* Objects are the same by C stages and by the processor's, and for any number of jobs in any order. */
+static void test_ways(const truth *t)
+{
+    static const int marked[3] = {0, 3, 9};
+    fxs_select_view views[3];
+    fxs_select_options o;
+    fxs_context plain;
+    fxs_message m;
+    uint8_t *objects = malloc(t->slots), *others = malloc(t->slots);
+    fxs_select_options_init(&o);
+    o.objects = THINGS;
+    fxs_context_init(&plain, 0);
+    for (int i = 0; i < 3; i++)
+        views[i] = (fxs_select_view){t->cameras[marked[i]], t->pictures[marked[i]]};
+    CHECK(!run_select(t, views, 3, &o, objects));
+    CHECK(!fxs_select(&plain, t->scene, views, 3, &o, others, &m) && !memcmp(objects, others, t->slots));
+    for (uint32_t count = 2; count < 5; count++) {
+        o.workers = (fxs_workers){backwards, 0, count};
+        CHECK(!run_select(t, views, 3, &o, others) && !memcmp(objects, others, t->slots));
+    }
+    free(objects);
+    free(others);
+}
+
+/* Weights of two labels add up to those of one label, and in an opaque pixel to 7/8 of its light or more. */
+static void test_weights(const truth *t)
+{
+    enum { VIEW = 4, PIXELS = WIDTH * HEIGHT };
+    static uint8_t marks[PIXELS], none[PIXELS];
+    fxs_object object;
+    fxs_request r;
+    uint64_t sum = 0;
+    int opaque = 0, wrong = 0;
+    fxs_object_init(&object, t->scene);
+    fxs_request_init(&r, &object, 1);
+    r.cameras[0] = t->cameras[VIEW];
+    const size_t bytes = fxs_request_bytes(&context, &r, 0);
+    void *memory = check_aligned(bytes);
+    uint64_t *one = calloc(t->slots, sizeof *one), *two = calloc(2 * (size_t)t->slots, sizeof *two);
+    for (int i = 0; i < PIXELS; i++) {
+        marks[i] = t->pictures[VIEW][i] > 4;
+        opaque += t->pictures[VIEW][i] != 0;
+        none[i] = t->pictures[VIEW][i] ? 0 : 255;
+    }
+    CHECK(!fxs_weigh(&context, &r, marks, 2, two, memory, bytes));
+    memset(marks, 0, PIXELS);
+    CHECK(!fxs_weigh(&context, &r, marks, 1, one, memory, bytes));
+    for (uint32_t i = 0; i < t->slots; i++)
+        wrong += one[i] != two[2 * i] + two[2 * i + 1];
+    CHECK(!wrong);
+    memset(one, 0, t->slots * sizeof *one);
+    CHECK(!fxs_weigh(&context, &r, none, 1, one, memory, bytes));
+    for (uint32_t i = 0; i < t->slots; i++)
+        sum += one[i];
+    CHECK(sum > (uint64_t)opaque * 28000 && sum <= (uint64_t)opaque * 32767);
+    CHECK(fxs_weigh(&context, &r, marks, 1, one, memory, bytes / 2) == FXS_ERR_MEMORY);
+    CHECK(fxs_weigh(&context, &r, marks, 0, one, memory, bytes) == FXS_ERR_ARGUMENT);
+    free(memory);
+    free(one);
+    free(two);
+}
+
+/* ---- Smallest cuts ----------------------------------------------------------------------------------------------- */
+
+enum { NODES = 9 };
+
+static int64_t cost_of(const int32_t *terminals, const fxs_edge *edges, uint32_t count, unsigned side)
+{
+    int64_t cost = 0;
+    for (int i = 0; i < NODES; i++)
+        cost += side >> i & 1 ? terminals[i] < 0 ? -terminals[i] : 0 : terminals[i] > 0 ? terminals[i] : 0;
+    for (uint32_t e = 0; e < count; e++)
+        cost += (side >> edges[e].a & 1) != (side >> edges[e].b & 1) ? edges[e].capacity : 0;
+    return cost;
+}
+
+/* The cut of random graphs is the least of all, and of the least ones the one within all others. */
+static void test_min_cut(void)
+{
+    for (int round = 0; round < 400; round++) {
+        int32_t terminals[NODES], left[NODES];
+        fxs_edge edges[24];
+        uint8_t side[NODES];
+        unsigned found = 0, within = ~0u;
+        int64_t least = INT64_MAX;
+        const uint32_t count = (uint32_t)uniform(0, 24.999);
+        for (int i = 0; i < NODES; i++)
+            left[i] = terminals[i] = (int32_t)uniform(-6, 7);
+        for (uint32_t e = 0; e < count; e++)
+            edges[e] = (fxs_edge){(uint32_t)uniform(0, NODES), (uint32_t)uniform(0, NODES), (int32_t)uniform(0, 5)};
+        CHECK(!fxs_min_cut(left, NODES, edges, count, side, 0));
+        for (int i = 0; i < NODES; i++)
+            found |= (unsigned)side[i] << i;
+        for (unsigned k = 0; k < 1u << NODES; k++) {
+            const int64_t cost = cost_of(terminals, edges, count, k);
+            within = cost < least ? k : cost == least ? within & k : within;
+            least = cost < least ? cost : least;
+        }
+        if (!CHECK(found == within && cost_of(terminals, edges, count, found) == least))
+            return;
+    }
+}
+
+/* ---- Refusals ---------------------------------------------------------------------------------------------------- */
+
+static void test_refusals(const truth *t)
+{
+    static uint8_t marks[WIDTH * HEIGHT];
+    fxs_select_view view = {t->cameras[0], marks};
+    fxs_select_options o;
+    fxs_message m;
+    fxs_select_hint hint = {5, 5, 5, 5, 1};
+    uint8_t *objects = malloc(t->slots);
+    fxs_select_options_init(&o);
+    CHECK(fxs_select(&context, t->scene, &view, 1, &o, objects, &m) == FXS_ERR_ARGUMENT);      /* nothing is marked */
+    CHECK(fxs_select(&context, t->scene, &view, 0, &o, objects, &m) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_select(&context, 0, &view, 1, &o, objects, &m) == FXS_ERR_ARGUMENT);
+    marks[7] = 2;
+    CHECK(fxs_select(&context, t->scene, &view, 1, &o, objects, &m) == FXS_ERR_ARGUMENT && strstr(m.text, "mark 2"));
+    marks[7] = 1;
+    o.bias = NAN;
+    CHECK(fxs_select(&context, t->scene, &view, 1, &o, objects, &m) == FXS_ERR_ARGUMENT);
+    o.bias = 0;
+    o.max_memory = 1000;
+    CHECK(fxs_select(&context, t->scene, &view, 1, &o, objects, &m) == FXS_ERR_MEMORY && m.bytes_needed > 1000);
+    o.max_memory = 0;
+    view.camera.fx_q12 = 0;
+    CHECK(fxs_select(&context, t->scene, &view, 1, &o, objects, &m) == FXS_ERR_CAMERA);
+    CHECK(fxs_select_mark(&context, t->scene, &view.camera, &hint, 1, marks, &m) == FXS_ERR_CAMERA);
+    hint.x = hint.right = WIDTH;
+    CHECK(fxs_select_mark(&context, t->scene, &t->cameras[0], &hint, 1, marks, &m) == FXS_ERR_ARGUMENT);
+    hint = (fxs_select_hint){5, 5, 5, 5, FXS_SELECT_OBJECTS + 1};
+    CHECK(fxs_select_mark(&context, t->scene, &t->cameras[0], &hint, 1, marks, &m) == FXS_ERR_ARGUMENT);
+    free(objects);
+}
+
 int main(void)
 {
     truth t;
@@ -386,6 +533,10 @@ int main(void)
         return 1;
     RUN_AS("test_masks", test_masks(&t));
     RUN_AS("test_click", test_click(&t));
+    RUN_AS("test_ways", test_ways(&t));
+    RUN_AS("test_weights", test_weights(&t));
+    RUN(test_min_cut);
+    RUN_AS("test_refusals", test_refusals(&t));
     free_truth(&t);
     return check_report();
 }
