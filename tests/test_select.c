@@ -304,6 +304,21 @@ static int run_select(const truth *t, const fxs_select_view *views, uint32_t cou
     return error;
 }
 
+/* A trim takes Gaussians from the objects and from the rest, and gives none to the other. */
+static void check_trim(const truth *t, const fxs_select_view *views, fxs_select_options o, const uint8_t *objects)
+{
+    uint32_t border = 0, wrong = 0;
+    uint8_t *trimmed = malloc(t->slots);
+    o.trim = 0.4;
+    CHECK(!run_select(t, views, 3, &o, trimmed));
+    for (uint32_t i = 0; i < t->slots; i++) {
+        border += trimmed[i] == FXS_SELECT_BORDER;
+        wrong += trimmed[i] != FXS_SELECT_BORDER && trimmed[i] != objects[i];
+    }
+    CHECK(border > 0 && border < THINGS * DISCS / 10 && !wrong);
+    free(trimmed);
+}
+
 /* Ten objects at once, by masks in three of the views. */
 static void test_masks(const truth *t)
 {
@@ -323,6 +338,7 @@ static void test_masks(const truth *t)
         least = (shares){fmin(least.gaussians, s.gaussians), fmin(least.pixels, s.pixels)};
     }
     printf("  at least %.3f of the Gaussians, %.3f of the pixels\n", least.gaussians, least.pixels);
+    check_trim(t, views, o, objects);
     free(objects);
 }
 

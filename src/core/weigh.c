@@ -1,6 +1,6 @@
 /* fxs_weigh: renders a frame that writes no picture, and adds the weight of each splat in each pixel to the sum of the
- * splat's Gaussian and the pixel's label. A tile's splats are blended one at a time by the kernel `trace`: the weight of a splat
- * in a pixel is the difference that it makes to the pixel's transmittance. */
+ * splat's Gaussian and the pixel's label. A tile's splats are blended one at a time by the kernel `trace`: the weight
+ * of a splat in a pixel is the difference that it makes to the pixel's transmittance. */
 #include <fixsplat/internal/weigh.h>
 
 #include "draw.h"

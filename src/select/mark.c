@@ -12,7 +12,7 @@
 
 enum {
     DEPTH_BITS = 16,
-    STEEP = 12,                        /* largest change of depth from pixel to pixel, in pixels' widths at that depth */
+    STEEP = 12,                        /* largest change of depth from pixel to pixel, in widths of a pixel there */
     STEP = 12,                         /* largest change of a colour channel from pixel to pixel, of 255 */
     LUMA = 80, CHROMA = 24,           /* largest difference in brightness and in colour from the click's pixel */
     BORDER = 1                         /* pixels on each side of a region's border that are unknown */

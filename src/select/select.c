@@ -41,6 +41,7 @@ typedef struct selecting {
     const fxs_select_view *views;
     fxs_select_options o;
     uint32_t view_count, labels, slots, jobs;
+    double bias;
     uint64_t *sums;                    /* weights: of each job, of each slot, of each label: rest, objects, perhaps */
     int *errors;                       /* of each job */
     size_t frame_bytes;                /* the largest memory of a view's frame */
@@ -203,7 +204,7 @@ static void weights_of(const selecting *s, size_t slot, uint32_t object, double 
 
 static double lead_of(const selecting *s, double own, double other)
 {
-    return own - other - s->o.bias * (own + other);
+    return own - other - s->bias * (own + other);
 }
 
 /* Finds the box in which an object is looked for: its Gaussians' mean and REACH times their widest standard deviation.
@@ -405,13 +406,35 @@ static int take_weights(const selecting *s, uint32_t object, uint8_t *objects)
     return 0;
 }
 
-static int find_objects(const selecting *s, uint8_t *objects, fxs_message *m)
+/* Finds the objects with a bias. */
+static int find_with(selecting *s, double bias, uint8_t *objects)
 {
     int error = 0;
+    s->bias = bias < -1 ? -1 : bias > 1 ? 1 : bias;
     memset(objects, 0, s->slots);
     for (uint32_t object = 1; object <= s->o.objects && !error; object++)
         error = s->o.exact ? take_weights(s, object, objects) : cut_object(s, object, objects);
-    if (error && error != FXS_ERR_OBJECT)
+    return error == FXS_ERR_OBJECT ? 0 : error;
+}
+
+/* Marks the Gaussians of the border: those in an object with a bias lower by `trim`, but in none with a higher one. */
+static int mark_border(selecting *s, uint8_t *objects)
+{
+    uint8_t *wide = fxs_allocate(s->o.allocator, s->slots, 1);
+    const int error = wide ? find_with(s, s->o.bias - s->o.trim, wide) : FXS_ERR_MEMORY;
+    for (uint32_t i = 0; i < s->slots && !error; i++)
+        if (wide[i] && !objects[i])
+            objects[i] = FXS_SELECT_BORDER;
+    fxs_release(s->o.allocator, wide);
+    return error;
+}
+
+static int find_objects(selecting *s, uint8_t *objects, fxs_message *m)
+{
+    int error = find_with(s, s->o.bias + s->o.trim, objects);
+    if (!error && s->o.trim > 0)
+        error = mark_border(s, objects);
+    if (error)
         return fxs_fail_as(error, m, "%s", fxs_strerror(error));
     for (uint32_t object = 1; object <= s->o.objects; object++)
         if (!memchr(objects, (int)object, s->slots))
@@ -446,9 +469,9 @@ static int check(const selecting *s, fxs_message *m)
     if (s->scene.places)
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, m, "a scene in parts: objects are found in whole scenes");
     if (!s->view_count || s->view_count > FXS_SELECT_VIEWS || !(s->o.bias >= -1 && s->o.bias <= 1) ||
-        s->o.objects > FXS_SELECT_OBJECTS)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, m, "expected 1 to %u pictures, 1 to %u objects and a bias from -1 to 1",
-                           FXS_SELECT_VIEWS, FXS_SELECT_OBJECTS);
+        !(s->o.trim >= 0 && s->o.trim <= 1) || s->o.objects > FXS_SELECT_OBJECTS)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, m, "expected 1 to %u pictures, 1 to %u objects, a bias from -1 to 1 and "
+                           "a trim from 0 to 1", FXS_SELECT_VIEWS, FXS_SELECT_OBJECTS);
     for (uint32_t v = 0; v < s->view_count; v++) {
         const int error = check_view(&s->views[v], v, s->o.objects, is_marked, m);
         if (error)

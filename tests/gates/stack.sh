@@ -5,7 +5,7 @@ cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
 most=1536
-larger='fxs_trace_tile|pick_tile|count_tile|fxs_count_pairs|fxs_draw_tile|draw_samples|fxs_rate_resolve'
+larger='fxs_trace_tile|pick_tile|weigh_tile|count_tile|fxs_count_pairs|fxs_draw_tile|draw_samples|fxs_rate_resolve'
 
 if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then
     echo "skip stack: not here: arm-none-eabi-gcc"

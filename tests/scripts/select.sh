@@ -26,7 +26,7 @@ balls() {
             for (i = 0; i < n; i++) print line[i]
         }' >"$1"
 }
-ids() { "$fixsplat" select "$@" --ids --quiet | uniq -c | awk '{ printf "%s%d x %d", s, $1, $2; s = ", " }'; }
+ids() { "$fixsplat" select "$@" --trim 0 --ids --quiet | uniq -c | awk '{ printf "%s%d x %d", s, $1, $2; s = ", " }'; }
 
 balls two.ply 1 1
 balls white.ply 1 0
@@ -55,11 +55,11 @@ check "two objects" equal "$(ids two.ply $by --click 135,58,2 --click 65,58,1)" 
     '400 x 1, 400 x 2, 900 x 0'
 check "two clicks on one object" equal "$(ids two.ply $by --click 135,58 --click 65,58)" \
     '800 x 1, 900 x 0'
-check "--not" equal "$("$fixsplat" select two.ply $by --around 22,15,178,98 --not 135,58 --ids --quiet |
+check "--not" equal "$("$fixsplat" select two.ply $by --around 22,15,178,98 --not 135,58 --trim 0 --ids --quiet |
     head -n 800 | uniq -c | tr -s ' \n' ' ')" ' 400 1 400 0 '
 few=$(ids two.ply $by --masks masks --alone)
 check "--alone: hidden Gaussians are in no object" [ "$few" != "$all" ]
-count() { "$fixsplat" select two.ply $by --masks masks --alone --ids --quiet "$@" | grep -c 1; }
+count() { "$fixsplat" select two.ply $by --masks masks --alone --trim 0 --ids --quiet "$@" | grep -c 1; }
 check "--bias: fewer" [ "$(count --bias 0.9)" -lt "$(count)" ]
 for threads in 1 3; do
     check "--threads $threads" equal "$(ids two.ply $by --masks masks --alone --threads $threads)" "$few"
@@ -67,6 +67,11 @@ done
 succeeds "an object and the rest" select two.ply $by --masks masks -o white.ply --rest rest.fxs --quiet
 check "the object" gaussians white.ply 400 0
 check "the rest" gaussians rest.fxs 1300 0
+run select two.ply $by --around 22,15,104,98 -o trimmed.ply --rest less.ply --trim 0.6
+left=$(($("$fixsplat" info trimmed.ply --json | tr ', ' '\n\n' | sed -n '/"gaussians":/{n;p;q}') +
+    $("$fixsplat" info less.ply --json | tr ', ' '\n\n' | sed -n '/"gaussians":/{n;p;q}')))
+check "--trim: what is on the border is in neither" [ "$left" -lt 1700 ]
+check "--trim: the object is still there" gaussians trimmed.ply 400 0
 run select two.ply $by --click 65,58 -o thing.fxs --picture seen.png
 check "a note" says "two.ply: object 1: 400 of 1700 Gaussians"
 check "an .fxs: a start view that shows it" "$fixsplat" render thing.fxs -o thing.png --size 64x64 --quiet

@@ -232,7 +232,7 @@ places='plain ../knot.ply --eye 0,-2,-9 --look 0,0,0 -o out.ply --around 300,100
 packed ../start.fxs -o out.fxs --click 640,360
 several ../knot.ply -o out.ply --cameras ../cameras.json --around 8,3,56,34
 masked ../knot.ply -o out.ply --cameras ../cameras.json --masks ../masks --alone'
-options='rest rest.ply; ids; picture look.png; masks ../masks; labels; click 500,300; not 600,400; around 500,300,600,400; bias 0.2
+options='rest rest.ply; ids; picture look.png; masks ../masks; labels; click 500,300; not 600,400; around 500,300,600,400; bias 0.2; trim 1
 alone; cameras ../cameras.json; view 1; eye 0,-3,-9; look 0.3,0,0; up 1,0,0; fov 30; size 800x600; profile small; lod 1; axes rdf
 rate 12'
 by_design='output threads max-memory max-gaussians import-memory' mask= more=

@@ -18,6 +18,8 @@
 
 enum { HINTS_MOST = 1024, NAME_MOST = 4096, DIM = 4 };
 
+#define TRIM_DEFAULT 0.5
+
 /* A click or a box, and the view that it is in, as text. */
 typedef struct placed_hint {
     char view[128];                         /* number or name of the view; empty: that of --view */
@@ -31,7 +33,7 @@ typedef struct select_options {
     placed_hint hints[HINTS_MOST];
     uint32_t hint_count;
     int labels, exact;
-    double bias;
+    double bias, trim;
     size_t max_memory;
 } select_options;
 
@@ -89,7 +91,7 @@ static const option_row own_rows[] = {
      "scene with the object, in the format of its ending. For several objects, the name has one %d: thing-%d.ply"},
     {"rest", "FILE", OUTPUT(rest), .basic = 1, .help = "scene with all other Gaussians"},
     {"ids", 0, FLAG(ids), .help =
-     "print a line for each Gaussian of SCENE, in its order: the number of its object, 0 for none"},
+     "print a line for each Gaussian of SCENE, in its order: the number of its object, 0 for none, 255 for a border"},
     {"picture", "FILE", OUTPUT(picture), .basic = 1, .help =
      "picture of the first marked view, all but the objects darkened: to see what is selected"},
     {.help = "What the objects are, in views of --cameras, or in the first view of the scene:"},
@@ -109,6 +111,9 @@ static const option_row own_rows[] = {
     {"bias", "B", REAL(bias, -1, 1, "a number from -1 to 1"), .help =
      "share of a Gaussian's weight that is moved from the object to the rest, -1 to 1 (default 0). Above 0, fewer "
      "Gaussians of the border; below, more"},
+    {"trim", "SHARE", REAL(trim, 0, 1, "a share from 0 to 1"), .basic = 1, .help =
+     "leave the border out of OUT and of REST, so that no fringe remains: Gaussians that --bias higher by this share "
+     "puts outside, or lower by it inside, 0 to 1 (default 0.5; 0: each Gaussian is in OUT or in REST)"},
     {"alone", 0, FLAG(exact), .help =
      "decide for each Gaussian by itself: Gaussians that the marked views do not show are in no object (default: they "
      "take after their neighbours)"},
@@ -146,6 +151,7 @@ static int read_options(select_options *o, int argc, char **argv)
     int is_packed = 0;
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
+    o->trim = TRIM_DEFAULT;
     if (take_options(&command_select, o, argc, argv) || check_rules(rules))
         return EXIT_USAGE;
     if (argc - optind > 1)
@@ -347,6 +353,7 @@ static int find_objects(selection *s)
     fxs_select_options_init(&options);
     options.objects = s->objects;
     options.bias = s->o->bias;
+    options.trim = s->o->trim;
     options.exact = s->o->exact;
     options.max_memory = s->o->max_memory;
     options.workers = s->context.config.workers;
@@ -430,7 +437,8 @@ static void darken(const selection *s, const picture *p)
     const size_t pixels = (size_t)p->width * (size_t)p->height;
     for (size_t i = 0; i < pixels; i++) {
         const uint32_t slot = p->ids[i].gaussian;
-        for (size_t k = 0; k < 3 && (slot == FXS_NOTHING || !s->object_of[slot]); k++)
+        for (size_t k = 0; k < 3 && (slot == FXS_NOTHING || !s->object_of[slot] ||
+                               s->object_of[slot] == FXS_SELECT_BORDER); k++)
             p->pixels[4 * i + k] /= DIM;
     }
 }

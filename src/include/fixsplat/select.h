@@ -17,6 +17,7 @@ extern "C" {
 #define FXS_SELECT_OBJECTS 200u        /* largest number of objects */
 #define FXS_SELECT_PERHAPS 254         /* mark of a pixel that is something else, but not for sure */
 #define FXS_SELECT_UNKNOWN 255         /* mark of a pixel that is not known */
+#define FXS_SELECT_BORDER 255          /* the object of a Gaussian on an object's border, with a trim */
 #define FXS_SELECT_VIEWS 4096u         /* largest number of pictures */
 
 /* A picture with marked pixels. */
@@ -32,6 +33,9 @@ typedef struct fxs_select_options {
     uint32_t objects;                  /* number of objects, 1 (default) to FXS_SELECT_OBJECTS */
     double bias;                       /* -1 to 1, default 0: this share of a Gaussian's weight is moved from the object
                                           to the rest. Positive: fewer Gaussians at the object's border */
+    double trim;                       /* 0 to 1, default 0: Gaussians that a bias higher by this share puts outside of
+                                          their object, or a bias lower by it inside of one, are FXS_SELECT_BORDER. A
+                                          picture of the object or of the rest without them has no fringe */
     int exact;                         /* 1: by weights alone, without neighbours */
     size_t max_memory;                 /* most bytes of working memory; default 2^31 */
     fxs_workers workers;
@@ -39,10 +43,11 @@ typedef struct fxs_select_options {
 } fxs_select_options;
 FXS_INIT(fxs_select_options)
 
-/* Finds the objects in a packed scene. objects[i] receives the object of slot i, from 1, or 0 for none. The array has
-   256 bytes for each chunk of the scene. Levels of detail are left out. Returns 0, or an error and a message: FXS_ERR_ARGUMENT (a
-   mark above the number of objects, no view, an object without a pixel or in no view's Gaussians), FXS_ERR_UNSUPPORTED
-   (a scene that moves or is in parts), FXS_ERR_SCENE, FXS_ERR_CAMERA, FXS_ERR_MEMORY. */
+/* Finds the objects in a packed scene. objects[i] receives the object of slot i, from 1, 0 for none, or
+   FXS_SELECT_BORDER. The array has 256 bytes for each chunk of the scene. Levels of detail are left out. Returns 0, or
+   an error and a message: FXS_ERR_ARGUMENT (a mark above the number of objects, no view, an object without a pixel),
+   FXS_ERR_OBJECT (an object whose marks show no Gaussian more than others do), FXS_ERR_UNSUPPORTED (a scene that moves
+   or is in parts), FXS_ERR_SCENE, FXS_ERR_CAMERA, FXS_ERR_MEMORY. */
 FXS_EXPERIMENTAL int fxs_select(const fxs_context *context, const fxs_scene *scene, const fxs_select_view *views,
                                 uint32_t view_count, const fxs_select_options *options, uint8_t *objects,
                                 fxs_message *message);
@@ -56,9 +61,9 @@ typedef struct fxs_select_hint {
 
 /* Marks pixels of a picture from clicks and boxes, for fxs_select. Renders the scene. A click marks the region of like
    colour and depth around it; a box, what stands out from its edge. Clicks count more than boxes. Regions of several
-   clicks meet at edges of the picture, so a click on something else takes back what another click took too much. What is
-   not marked is FXS_SELECT_PERHAPS. `marks` has width * height bytes. Errors as fxs_select; FXS_ERR_ARGUMENT also for a hint
-   outside of the picture or on its background. */
+   clicks meet at edges of the picture, so a click on something else takes back what another click took too much. What
+   is not marked is FXS_SELECT_PERHAPS. `marks` has width * height bytes. Errors as fxs_select; FXS_ERR_ARGUMENT also
+   for a hint outside of the picture or on its background. */
 FXS_EXPERIMENTAL int fxs_select_mark(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
                                      const fxs_select_hint *hints, uint32_t hint_count, uint8_t *marks,
                                      fxs_message *message);
