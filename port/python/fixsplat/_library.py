@@ -9,7 +9,7 @@ import sys
 import threading
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Iterator, Mapping, Optional, Union
+from typing import Any, Callable, Iterator, Mapping, Optional, Tuple, Union
 
 from cffi import FFI
 
@@ -288,3 +288,13 @@ def workers(threads: int) -> "Iterator[Struct]":
         yield new("fxs_workers", run=lib.fxs_pool_run, pool=made, count=threads) if made else new("fxs_workers")
     finally:
         lib.fxs_pool_destroy(made)
+
+
+@contextmanager
+def context(threads: int) -> "Iterator[Tuple[Struct, Struct]]":
+    """Yields an fxs_context with the fastest stages, and its fxs_workers of so many threads."""
+    with workers(threads) as made:
+        kernels, ready = new("fxs_kernels"), new("fxs_context")
+        lib.fxs_kernels_choose(kernels, 2**32 - 1)
+        check(lib.fxs_context_init(ready, sized("fxs_config", workers=made[0], kernels=kernels)), new("fxs_message"))
+        yield ready, made

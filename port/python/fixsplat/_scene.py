@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ._camera import Camera, number, numbers
 from ._gaussians import Gaussians, Progress, Stream, file_options, open_options
-from ._library import PROFILES, Calls, PathLike, Struct, call, ffi, file_name, lib, new, sized, string, whole
+from ._library import PROFILES, Calls, PathLike, Struct, call, context, ffi, file_name, lib, new, sized, string, whole
 
 if TYPE_CHECKING:
     from ._convert import Conversion
@@ -215,6 +215,46 @@ class Scene:
         numbers of Gaussians, or a slice. The Gaussians are packed again, which rounds them again;
         `load_gaussians(path).select(mask)` does not round."""
         return self.arrays().select(mask).pack(profile=self.profile)
+
+    def mark(self, camera: Camera, hints: "Sequence[Sequence[int]]", *, threads: int = 0) -> "npt.NDArray[np.uint8]":
+        """Marks pixels of a picture of the scene from clicks and boxes, for `find`: an array of shape (height, width).
+        hints: (x, y, object) for a click, (x, y, right, bottom, object) for a box around an object; object 0 stands for
+        something else. threads: as for `load`."""
+        made = ffi.new("fxs_select_hint[]", len(hints))
+        for hint, values in zip(made, hints):
+            if len(values) not in (3, 5):
+                raise ValueError(f"hints: expected (x, y, object) or (x, y, right, bottom, object), not {values}")
+            hint.x, hint.y, hint.right, hint.bottom = (*values[:-1], *values[:-1])[:4]
+            hint.object = values[-1]
+        marks = np.empty((camera.height, camera.width), np.uint8)
+        with context(threads) as (made_context, _):
+            call("fxs_select_mark", made_context, self.memory.scene, camera.rounded(), made, len(hints),
+                 ffi.from_buffer("uint8_t[]", marks))
+        return marks
+
+    def find(self, views: "Sequence[Tuple[Camera, Any]]", *, objects: int = 1, bias: float = 0, trim: float = 0,
+             alone: bool = False, threads: int = 0) -> "npt.NDArray[np.uint8]":
+        """Finds the Gaussians of objects, as `fixsplat select` does. Returns the object of each Gaussian of `arrays`:
+        1 to `objects`, 0 for none, 255 for one on a border. `scene.select(scene.find(...) == 1)` is the object.
+        views: pairs of a camera and its marks, of shape (height, width): 1 to `objects` where the picture shows an
+        object, 0 where it shows something else, 255 where it is unknown; as by `mark`, or from masks. bias, trim,
+        alone, threads: as for `fixsplat select`, but the trim is 0 if it is omitted."""
+        made, kept = ffi.new("fxs_select_view[]", len(views)), []
+        for view, (camera, marks) in zip(made, views):
+            kept.append(np.ascontiguousarray(marks, np.uint8))
+            if kept[-1].shape != (camera.height, camera.width):
+                raise ValueError(f"views: expected marks of shape {(camera.height, camera.width)}, "
+                                 f"not {kept[-1].shape}")
+            view.camera = camera.rounded()[0]
+            view.marks = ffi.from_buffer("uint8_t[]", kept[-1])
+        found = np.empty(self.memory.scene.chunk_count * lib.FXS_CHUNK, np.uint8)
+        with context(threads) as (made_context, made_workers):
+            options = sized("fxs_select_options", objects=whole("objects", objects, 1, lib.FXS_SELECT_OBJECTS),
+                            bias=number("bias", bias, -1, 1), trim=number("trim", trim, 0, 1), exact=int(alone),
+                            workers=made_workers[0])
+            call("fxs_select", made_context, self.memory.scene, made, len(views), options,
+                 ffi.from_buffer("uint8_t[]", found))
+        return found[self.numbers]
 
     def save(self, path: PathLike, **options: Any) -> "Conversion":
         """Writes the scene to a file; the ending of its name chooses the format. An .fxs file can be opened without
