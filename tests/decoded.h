@@ -45,14 +45,22 @@ typedef struct decoded {
     int axis_bits;
 } decoded;
 
+static inline uint32_t little_16(const unsigned char *at)
+{
+    return at[0] | (uint32_t)at[1] << 8;
+}
+
+static inline uint32_t little_32(const unsigned char *at)
+{
+    return little_16(at) | little_16(at + 2) << 16;
+}
+
 enum { FIELDS = 11 };   /* fields of a Gaussian: 3 positions, 3 scales, the rotation word, 3 colours, opacity */
 
 static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {
-    uint32_t a, b, c, d = rows[3072 + at];
-    memcpy(&a, rows + 4 * at, 4);
-    memcpy(&b, rows + 1024 + 4 * at, 4);
-    memcpy(&c, rows + 2048 + 4 * at, 4);
+    const uint32_t a = little_32(rows + 4 * at), b = little_32(rows + 1024 + 4 * at);
+    const uint32_t c = little_32(rows + 2048 + 4 * at), d = rows[3072 + at];
     const uint32_t all[FIELDS] = {
         widen(a & 2047, 11, 16), widen(a >> 11 & 2047, 11, 16), widen(b & 2047, 11, 16),
         widen(c & 127, 7, 10), widen(c >> 7 & 127, 7, 10), 2 * widen(c >> 14 & 63, 6, 9),
@@ -66,10 +74,8 @@ static inline void other_codes(uint32_t codes[FIELDS], const unsigned char *rows
 {
     uint32_t words[3];
     for (uint32_t i = 0; i < 3; i++) {
-        uint16_t half;
-        memcpy(&half, rows + 512 * i + 2 * at, 2);
-        memcpy(&words[i], rows + 1536 + 1024 * i + 4 * at, 4);
-        codes[i] = half;
+        codes[i] = little_16(rows + 512 * i + 2 * at);
+        words[i] = little_32(rows + 1536 + 1024 * i + 4 * at);
     }
     for (int i = 0; i < 3; i++) {
         codes[3 + i] = i < 2 ? words[1] >> 10 * i & 1023 : (words[1] >> 20 & 511) * 2;
