@@ -1,5 +1,5 @@
 /* Tests voxels for walking: sums against doubles, passes over bits against plain loops, a made room whose door lets a
-   walker through and whose walls do not, files read back, threads, and refusals. */
+   walker through and whose walls do not, files written and read, the walker of the window, threads, and refusals. */
 #include <math.h>
 #include <string.h>
 
@@ -268,7 +268,8 @@ static void add_plane(list *l, int axis, double at, double u0, double u1, double
         }
 }
 
-static void make_room(made *m, int shut)
+/* `step` above 0: the floor rises by a step at x = 1.2. */
+static void make_room_with_step(made *m, int shut, double step)
 {
     static fxs_gaussian gaussians[ROOM_MOST];
     list l = {gaussians, 0};
@@ -279,7 +280,16 @@ static void make_room(made *m, int shut)
     add_plane(&l, 2, -2, -3, 3, -2.5, 0, 0);
     add_plane(&l, 2, 2, -3, 3, -2.5, 0, 0);
     add_plane(&l, 0, 0, -2.5, 0, -2, 2, !shut);
+    if (step > 0) {
+        add_plane(&l, 1, -step, 1.2, 3, -2, 2, 0);
+        add_plane(&l, 0, 1.2, -step, 0, -2, 2, 0);
+    }
     pack(m, &l);
+}
+
+static void make_room(made *m, int shut)
+{
+    make_room_with_step(m, shut, 0);
 }
 
 static fxs_collide_options options_of(const made *m)
@@ -489,6 +499,218 @@ static void test_files(void)
     fxs_packed_scene_free(&m.packed);
 }
 
+/* ---- Files that are read ----------------------------------------------------------------------------------------- */
+
+static void write_file(const char *name, const void *bytes, size_t size)
+{
+    FILE *file = fopen(in_folder(name), "wb");
+    CHECK(file && fwrite(bytes, 1, size, file) == size);
+    if (file)
+        fclose(file);
+}
+
+static size_t file_bytes(const char *name, char *out, size_t room)
+{
+    FILE *file = fopen(in_folder(name), "rb");
+    const size_t size = file ? fread(out, 1, room, file) : 0;
+    CHECK(size > 0 && size < room);
+    if (file)
+        fclose(file);
+    return size;
+}
+
+static void not_read(const char *why)
+{
+    fxs_voxels *voxels = NULL;
+    message.text[0] = 0;
+    if (!CHECK(fxs_voxels_read(&voxels, in_folder("bad.voxel.json"), &message) == FXS_ERR_FILE && !voxels &&
+               strstr(message.text, why)))
+        printf("  wanted %s: %s\n", why, message.text);
+}
+
+/* Replaces a number of the .voxel.json. */
+static void not_read_with(const char *json, const char *name, const char *value, const char *why)
+{
+    char changed[4096], wanted[64];
+    snprintf(wanted, sizeof wanted, "\"%s\": ", name);
+    const char *at = strstr(json, wanted) + strlen(wanted);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json, value, at + strcspn(at, ",}\n"));
+    write_file("bad.voxel.json", changed, strlen(changed));
+    not_read(why);
+}
+
+static void test_read(void)
+{
+    static char bin[1 << 20], json[4096];
+    made m;
+    fxs_voxels *made_ = NULL, *read = NULL;
+    uint64_t wrong = 0;
+    make_room(&m, 0);
+    const fxs_collide_options o = options_of(&m);
+    CHECK(!fxs_collide(&m.scene, &o, &made_, &message));
+    CHECK(!fxs_voxels_write(made_, in_folder("room.voxel.json"), &message));
+    if (!CHECK(!fxs_voxels_read(&read, in_folder("room.voxel.json"), &message)))
+        return;
+    const fxs_voxels_info *a = fxs_voxels_describe(made_), *b = fxs_voxels_describe(read);
+    CHECK(!memcmp(a->low, b->low, sizeof a->low) && !memcmp(a->high, b->high, sizeof a->high));
+    for (int32_t z = a->low[2] - 2; z < a->high[2] + 2; z++)
+        for (int32_t y = a->low[1] - 2; y < a->high[1] + 2; y++)
+            for (int32_t x = a->low[0] - 2; x < a->high[0] + 2; x++)
+                wrong += fxs_voxels_solid(made_, x, y, z) != fxs_voxels_solid(read, x, y, z);
+    CHECK(!wrong && fxs_voxels_solid(read, INT32_MIN, INT32_MAX, 0) == 1);
+    CHECK(fxs_voxels_write(read, in_folder("a.glb"), &message) == FXS_ERR_UNSUPPORTED);
+    fxs_voxels_free(read);
+
+    const size_t size = file_bytes("room.voxel.bin", bin, sizeof bin), ends = file_bytes("room.voxel.json", json, 4095);
+    write_file("bad.voxel.bin", bin, size);
+    not_read_with(json, "treeDepth", "2", "box does not fit");
+    not_read_with(json, "treeDepth", "-1", "out of range");
+    not_read_with(json, "treeDepth", "40", "out of range");
+    not_read_with(json, "nodeCount", "0", "out of range");
+    not_read_with(json, "nodeCount", "4294967297", "out of range");
+    not_read_with(json, "leafDataCount", "7", "another size");
+    not_read_with(json, "voxelResolution", "1e-9", "out of range");
+    not_read_with(json, "voxelResolution", "1e4", "box does not fit");
+    not_read_with(json, "leafSize", "8", "out of range");
+    not_read_with(json, "gridBounds", "3", "");
+    write_file("bad.voxel.json", json, ends / 2);
+    not_read("");
+    write_file("bad.voxel.json", json, ends);
+    write_file("bad.voxel.bin", bin, size - 4);
+    not_read("another size");
+
+    /* words of random bytes are refused, or answer without a read outside of the file */
+    int refusals = 0;
+    for (int i = 0; i < 200; i++) {
+        for (int k = 0; k < 3; k++)
+            bin[(size_t)(uniform(0, 1) * (double)size / (i % 2 ? 1 : 40))] = (char)(uniform(0, 1) * 256);
+        write_file("bad.voxel.bin", bin, size);
+        if (fxs_voxels_read(&read, in_folder("bad.voxel.json"), &message)) {
+            refusals += CHECK(strstr(message.text, "is damaged") != NULL);
+            file_bytes("room.voxel.bin", bin, sizeof bin);
+            continue;
+        }
+        for (int k = 0; k < 1000; k++)
+            wrong += fxs_voxels_solid(read, a->low[0] + (int32_t)uniform(0, 128), a->low[1] + (int32_t)uniform(0, 60),
+                                      a->low[2] + (int32_t)uniform(0, 88)) > 1;
+        fxs_voxels_free(read);
+    }
+    CHECK(!wrong && refusals > 10 && refusals < 190);
+    fxs_voxels_free(made_);
+    fxs_packed_scene_free(&m.packed);
+}
+
+/* ---- The walker -------------------------------------------------------------------------------------------------- */
+
+/* Walks for some seconds, at two units a second along (x, z). Returns the highest place of the eye, -y. */
+static double go(fxs_walker *w, const fxs_voxels *voxels, double x, double z, double seconds)
+{
+    double most = -w->eye[1];
+    for (int i = 0; i < 60 * seconds; i++) {
+        fxs_walker_move(w, voxels, (double[3]){x / 30, 0, z / 30}, 1 / 60.0);
+        most = fmax(most, -w->eye[1]);
+    }
+    return most;
+}
+
+static int is_at(const fxs_walker *w, double x, double y, double z, double most)
+{
+    const int is = fabs(w->eye[0] - x) < most && fabs(w->eye[1] - y) < most && fabs(w->eye[2] - z) < most;
+    if (!is)
+        printf("  at %g %g %g, not %g %g %g\n", w->eye[0], w->eye[1], w->eye[2], x, y, z);
+    return is;
+}
+
+static fxs_voxels *walls_of(int shut, double step)
+{
+    made m;
+    fxs_voxels *voxels = NULL;
+    make_room_with_step(&m, shut, step);
+    const fxs_collide_options o = options_of(&m);
+    CHECK(!fxs_collide(&m.scene, &o, &voxels, &message));
+    fxs_packed_scene_free(&m.packed);
+    return voxels;
+}
+
+static void test_walker(void)
+{
+    fxs_walker w = {.size = sizeof w, .up = {0, -1, 0}, .height = 1.5};
+    const double start[3] = {-1.5, -1, 0}, still[3] = {0, 0, 0};
+    fxs_voxels *voxels = walls_of(0, 0);
+    CHECK(fxs_walker_place(&w, voxels, start) && is_at(&w, -1.5, -1.55, 0, 0.1));
+    CHECK(!fxs_walker_move(&w, voxels, still, 1 / 60.0));
+    go(&w, voxels, 1, 0, 3);
+    CHECK(is_at(&w, 2.75, -1.55, 0, 0.15));       /* through the door, up to the wall behind */
+    go(&w, voxels, -1, 0, 0.6);
+    go(&w, voxels, 0, 1, 2);
+    go(&w, voxels, -1, 0, 2);
+    CHECK(is_at(&w, 0.25, -1.55, 1.75, 0.15));    /* not through the wall beside it */
+    go(&w, voxels, -1, -0.6, 6);
+    CHECK(w.eye[0] < -2.5);                       /* along that wall to the door */
+    CHECK(fxs_walker_place(&w, voxels, start));
+    w.eye[1] -= 0.8;                              /* falls: after a tenth of a second, less than 0.1 */
+    fxs_walker_move(&w, voxels, still, 0.05);
+    fxs_walker_move(&w, voxels, still, 0.05);
+    CHECK(w.eye[1] > -2.36 && w.eye[1] < -2.25);
+    CHECK(fxs_walker_move(&w, voxels, still, 0.05));
+    go(&w, voxels, 0, 0, 2);
+    CHECK(!fxs_walker_move(&w, voxels, still, 0.1) && is_at(&w, -1.5, -1.55, 0, 0.1));
+    CHECK(!fxs_walker_place(&w, voxels, (double[3]){0, -1, 1.2}));      /* in the wall */
+    CHECK(!fxs_walker_place(&w, voxels, (double[3]){-1.5, 5, 0}));      /* below the floor */
+    w.height = 2.6;
+    CHECK(!fxs_walker_place(&w, voxels, start));  /* too tall for the room */
+    w.height = 1.5;
+    fxs_voxels_free(voxels);
+
+    voxels = walls_of(1, 0);
+    CHECK(fxs_walker_place(&w, voxels, start));
+    go(&w, voxels, 1, 0, 3);
+    CHECK(is_at(&w, -0.25, -1.55, 0, 0.15));      /* a shut door */
+    fxs_voxels_free(voxels);
+
+    for (int high = 0; high < 2; high++) {
+        voxels = walls_of(0, high ? 0.6 : 0.2);
+        CHECK(fxs_walker_place(&w, voxels, start));
+        const double most = go(&w, voxels, 1, 0, 3);
+        CHECK(high ? is_at(&w, 1, -1.55, 0, 0.2) : is_at(&w, 2.75, -1.75, 0, 0.15));
+        CHECK(most < (high ? 1.7 : 1.9));
+        go(&w, voxels, -1, 0, 3);
+        CHECK(is_at(&w, -2.75, -1.55, 0, 0.15));  /* and down again */
+        fxs_voxels_free(voxels);
+    }
+}
+
+/* A walker of any height and any up direction keeps its eye in free voxels. */
+static void test_walker_anywhere(void)
+{
+    fxs_voxels *voxels = walls_of(0, 0);
+    fxs_walker w = {.size = sizeof w};
+    int stood = 0;
+    for (int i = 0; i < 60; i++) {
+        const double at[3] = {uniform(-2.5, 2.5), uniform(-2.2, -0.3), uniform(-1.5, 1.5)};
+        double square = 0;
+        for (int k = 0; k < 3; k++)
+            square += pow(w.up[k] = uniform(-1, 1), 2);
+        for (int k = 0; k < 3; k++)
+            w.up[k] /= sqrt(square);
+        w.height = exp(uniform(-6, 0));
+        if (!fxs_walker_place(&w, voxels, at))
+            continue;
+        stood++;
+        for (int k = 0; k < 40; k++)
+            fxs_walker_move(&w, voxels, (double[3]){uniform(-1, 1), 0, uniform(-1, 1)}, uniform(0, 0.1));
+        int32_t cell[3];
+        for (int k = 0; k < 3; k++)
+            cell[k] = (int32_t)floor((k < 2 ? -w.eye[k] : w.eye[k]) / voxel);
+        if (!CHECK(!fxs_voxels_solid(voxels, cell[0], cell[1], cell[2])))
+            printf("  height %g up %g %g %g at %g %g %g floor %g eye %g fall %g\n", w.height, w.up[0], w.up[1], w.up[2], w.eye[0], w.eye[1], w.eye[2], w.floor, w.up[0]*w.eye[0]+w.up[1]*w.eye[1]+w.up[2]*w.eye[2], w.fall);
+    }
+    CHECK(stood > 20);
+    fxs_voxels_free(voxels);
+}
+
+/* ---- Threads ----------------------------------------------------------------------------------------------------- */
+
 static uint64_t hash_of(const fxs_voxels *voxels)
 {
     uint64_t hash = 14695981039346656037u;
@@ -632,6 +854,9 @@ static void tests(void)
     RUN(test_flood);
     RUN(test_door);
     RUN(test_files);
+    RUN(test_read);
+    RUN(test_walker);
+    RUN(test_walker_anywhere);
     RUN(test_same);
     RUN(test_seeds);
     RUN(test_refusals);

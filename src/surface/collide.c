@@ -348,6 +348,7 @@ void fxs_voxels_free(fxs_voxels *v)
     const fxs_allocator allocator = v->allocator;
     const int is_own = v->work.allocator != NULL;
     fxs_bits_close(&v->solid, &v->work);
+    fxs_release(NULL, v->tree.words);
     fxs_release(is_own ? &allocator : NULL, v);
 }
 
@@ -360,7 +361,10 @@ int fxs_voxels_solid(const fxs_voxels *v, int32_t x, int32_t y, int32_t z)
 {
     const int64_t at[3] = {(int64_t)x - v->origin[0], (int64_t)y - v->origin[1], (int64_t)z - v->origin[2]};
     for (int i = 0; i < 3; i++)
-        if (at[i] < 0 || at[i] >= (int64_t)v->solid.n[i] * FXS_CELL)
+        if (at[i] < 0 || at[i] >= (v->tree.words ? (int64_t)v->info.high[i] - v->info.low[i]
+                                   : (int64_t)v->solid.n[i] * FXS_CELL))
             return 1;
+    if (v->tree.words)
+        return fxs_octree_solid(&v->tree, (uint32_t[3]){(uint32_t)at[0], (uint32_t)at[1], (uint32_t)at[2]});
     return fxs_bits_bit(&v->solid, (int32_t)at[0], (int32_t)at[1], (int32_t)at[2]);
 }

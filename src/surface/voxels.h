@@ -69,10 +69,24 @@ int fxs_bits_drop_dust(fxs_bits *grid, fxs_voxel_work *work);
 /* Makes the bits that are connected by faces with bit `seed`, in the clear bits of `walls`. */
 int fxs_bits_flood(fxs_bits *flooded, const fxs_bits *walls, const int32_t seed[3], fxs_voxel_work *work);
 
+#define FXS_SOLID_NODE 0xff000000u
+#define FXS_NODE_NUMBER 0xffffffu
+
+/* The words of a .voxel.bin: nodes, then leaves. All numbers in them are valid. */
+typedef struct fxs_octree {
+    uint32_t *words;               /* null: the voxels are a grid */
+    uint32_t nodes, leaf_words;
+    int depth;
+} fxs_octree;
+
+/* Returns 1 if a voxel, counted from the corner of the octree's box, is solid. */
+int fxs_octree_solid(const fxs_octree *tree, const uint32_t at[3]);
+
 struct fxs_voxels {
     fxs_voxels_info info;
     fxs_bits solid;
-    int32_t origin[3];             /* voxel of the grid's first bit */
+    fxs_octree tree;
+    int32_t origin[3];             /* first voxel of the grid or of the octree */
     double bounds[2][3];           /* box of the scene that was asked for, in the axes of the voxels */
     fxs_allocator allocator;
     fxs_voxel_work work;

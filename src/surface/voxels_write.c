@@ -17,9 +17,7 @@
 #include "src/base/try_internal.h"
 #include "voxels.h"
 
-enum { EMPTY, SOLID, MIXED, LEVELS_MOST = 24, NUMBER_MOST = 0xffffff };
-
-#define SOLID_NODE 0xff000000u
+enum { EMPTY, SOLID, MIXED, LEVELS_MOST = 24, NUMBER_MOST = FXS_NODE_NUMBER };
 
 /* Nodes of a level of the octree, from the blocks (level 0) on. */
 typedef struct level {
@@ -154,7 +152,7 @@ static int add_node(octree *t, int number, const int32_t at[3])
     if (state == EMPTY)
         return 0;
     if (state == SOLID)
-        return add(t, &t->nodes, SOLID_NODE);
+        return add(t, &t->nodes, FXS_SOLID_NODE);
     if (number == 0)
         return add_leaf(t, at[0], at[1], at[2]);
     for (int i = 0; i < 3; i++)
@@ -305,6 +303,8 @@ int fxs_voxels_ending(const char *path)
 
 int fxs_voxels_write(const fxs_voxels *voxels, const char *path, fxs_message *message)
 {
+    if (voxels->tree.words)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: voxels that were read cannot be written", path);
     if (has_ending(path, ".voxel.json"))
         return fxs_voxels_write_octree(voxels, path, message);
     return has_ending(path, ".glb") ? fxs_voxels_write_glb(voxels, path, message)

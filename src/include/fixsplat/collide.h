@@ -59,6 +59,12 @@ typedef struct fxs_voxels_info {
 
 FXS_EXPERIMENTAL const fxs_voxels_info *fxs_voxels_describe(const fxs_voxels *voxels);
 
+/* Reads a .voxel.json and the .voxel.bin beside it, of fxs_voxels_write or of splat-transform. Returns 0, or an error
+   and a message: FXS_ERR_FILE, FXS_ERR_MEMORY, FXS_ERR_ARGUMENT for another ending, FXS_ERR_UNSUPPORTED in a build
+   without cJSON. Such voxels cannot be written, and of their description only `voxel`, `low` and `high` are set. Free
+   them with fxs_voxels_free. */
+FXS_EXPERIMENTAL int fxs_voxels_read(fxs_voxels **voxels, const char *path, fxs_message *message);
+
 /* Returns 1 if voxel (x, y, z) is solid. All voxels outside of the box are. */
 FXS_EXPERIMENTAL int fxs_voxels_solid(const fxs_voxels *voxels, int32_t x, int32_t y, int32_t z);
 
@@ -70,6 +76,31 @@ FXS_EXPERIMENTAL int fxs_voxels_write(const fxs_voxels *voxels, const char *path
 FXS_EXPERIMENTAL int fxs_voxels_ending(const char *path);
 
 FXS_EXPERIMENTAL void fxs_voxels_free(fxs_voxels *voxels);
+
+/* ---- Walking ----------------------------------------------------------------------------------------------------- */
+
+#define FXS_WALKER_PACE 2.5        /* heights of the eye that a walker goes in a second at full speed */
+
+/* A walker: an upright capsule whose radius is an eighth of its height. Lengths are in scene units, places in the axes
+   of the scene. Set size, up and height, then call fxs_walker_place. */
+typedef struct fxs_walker {
+    uint32_t size;
+    double up[3];                  /* up direction of the scene, of length 1 */
+    double height;                 /* of the eye above the feet */
+    double eye[3];                 /* where the eye is */
+    double floor;                  /* height of the floor: product of its place with `up` */
+    double fall;                   /* speed of the fall, units a second */
+} fxs_walker;
+FXS_INIT(fxs_walker)
+
+/* Lets the walker stand on the floor below a place. Returns 1, or 0 if the place is solid or the walker has no room
+   there. */
+FXS_EXPERIMENTAL int fxs_walker_place(fxs_walker *walker, const fxs_voxels *voxels, const double at[3]);
+
+/* Walks by the horizontal part of a way and lets `seconds` pass. The walker slides along walls, climbs steps up to a quarter of its
+   height, and falls where the floor is deeper. Returns 1 while the eye has not come to rest. */
+FXS_EXPERIMENTAL int fxs_walker_move(fxs_walker *walker, const fxs_voxels *voxels, const double way[3],
+                                     double seconds);
 
 #ifdef __cplusplus
 }
