@@ -555,7 +555,8 @@ static void test_keys(void)
     CHECK(shows(&v, v.views[0], 64, 48));
     key(&v, 'x');
     CHECK(v.options.render.cutoff == FXS_CUTOFF_SQUARE && shows(&v, v.views[0], 64, 48));
-    key(&v, '1');
+    key(&v, '0');
+    key(&v, '0');
     CHECK(v.options.render.sh_degree == 1 && shows(&v, v.views[0], 64, 48));
     key(&v, 'g');
     key(&v, 'h');
@@ -994,12 +995,12 @@ static void test_events_while_loading(void)
     push_drop(other);
     viewer_step(&v, 0);
     CHECK(v.loading.on && !strcmp(v.path, knot));
-    push_key('t'), push_key('1');
+    push_key('t'), push_key('0');
     viewer_step(&v, 0);
-    CHECK(v.loading.on && v.light && v.options.render.sh_degree == 1);
+    CHECK(v.loading.on && v.light && v.options.render.sh_degree == 2);
     push_drop(knot), push_drop(cubes);
     settle(&v);
-    CHECK(!strcmp(v.path, cubes) && v.world.gaussians == 300 && v.options.render.sh_degree == 1);
+    CHECK(!strcmp(v.path, cubes) && v.world.gaussians == 300 && v.options.render.sh_degree == 2);
     push_drop(other);
     viewer_step(&v, 0);
     CHECK(v.loading.on);
@@ -1659,6 +1660,162 @@ static void test_tangents(void)
     viewer_close(&v);
 }
 
+/* ---- Walking ----------------------------------------------------------------------------------------------------- */
+
+static FILE *room_file;
+
+/* Writes a grid of flat Gaussians at a place on an axis, over ranges of the other two. */
+static void add_plane(int axis, double at, double u0, double u1, double v0, double v1, int has_door)
+{
+    for (double u = u0; u < u1; u += 0.1)
+        for (double w = v0; w < v1; w += 0.1) {
+            const double p[3] = {axis == 0 ? at : u, axis == 1 ? at : axis == 0 ? u : w, axis == 2 ? at : w};
+            if (!(has_door && u > -2.1 && fabs(w) < 0.5))
+                fprintf(room_file, "%g %g %g 0 0 1 2.2 %g %g %g 1 0 0 0\n", p[0], p[1], p[2], axis == 0 ? -4.4 : -2.8,
+                        axis == 1 ? -4.4 : -2.8, axis == 2 ? -4.4 : -2.8);
+        }
+}
+
+/* Makes two rooms, the floor at y = 0, with a door in the wall at x = 0. */
+static void make_room(char *path)
+{
+    static const char *const names[] = {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
+                                        "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
+    snprintf(path, sizeof knot, "%s/room.ply", folder);
+    for (int pass = 0, lines = 0; pass < 2; pass++) {
+        room_file = fopen(path, "w+");
+        fprintf(room_file, "ply\nformat ascii 1.0\nelement vertex %d\n", lines);
+        for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+            fprintf(room_file, "property float %s\n", names[i]);
+        fputs("end_header\n", room_file);
+        for (int side = 0; side < 2; side++) {
+            add_plane(0, side ? 3 : -3, -2.5, 0, -2, 2, 0);
+            add_plane(1, side ? -2.5 : 0, -3, 3, -2, 2, 0);
+            add_plane(2, side ? 2 : -2, -3, 3, -2.5, 0, 0);
+        }
+        add_plane(0, 0, -2.5, 0, -2, 2, 1);
+        rewind(room_file);
+        for (int c; !pass && (c = getc(room_file)) != EOF;)
+            lines += c == '\n';
+        lines -= pass ? 0 : 4 + (int)(sizeof names / sizeof *names);
+        fclose(room_file);
+    }
+}
+
+static int eye_is(const viewer *v, double x, double y, double z, double most)
+{
+    const double *e = v->view.position;
+    const int is = fabs(e[0] - x) < most && fabs(e[1] - y) < most && fabs(e[2] - z) < most;
+    if (!is)
+        printf("  the eye is at %g %g %g, not %g %g %g: %s\n", e[0], e[1], e[2], x, y, z, v->note);
+    return is;
+}
+
+static frame_options room_options(double x, double z)
+{
+    frame_options options = small_options();
+    options.eye = (point_option){1, {x, -1.2, z}};
+    options.look = (point_option){1, {9, -1.2, z}};
+    return options;
+}
+
+static int start_walk(viewer *v, const frame_options *options, const char *room, const char *walls)
+{
+    if (!CHECK(!open_file(v, options, room, 0)))
+        return 0;
+    v->walk.file = walls;
+    settle(v);
+    key(v, '3');
+    return 1;
+}
+
+static void test_walk(void)
+{
+    static char room[64], file[64];
+    viewer v;
+    fxs_message m;
+    frame_options options = room_options(-1.5, 0.1);
+    make_room(room);
+    if (!start_walk(&v, &options, room, 0))
+        return;
+    CHECK(walk_is_on(&v) && eye_is(&v, -1.5, -1.25, 0.1, 0.1));    /* the height of the view above the ground */
+    CHECK(fabs(v.walk.walker.height - 1.2) < 0.1 && v.view.rotation[6] > 0.999);
+    for (int i = 0; i < 40; i++)
+        wheel(&v, 1);
+    CHECK(eye_is(&v, 2.75, -1.25, 0.1, 0.2));                      /* through the door, to the wall */
+    drag(&v, SDL_BUTTON_LMASK, 48, 0);                            /* half a turn */
+    CHECK(v.view.rotation[6] < -0.99 && eye_is(&v, 2.75, -1.25, 0.1, 0.2));
+    wheel(&v, -3);
+    key(&v, 'r');
+    CHECK(eye_is(&v, -1.5, -1.2, 0.1, 1e-9) && walk_is_on(&v));    /* the view again; the next step stands there */
+    wheel(&v, 1);
+    CHECK(walk_is_on(&v) && eye_is(&v, -0.9, -1.25, 0.1, 0.5));
+    key(&v, '1');
+    CHECK(!walk_is_on(&v));
+    const double low = v.view.position[0];
+    wheel(&v, 1);
+    CHECK(v.view.position[0] > low);
+    key(&v, '3');
+    CHECK(walk_is_on(&v));
+    key(&v, SDLK_ESCAPE);
+    CHECK(!walk_is_on(&v) && !v.quit);
+    snprintf(file, sizeof file, "%s/room.voxel.json", folder);
+    CHECK(!fxs_voxels_write(v.walk.voxels, file, &m));
+    push_drop(knot);
+    settle(&v);
+    CHECK(!v.walk.voxels && !v.walk.file && !strcmp(v.path, knot));
+    viewer_close(&v);
+
+    options = room_options(-1.5, 1.2);
+    if (!start_walk(&v, &options, room, file))
+        return;
+    for (int i = 0; i < 40; i++)
+        wheel(&v, 1);
+    CHECK(walk_is_on(&v) && eye_is(&v, -0.25, -1.25, 1.2, 0.2));   /* the wall beside the door */
+    viewer_close(&v);
+}
+
+static void test_no_walk(void)
+{
+    static char room[64];
+    viewer v;
+    frame_options options = room_options(-1.5, 0);
+    make_room(room);
+    options.eye.at[1] = 40;
+    options.look.at[1] = 41;
+    if (!start_walk(&v, &options, room, 0))
+        return;
+    CHECK(!walk_is_on(&v) && strstr(v.note, "no room to stand here"));
+    viewer_close(&v);
+    options = room_options(-1.5, 0);
+    if (!start_walk(&v, &options, room, "none.voxel.json"))
+        return;
+    CHECK(!walk_is_on(&v) && strstr(v.note, "none.voxel.json: No such file") && !v.quit);
+    viewer_close(&v);
+    options.ortho = 3;
+    if (!start_walk(&v, &options, room, 0))
+        return;
+    CHECK(!walk_is_on(&v) && strstr(v.note, "needs perspective"));
+    viewer_close(&v);
+    options = room_options(-1.5, 0);
+    if (!CHECK(!open_file(&v, &options, room, 0)))
+        return;
+    settle(&v);
+    push_key('3'), push_key('1');                                  /* ended while walls are made */
+    settle(&v);
+    CHECK(!walk_is_on(&v) && !walk_is_making(&v));
+    push_key('3');
+    viewer_step(&v, 0);
+    push_drop(knot);                                               /* another scene meanwhile */
+    settle(&v);
+    CHECK(!walk_is_on(&v) && !strcmp(v.path, knot));
+    push_key('3');
+    viewer_step(&v, 0);
+    viewer_close(&v);                                              /* closed meanwhile */
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
 static int fails_to_open(const frame_options *options, const char *path)
 {
     viewer v;
@@ -1737,7 +1894,7 @@ static uint64_t opened(const char *const *place, int count, const char *option, 
 
 static int is_row_tried(const option_row *row)
 {
-    static const char by_design[] = " screenshot web xr threads max-memory cpu backend max-gaussians import-memory ";
+    static const char by_design[] = " screenshot walls eye-height web xr threads max-memory cpu backend max-gaussians import-memory ";
     char name[40];
     snprintf(name, sizeof name, " %s ", row->name);
     int found = strstr(by_design, name) != 0;
@@ -1883,6 +2040,8 @@ int main(void)
     RUN(test_rate);
     RUN(test_pool);
     RUN(test_tangents);
+    RUN(test_walk);
+    RUN(test_no_walk);
     RUN(test_options_change_the_window_or_are_refused);
     RUN(test_a_dropped_file_takes_options_as_far_as_they_apply);
     RUN(test_failures_to_open);

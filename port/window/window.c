@@ -239,6 +239,9 @@ int fxs_window_holds(int key)
     const Uint8 *state = SDL_GetKeyboardState(0);
     if (key == FXS_KEY_SHIFT)
         return (SDL_GetModState() & KMOD_SHIFT) != 0;
+    if (key >= FXS_KEY_LEFT && key <= FXS_KEY_DOWN)
+        return state[(const int[]){SDL_SCANCODE_LEFT, SDL_SCANCODE_RIGHT, SDL_SCANCODE_UP, SDL_SCANCODE_DOWN}
+                     [key - FXS_KEY_LEFT]];
     return state[key == ' ' ? SDL_SCANCODE_SPACE : SDL_SCANCODE_A + (key - 'a')];
 }
 

@@ -26,12 +26,12 @@ const char viewer_keys[] =
     "enter          write the crop box or the edits, SCENE-cropped-001\n"
     "l j            lasso (shift adds), brush, neither; front only\n"
     "delete u       delete selection or crop box, undo; shift: keep, redo\n"
-    "x 0 1 2 3      cut-off, SH degree\n"
-    "v b            resolution in motion, back end\n"
+    "1 2 3          1 or 2: turn and fly; 3: walk, also by arrows, q e turn\n"
+    "x 0 v b        cut-off, SH degree, resolution in motion, back end\n"
     "f g o          frames a second, frame times, colours of the levels\n"
     ", .            a frame back, forward; still scenes: fewer, more Gaussians\n"
     "t h            dark or light words, these keys\n"
-    "escape         leave the crop box, or quit\n";
+    "escape         leave the crop box or the walk, or quit\n";
 
 #define OPTIONS view_options
 
@@ -40,6 +40,12 @@ static const option_row window_rows[] = {
     {"screenshot", "OUT", TEXT(screenshot), .basic = 1, .help =
      "picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the current "
      "folder). A command that renders it again is printed, except for depths, ids and crops"},
+    {"walls", "FILE", TEXT(walls), .basic = 1, .help =
+     "walls of the scene for walks (key 3): a .voxel.json of fixsplat collide or splat-transform (default: made from "
+     "the scene when a walk begins)"},
+    {"eye-height", "H", REAL(eye_height, 1e-6, 1e6, "units from 1e-6 to 1e6"), .help =
+     "height of the eye above the ground in walks, units (default: estimated from the view of --cameras, --eye or the "
+     "file, else an eighth of the scene's height)"},
     {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .help =
      "for scenes with levels of detail: adapt the budget while the view moves, to draw N frames per second, 1 to 1000 "
      "(default: fixed budget). Pictures then depend on the speed of the machine"},
@@ -84,7 +90,7 @@ static const option_row headset_rows[] = {
 /* Options of the window and the page that do nothing in a headset. */
 static const option_rule headset_rules[] = {
     {"metres-per-unit pass-through", 0, "xr", 0},
-    {"web screenshot fps", "xr", 0, 0},
+    {"web screenshot walls eye-height fps", "xr", 0, 0},
     {"fov tangents ortho near size stereo", "xr", 0, "the headset has its own"},
     {"device cpu", "xr", 0, "the runtime chooses the device"},
     {0}
@@ -162,6 +168,10 @@ int view_options_take(view_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "view: --view takes one view to start from; n shows the others");
     if (o->screenshot && !fxs_image_file_known(o->screenshot))
         return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->screenshot);
+    if (o->walls && !ends_with(o->walls, ".voxel.json"))
+        return fail(EXIT_USAGE, "--walls %s: expected a name ending in .voxel.json", o->walls);
+    if (o->walls && !o->frame.world.file && !o->frame.world.scene_count)
+        return fail(EXIT_USAGE, "view: --walls needs a scene");
     return frame_options_check(&o->frame);
 }
 
@@ -195,6 +205,7 @@ const command command_view = {
     "  $ fixsplat view scene.ply\n"
     "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"
     "  $ fixsplat view --web folder\n"
+    "  $ fixsplat view room.fxs --walls room.voxel.json\n"
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
     "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
     "  $ fixsplat view https://example.org/city.fxs --fps 60\n"

@@ -6,8 +6,8 @@
 
 typedef struct view_options {
     frame_options frame;
-    const char *screenshot;
-    double rate;
+    const char *screenshot, *walls;
+    double rate, eye_height;
     int web;
     const char *bind, *host, *certificate, *key;
     uint64_t port;

@@ -8,7 +8,7 @@
 #include <fixsplat/internal/start.h>
 #include "tools/serve/scene_picture.h"
 
-/* Chooses seeds: the given one, or the first view's camera, moved into the box, and the middle of the scene. */
+/* Chooses seeds: the given one, or the first view's camera or another place, moved into the box, and the middle of the scene. */
 static int take_seeds(fxs_collide_options *c, const voxel_options *o, const fxs_opened *opened)
 {
     const double height = o->height == 0 ? FXS_COLLIDE_HEIGHT : o->height;
@@ -16,10 +16,11 @@ static int take_seeds(fxs_collide_options *c, const voxel_options *o, const fxs_
     fxs_message why;
     memcpy(c->up, opened->info->start.up, sizeof c->up);
     c->seed_count = o->seed.given ? 1 : 2;
-    if (!o->seed.given && fxs_opened_camera(opened, PICTURE_WIDTH, PICTURE_HEIGHT, &camera, &why))
+    if (!o->seed.given && !o->from && fxs_opened_camera(opened, PICTURE_WIDTH, PICTURE_HEIGHT, &camera, &why))
         return fail_for(&why);
     for (int i = 0; i < 3; i++) {
-        const double at = o->seed.given ? o->seed.at[i] : ldexp((double)camera.position_q32[i], -32);
+        const double at = o->seed.given ? o->seed.at[i] : o->from ? o->from[i]
+                          : ldexp((double)camera.position_q32[i], -32);
         c->seeds[0][i] = o->seed.given ? at : fmin(fmax(at, c->low[i] - height / 2), c->high[i] + height / 2);
         c->seeds[1][i] = (c->low[i] + c->high[i]) / 2;
     }

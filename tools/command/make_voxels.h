@@ -8,6 +8,7 @@
 typedef struct voxel_options {
     double voxel, opacity, radius, height;  /* as in fxs_collide_options; 0: its default */
     point_option seed;
+    const double *from;            /* a place to start from instead of the start view's camera; null: that camera */
     size_t max_memory;
     const char *hint;              /* end of an error message about a seed that was not given */
 } voxel_options;

@@ -226,6 +226,8 @@ void viewer_install(viewer *v)
     loading *l = &v->loading;
     const frame_options *o = &l->options;
     const int first = !v->path, is_dropped = l->path != 0;
+    walk_forget(v);
+    v->walk.file = is_dropped ? 0 : v->walk.file;
     world_close(&v->world);
     edit_end(&v->edit);
     free(v->views);
@@ -293,10 +295,19 @@ static void toggle_cutoff(viewer *v, int key)
     v->changed = 1;
 }
 
-static void choose_degree(viewer *v, int key)
+static void next_degree(viewer *v, int key)
 {
-    v->options.render.sh_degree = key - '0';
+    (void)key;
+    v->options.render.sh_degree = (v->options.render.sh_degree + 3) % 4;
     v->changed = 1;
+}
+
+static void choose_motion(viewer *v, int key)
+{
+    if (key == '3')
+        walk_start(v);
+    else
+        walk_stop(v);
 }
 
 static void next_backend(viewer *v, int key) { (void)key; ask_backend(v); }
@@ -313,7 +324,8 @@ static void next_divisor(viewer *v, int key)
 static void change_speed(viewer *v, int key)
 {
     v->speed = fmin(fmax(v->speed * (key == '-' ? 1 / 1.5 : 1.5), 1e-3), 1e3);
-    snprintf(v->note, sizeof v->note, "speed here %.3g units a second", v->speed * reach(v));
+    snprintf(v->note, sizeof v->note, "speed here %.3g units a second",
+             walk_is_on(v) ? walk_speed(v) : v->speed * reach(v));
 }
 
 static void show_other(viewer *v, int key)
@@ -433,7 +445,7 @@ static void leave(viewer *v, int key)
         fxs_worker_stop(v->drawer);
     else if (v->crop.on)
         crop_toggle(v);
-    else if (!edit_leave(v))
+    else if (!edit_leave(v) && !walk_stop(v))
         v->quit = 1;
 }
 
@@ -466,8 +478,8 @@ static void press(viewer *v, int pressed)
         int key, of;
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', OF_SCENE, next_view}, {'r', OF_SCENE, reset}, {'c', OF_SCENE, toggle_crop},
-                {FXS_KEY_ENTER, OF_SCENE, write_crop}, {'x', OF_SCENE, toggle_cutoff}, {'0', OF_SCENE, choose_degree},
-                {'1', OF_SCENE, choose_degree}, {'2', OF_SCENE, choose_degree}, {'3', OF_SCENE, choose_degree},
+                {FXS_KEY_ENTER, OF_SCENE, write_crop}, {'x', OF_SCENE, toggle_cutoff}, {'0', OF_SCENE, next_degree},
+                {'1', OF_SCENE, choose_motion}, {'2', OF_SCENE, choose_motion}, {'3', OF_SCENE, choose_motion},
                 {'b', OF_SCENE, next_backend}, {'v', OF_WINDOW, next_divisor}, {'+', OF_SCENE, change_speed},
                 {'=', OF_SCENE, change_speed}, {'-', OF_SCENE, change_speed}, {'z', OF_SCENE, show_other},
                 {'i', OF_SCENE, show_other}, {'m', OF_SCENE, toggle_measure}, {'k', OF_SCENE, toggle_film},
@@ -501,7 +513,7 @@ static int point_at_handle(viewer *v, const fxs_window_event *event)
 }
 
 /* Handles pointer motion. A drag across the window's height is half a turn. Looking and panning keep the scene under
-   the pointer. */
+   the pointer. During a walk, drags look around. */
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
@@ -513,6 +525,8 @@ static void point(viewer *v, const fxs_window_event *event)
     double turn = acos(-1) / height, pixels = (double)v->view.height / height;
     if (look)
         fxs_motion_look(&v->view, v->up, event->dx * pixels / v->view.fx, event->dy * pixels / v->view.fy);
+    else if (walk_is_on(v) && (event->left || event->other))
+        fxs_motion_look(&v->view, v->up, event->dx * turn, event->dy * turn);
     else if (event->left)
         fxs_motion_orbit(&v->view, v->distance, v->up, event->dx * turn, event->dy * turn);
     else if (event->other)
@@ -524,6 +538,10 @@ static void point(viewer *v, const fxs_window_event *event)
 static void zoom(viewer *v, double steps)
 {
     double nearest = 1e-4 * v->radius / v->distance;
+    if (walk_is_on(v)) {
+        walk_by_wheel(v, pow(0.9, steps));
+        return;
+    }
     fxs_motion_zoom(&v->view, &v->distance, fmax(pow(0.9, steps), nearest));
     v->changed = v->moving = 1;
 }
@@ -626,7 +644,7 @@ static int time_to_wait(const viewer *v, int milliseconds)
     const uint64_t now = fxs_clock(0);
     const int due[] = {v->flying ? milliseconds_until(now, v->clock + FRAME_MS * 1000000) : -1,
                        v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
-                       (v->loading.on && !v->installing) || is_writing(v) ? LOADING_MS : -1,
+                       (v->loading.on && !v->installing) || is_writing(v) || walk_is_making(v) ? LOADING_MS : -1,
                        v->film == FILM_TAKEN && v->way_count < FILM_MOST ? milliseconds_until(now, v->filmed) : -1,
                        play_due(v) ? milliseconds_until(now, play_due(v)) : -1,
                        v->slider ? milliseconds_until(now, v->slider) : -1,
@@ -648,7 +666,8 @@ static void move(viewer *v, int milliseconds)
         take(v, &event);
     uint64_t now = fxs_clock(0);
     if (v->path)
-        fly(v, v->flying ? fmin((double)(now - v->clock) * 1e-9, 0.1) : FRAME_MS * 1e-3);
+        (walk_is_on(v) ? walk_by_keys : fly)(v, v->flying ? fmin((double)(now - v->clock) * 1e-9, 0.1)
+                                                : FRAME_MS * 1e-3);
     v->clock = now;
     play_advance(v, now);
     v->play.spaced &= fxs_window_holds(' ');
@@ -684,7 +703,7 @@ static int is_still(const viewer *v)
 
 int viewer_busy(const viewer *v)
 {
-    return v->loading.on || v->request_count || (v->path && v->changed);
+    return v->loading.on || v->request_count || (v->path && v->changed) || walk_is_making(v);
 }
 
 void viewer_step(viewer *v, int milliseconds)
@@ -693,6 +712,7 @@ void viewer_step(viewer *v, int milliseconds)
     if (v->quit)
         return;
     collect_loaded(v);
+    walk_collect(v);
     stop_frame(v);
     if (v->screen_lost)
         lose_screen(v);
@@ -702,7 +722,7 @@ void viewer_step(viewer *v, int milliseconds)
         ask_frame(v);
         viewer_collect(v);
     }
-    v->exposed |= v->loading.on || is_writing(v);
+    v->exposed |= v->loading.on || is_writing(v) || walk_is_making(v);
     if (v->exposed && !v->quit && viewer_show(v)) {
         v->quit = 1;
         v->status = EXIT_FAILED;
@@ -770,6 +790,8 @@ void viewer_close(viewer *v)
         fxs_worker_do(v->drawer, close_renderers, v);
         fxs_worker_end(v->drawer);
     }
+    walk_forget(v);
+    fxs_worker_end(v->walk.maker);
     if (v->loading.on && !v->loading.status) {
         world_close(&v->loading.world);
         free(v->loading.views);

@@ -1,5 +1,6 @@
 /* State of the window of `fixsplat view`. There are three threads: the window's (viewer.c, viewer_crop.c,
-   viewer_edit.c, viewer_panels.c), the renderer's (viewer_frame.c), and one that loads scenes. */
+   viewer_edit.c, viewer_panels.c, viewer_walk.c), the renderer's (viewer_frame.c), and one that loads scenes; a walk
+   starts a fourth one, which makes walls. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
@@ -9,6 +10,7 @@
 #include "port/window/worker.h"
 #include "tools/command/drawing.h"
 #include <fixsplat/internal/edits.h>
+#include <fixsplat/collide.h>
 #include <fixsplat/pace.h>
 
 /* Playing of a scene that moves. */
@@ -48,6 +50,24 @@ typedef struct editing {
     fxs_editor editor;
     fxs_edits list;
 } editing;
+
+enum walk_state { WALK_OFF, WALK_ASKED, WALK_MAKING, WALK_ON };
+
+/* Walking. While the state is WALK_ASKED, the renderer's thread finds the eye's height. While it is WALK_MAKING, the
+   maker's thread makes walls. */
+typedef struct walking {
+    enum walk_state state;
+    const char *file;                       /* .voxel.json of the scene; null: walls are made */
+    double height_given;                    /* of the eye, scene units; 0: is estimated */
+    fxs_worker *maker;
+    fxs_voxels *voxels;                     /* walls of the shown scene; null: none yet */
+    fxs_walker walker;
+    int is_new;                             /* 1: the walls are made for this start of a walk */
+    frame_options options;                  /* of the maker's thread, as the following fields */
+    double seed[3];
+    int status;
+    char why[256];
+} walking;
 
 typedef struct viewer viewer;
 
@@ -139,6 +159,7 @@ struct viewer {
     uint64_t filmed;                        /* time of the next film frame in nanoseconds */
 
     playback play;
+    walking walk;
     editing edit;
     crop_box crop;
     int face, dragged;                      /* crop box face under the pointer or CROP_NONE; 1: the face is dragged */
@@ -262,6 +283,24 @@ void play_bar(const viewer *v, int bar[4]);
 int play_press(viewer *v, double x, double y);
 int play_drag(viewer *v, const fxs_window_event *event);
 int play_release(viewer *v);
+
+/* Walks. walk_start begins one, at once or when its walls are made. walk_stop returns 0 if there is none. */
+void walk_start(viewer *v);
+int walk_stop(viewer *v);
+int walk_is_on(const viewer *v);
+int walk_is_making(const viewer *v);
+void walk_by_keys(viewer *v, double seconds);
+void walk_by_wheel(viewer *v, double factor);
+void walk_to(viewer *v, const double point[3]);
+
+/* Returns the speed of a walk in units a second. */
+double walk_speed(const viewer *v);
+
+/* Begins to walk once the walls are made. */
+void walk_collect(viewer *v);
+
+/* Ends a walk and drops its walls, before the scene is closed. */
+void walk_forget(viewer *v);
 
 /* Marks the selected Gaussians in a picture of the request. Runs on the renderer's thread. */
 void edit_mark(const viewer *v, const request *r, const picture *p);

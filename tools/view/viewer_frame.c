@@ -607,6 +607,11 @@ static void take_focus(viewer *v, request *r)
     double seen[3] = {0, 0, 0};
     if (!found(v, r))
         return;
+    if (walk_is_on(v)) {
+        walk_to(v, (double[3]){units(r->pick.position_q32[0]), units(r->pick.position_q32[1]),
+                               units(r->pick.position_q32[2])});
+        return;
+    }
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             seen[i] += v->view.rotation[3 * i + k] * (units(r->pick.position_q32[k]) - v->view.position[k]);

@@ -19,6 +19,8 @@ int main(int argc, char **argv)
         status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
     if (status)
         return status;
+    v.walk.file = o.walls;
+    v.walk.height_given = o.eye_height;
     fxs_output_remove_at_signals();   /* a signal that ends the program removes its temporary files */
     while (!v.quit)
         viewer_step(&v, -1);

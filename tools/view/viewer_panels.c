@@ -387,6 +387,9 @@ static void add_all(panels *p, const viewer *v)
     else if (v->film == FILM_WRITTEN || v->crop_written) {
         add_words(p, MIDDLE, v->crop_written ? "Writing the scene; escape drops it" : "Writing the film; k drops it");
         add_bar(p, fxs_worker_progress(v->drawer));
+    } else if (walk_is_making(v)) {
+        add_words(p, MIDDLE, "Making walls; 1 drops them");
+        add_bar(p, v->walk.state == WALK_MAKING ? fxs_worker_progress(v->walk.maker) : 0);
     } else if (!v->path && !v->help)
         add_recent(p, v);
     if (v->slider && v->path)
@@ -399,6 +402,8 @@ static void add_all(panels *p, const viewer *v)
         add_words(p, BOTTOM_LEFT, v->note);
     else if (v->film == FILM_TAKEN)
         add_words(p, BOTTOM_LEFT, "filming; k writes the film");
+    else if (walk_is_on(v) && !v->crop.on && !v->help)
+        add_words(p, BOTTOM_LEFT, "walking: w a s d or the arrows; 1 ends it");
     else if (v->crop.on)
         add_words(p, BOTTOM_LEFT, "drag a handle; enter: write what is in the box, c: leave it");
     else if (v->hint && !v->help)
