@@ -48,11 +48,13 @@ static int begins(const char *line, const char *end, const char *words)
     return (size_t)(end - line) >= strlen(words) && !strncasecmp(line, words, strlen(words));
 }
 
-/* Returns 1 if a file is an .obj mesh. The file must begin as plain text, because the keywords of .obj meshes are
-   short. */
-static int is_obj(const char *text, const char *end)
+/* The file must begin as plain text, because the keywords of .obj meshes are short. */
+int fxs_is_obj(const void *bytes, size_t size)
 {
     enum { LOOKED_AT = 256 };
+    const char *text = bytes, *const end = text + size;
+    while (text < end && *text && strchr(" \t\r\n\xef\xbb\xbf", *text))
+        text++;
     for (const char *c = text; c < end && c < text + LOOKED_AT; c++)
         if ((unsigned char)*c < ' ' && !strchr("\t\r\n", *c))
             return 0;
@@ -90,5 +92,5 @@ const char *fxs_foreign(const void *bytes, size_t size)
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
         if (begins(text, end, pages[i]))
             return "an HTML page";
-    return is_obj(text, end) ? "an .obj, " FXS_MESH : NULL;
+    return fxs_is_obj(bytes, size) ? "an .obj, " FXS_MESH : NULL;
 }

@@ -14,6 +14,9 @@
 /* Returns 1 for a file of PyTorch: a .zip archive whose first file is data.pkl in a folder. */
 int fxs_is_torch(const void *bytes, size_t size);
 
+/* Returns 1 for an .obj mesh, by its first bytes. */
+int fxs_is_obj(const void *bytes, size_t size);
+
 /* Names a file's kind by its first 512 bytes, for example "a .zip archive". Returns null for an unknown kind. */
 const char *fxs_foreign(const void *bytes, size_t size);
 

@@ -57,6 +57,24 @@ static void join_parts(const fxs_mesh *mesh, uint32_t *parent)
     }
 }
 
+int fxs_mesh_count_parts(const fxs_mesh *mesh, uint32_t *parts, fxs_message *message)
+{
+    uint32_t *parent = fxs_allocate(NULL, (size_t)mesh->vertex_count + 1, sizeof *parent);
+    uint8_t *counted = fxs_allocate_zeroed(NULL, (size_t)mesh->vertex_count + 1, 1);
+    const int is_made = parent && counted;
+    *parts = 0;
+    if (is_made)
+        join_parts(mesh, parent);
+    for (uint32_t i = 0; i < mesh->triangle_count && is_made; i++) {
+        uint8_t *at = &counted[root_of(parent, mesh->triangles[3 * (size_t)i])];
+        *parts += !*at;
+        *at = 1;
+    }
+    fxs_release(NULL, parent);
+    fxs_release(NULL, counted);
+    return is_made ? 0 : fxs_fail_memory(message, NULL, 0);
+}
+
 int fxs_mesh_drop_parts(fxs_mesh *mesh, uint32_t least, uint32_t *parts, fxs_message *message)
 {
     uint32_t *parent = fxs_allocate(NULL, (size_t)mesh->vertex_count + 1, sizeof *parent);

@@ -257,6 +257,26 @@ static void print_three(FILE *file, const char *name, int digits, const float va
     }
 }
 
+int fxs_mesh_route_write(const char *path, const fxs_mesh_route *route, fxs_message *message)
+{
+    fxs_output output;
+    FXS_TRY(fxs_output_open(&output, path, 0, message));
+    fputs("# fixsplat " FXS_VERSION "\n", output.file);
+    for (uint32_t i = 0; i < route->count; i++) {
+        fputc('v', output.file);
+        for (int k = 0; k < 3; k++) {
+            fputc(' ', output.file);
+            fxs_print_number(output.file, 9, route->points[i][k]);
+        }
+        fputc('\n', output.file);
+    }
+    fputc('l', output.file);
+    for (uint32_t i = 0; i < route->count; i++)
+        fprintf(output.file, " %" PRIu32, i + 1);
+    fputc('\n', output.file);
+    return fxs_output_close(&output, message);
+}
+
 static int write_obj(writer *w, fxs_message *message)
 {
     const fxs_mesh *m = w->mesh;

@@ -42,6 +42,16 @@ uint64_t fxs_mesh_decimate_bytes(uint32_t vertices, uint32_t triangles);
 /* Removes vertices without a triangle. Returns 0, or FXS_ERR_MEMORY and a message. */
 int fxs_mesh_compact(fxs_mesh *mesh, fxs_message *message);
 
+/* Counts the parts that shared vertices connect. Returns 0, or FXS_ERR_MEMORY and a message. */
+int fxs_mesh_count_parts(const fxs_mesh *mesh, uint32_t *parts, fxs_message *message);
+
+/* Splits triangles with a side along an axis that touches other sides, at the vertices on it, so that they share edges.
+   A mesh grows to 8 times its triangles at most. Errors: FXS_ERR_MEMORY. */
+int fxs_mesh_join(fxs_mesh *mesh, fxs_message *message);
+
+/* Finds the box of a mesh's places. Errors: FXS_ERR_ARGUMENT without triangles, or if places differ by 2^28 or more. */
+int fxs_mesh_find_box(const fxs_mesh *mesh, int32_t low[3], int32_t high[3], fxs_message *message);
+
 /* Gives vertices without a colour the mean of their neighbours' colours, from the coloured ones outwards. */
 int fxs_mesh_spread_colours(fxs_mesh *mesh, fxs_message *message);
 

@@ -119,6 +119,56 @@ typedef struct fxs_mesh {
    which is null after an error: FXS_ERR_MEMORY. */
 FXS_EXPERIMENTAL int fxs_volume_mesh(fxs_volume *volume, fxs_mesh **mesh, fxs_message *message);
 
+/* True if a file holds a mesh that fxs_mesh_open reads, by its content: a .ply with faces, an .obj, or a glTF without
+   Gaussians. */
+FXS_EXPERIMENTAL int fxs_mesh_is_file(const char *path);
+
+/* Reads the triangles of a .glb, .gltf, .ply or .obj of any program, in the file's units and axes. Larger faces are
+   split, nodes of a glTF are applied. Vertices at the same place become one; triangles with two corners at the same
+   place are left out. A triangle is split where a side of it, parallel to an axis, touches smaller ones, as in the .glb
+   of fxs_voxels_write. A place is a multiple of 2^-27 of the longest side of the box (a power of two), so mesh->step is
+   that times 65536. Colours are not read: all are 0. max_memory: limit of the memory for reading; 0: in proportion to
+   the file's size. fxs_mesh_free frees *mesh, which is null after an error: FXS_ERR_FILE (also for a glTF with Draco or
+   meshopt compression), FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED if built without glTF. */
+FXS_EXPERIMENTAL int fxs_mesh_open(fxs_mesh **mesh, const char *path, uint64_t max_memory, fxs_message *message);
+
+/* Size of a mesh. A mesh is closed if at each edge as many triangles run one way as the other. */
+typedef struct fxs_mesh_measures {
+    uint32_t parts;                /* connected by shared vertices */
+    uint64_t open_edges;           /* edges of a single triangle */
+    uint64_t turned_edges;         /* other edges where a mesh is not closed: triangles face opposite ways there */
+    double low[3], high[3];        /* corners of the box, scene units */
+    double area;
+    double volume;                 /* of a closed mesh, below 0 if its triangles face inwards; else 0 */
+    uint64_t reserved[4];
+} fxs_mesh_measures;
+
+/* Measures a mesh with sums of integers. The volume is the sum of tetrahedra between the triangles and a point. Errors:
+   FXS_ERR_MEMORY; FXS_ERR_ARGUMENT if places differ by 2^28 or more. */
+FXS_EXPERIMENTAL int fxs_mesh_measure(fxs_mesh_measures *measures, const fxs_mesh *mesh, fxs_message *message);
+
+/* A way along the surface. */
+typedef struct fxs_mesh_route {
+    double from[3], to[3];         /* the points of the mesh nearest to the given ones */
+    double straight, along;        /* length of the straight line, and of the way */
+    double (*points)[3];           /* the way, a point at each edge that it crosses */
+    uint32_t count;
+    uint64_t reserved[4];
+} fxs_mesh_route;
+
+/* Finds a shortest way along a mesh between the points of the mesh nearest to two given ones. A search over points on
+   the edges (Lanthier, Maheshwari and Sack 1997) finds the triangles that the way passes. The way through them is then
+   straightened exactly, also around their corners (Xin and Wang 2007), so it is the shortest among its neighbours.
+   fxs_mesh_route_free frees the route, which is empty after an error: FXS_ERR_ARGUMENT if no way joins the points or a
+   number is not finite, FXS_ERR_MEMORY (also beyond mesh->max_memory, if it is not 0). */
+FXS_EXPERIMENTAL int fxs_mesh_find_route(fxs_mesh_route *route, const fxs_mesh *mesh, const double from[3],
+                                         const double to[3], fxs_message *message);
+
+/* Writes a route as an .obj with one line (element l), under a temporary name, and renames the file. */
+FXS_EXPERIMENTAL int fxs_mesh_route_write(const char *path, const fxs_mesh_route *route, fxs_message *message);
+
+FXS_EXPERIMENTAL void fxs_mesh_route_free(fxs_mesh_route *route);
+
 /* Drops connected parts with fewer than `least` triangles. *parts, which may be null, gets the number of parts that are
    left. */
 FXS_EXPERIMENTAL int fxs_mesh_drop_parts(fxs_mesh *mesh, uint32_t least, uint32_t *parts, fxs_message *message);

@@ -1,12 +1,13 @@
-/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with .spz data in a bufferView. Negates x
-   and y to get the axes of a .ply, with y down. Converts linear colours to sRGB. Supports drafts of the extension:
-   SCALE as logarithms (February 2026); _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with .spz data in a bufferView. Negates x and y
+   to get the axes of a .ply, with y down. Converts linear colours to sRGB. Supports drafts of the extension: SCALE as
+   logarithms (February 2026); _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). Also reads the triangles of meshes, for
+   src/surface. */
 #include <fixsplat/internal/allocator.h>
 
 #include <math.h>
 #include <string.h>
 
-#include "src/scene/formats_internal.h"
+#include "gltf_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -17,7 +18,6 @@
 #include "src/base/byte_reader.h"
 #include "src/base/exponential.h"
 #include "src/base/foreign.h"
-#include "gltf_internal.h"
 #include "src/gaussian/attributes.h"
 #include "spz_internal.h"
 #include "src/base/text_internal.h"
@@ -61,7 +61,7 @@ typedef struct buffer_view {
     const char *fault;
 } buffer_view;
 
-enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* types of numbers: glTF's componentType minus 5120 */
+enum { BYTE, UBYTE, SHORT, USHORT, UINT = 5, FLOAT };   /* types of numbers: glTF's componentType minus 5120 */
 
 typedef struct accessor {
     range bytes;                 /* place of the elements in a buffer; buffer null: all elements are 0 */
@@ -83,7 +83,11 @@ typedef struct splats {
     int sh_degree, stored_sh_degree, antialiased;
     int scales_known, has_log_scales, is_linear, is_clamped;
     double middle[3];
+    accessor indices;            /* of a mesh; count 0: the vertices are in order */
+    int mode;
 } splats;
+
+enum { TRIANGLES = 4, STRIP, FAN };
 
 typedef struct mesh {
     int is_read, first, end;
@@ -109,6 +113,7 @@ typedef struct gltf {
     part *parts;
     int splats_count, parts_count;
     const char *other;
+    const fxs_triangle_sink *sink;   /* takes the triangles of meshes; null: Gaussians are read */
     int part;
     uint32_t next;
     fxs_transform transform;
@@ -320,6 +325,15 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
+#define PLAIN_OR_NORMALIZED(type) (PLAIN(type) | NORMALIZED(type))
+
+/* Types of the numbers of a POSITION. */
+static unsigned position_types(const gltf *g)
+{
+    return PLAIN(FLOAT) | (g->is_quantized ? PLAIN_OR_NORMALIZED(BYTE) | PLAIN_OR_NORMALIZED(UBYTE) |
+                                             PLAIN_OR_NORMALIZED(SHORT) | PLAIN_OR_NORMALIZED(USHORT) : 0);
+}
+
 static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t count, uint32_t size, range *bytes,
                          uint32_t *stride)
 {
@@ -415,7 +429,7 @@ static int read_accessor(gltf *g, const cJSON *number, const char *name, int com
     static const uint8_t sizes[] = {1, 1, 2, 2, 0, 4, 4};
     int index = index_of(g, number, ACCESSORS);
     if (index < 0)
-        return fxs_fail(g->message, "%s: a primitive with Gaussians has no accessor for %s", g->source->path, name);
+        return fxs_fail(g->message, "%s: a primitive has no accessor for %s", g->source->path, name);
     const cJSON *item = g->lists[ACCESSORS].items[index];
     const char *shape = fxs_json_string(item, "type");
     int64_t type = whole(member(item, "componentType"), -1) - 5120;
@@ -581,7 +595,7 @@ static int fail_counts(const gltf *g)
 static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
 {
     static const struct { const char *name; int components; unsigned types; } core[OPACITY] = {
-        {"POSITION", 3, PLAIN(FLOAT)},
+        {"POSITION", 3, 0},
         {"KHR_gaussian_splatting:ROTATION", 4, PLAIN(FLOAT) | NORMALIZED(BYTE) | NORMALIZED(SHORT)},
         {"KHR_gaussian_splatting:SCALE", 3, PLAIN(FLOAT) | PLAIN(UBYTE) | NORMALIZED(UBYTE) | PLAIN(USHORT) |
                                             NORMALIZED(USHORT) | PLAIN(BYTE) | NORMALIZED(BYTE) | PLAIN(SHORT) |
@@ -590,7 +604,7 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
     int has_data = 0;
     for (int i = 0; i < OPACITY; i++)
         FXS_TRY(read_accessor(g, find_attribute(attributes, core[i].name), core[i].name, core[i].components,
-                              core[i].types | (i == POSITION && g->is_quantized ? core[SCALE].types : 0),
+                              i == POSITION ? position_types(g) : core[i].types,
                               &s->attributes[i]));
     FXS_TRY(read_colours(g, attributes, s));
     s->count = s->attributes[POSITION].count;
@@ -631,7 +645,8 @@ static const cJSON *find_spz(const cJSON *extensions)
 
 static int fail_parts(const gltf *g)
 {
-    return fxs_fail(g->message, "%s: more than %d primitives with Gaussians", g->source->path, MAX_PARTS);
+    return fxs_fail(g->message, "%s: more than %d primitives%s", g->source->path, MAX_PARTS,
+                    g->sink ? "" : " with Gaussians");
 }
 
 static int same_range(const range *a, const range *b)
@@ -680,26 +695,57 @@ static void find_middle(const gltf *g, const cJSON *attributes, splats *s)
     }
 }
 
-static int read_primitive(gltf *g, const cJSON *primitive)
+static int add_splats(gltf *g, splats **added)
 {
-    const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
-    const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
-    if (!spz && !splatting) {
-        const cJSON *mode = member(primitive, "mode");
-        g->other = cJSON_IsNumber(mode) && mode->valuedouble == 0 ? FXS_POINT_CLOUD : FXS_MESH;
-        return 0;
-    }
-    int is_linear = 0;
-    FXS_TRY(check_splatting(g, splatting, &is_linear));
     if (g->splats_count == MAX_PARTS)
         return fail_parts(g);
     splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
     if (!larger)
         return FXS_ERR_MEMORY;
     g->splats = larger;
-    splats *added = &g->splats[g->splats_count++];
-    memset(added, 0, sizeof *added);
-    added->first = g->splats_count - 1;
+    *added = &g->splats[g->splats_count++];
+    memset(*added, 0, sizeof **added);
+    (*added)->first = g->splats_count - 1;
+    return 0;
+}
+
+static int read_triangles(gltf *g, const cJSON *primitive)
+{
+    const int64_t mode = whole(member(primitive, "mode"), TRIANGLES);
+    const cJSON *indices = member(primitive, "indices");
+    splats *added;
+    if (mode < TRIANGLES || mode > FAN) {
+        g->other = "points or lines without triangles";
+        return 0;
+    }
+    if (member(member(primitive, "extensions"), "KHR_draco_mesh_compression"))
+        return fail(g, "a mesh with Draco compression is not read: export it without compression");
+    FXS_TRY(add_splats(g, &added));
+    added->mode = (int)mode;
+    FXS_TRY(read_accessor(g, member(member(primitive, "attributes"), "POSITION"), "POSITION", 3, position_types(g),
+                          &added->attributes[POSITION]));
+    added->count = added->attributes[POSITION].count;
+    if (indices)
+        FXS_TRY(read_accessor(g, indices, "indices", 1, PLAIN(UBYTE) | PLAIN(USHORT) | PLAIN(UINT), &added->indices));
+    return added->attributes[POSITION].bytes.buffer && (!indices || added->indices.bytes.buffer) ? 0
+           : fail(g, "a mesh whose accessors have no bufferView");
+}
+
+static int read_primitive(gltf *g, const cJSON *primitive)
+{
+    const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
+    const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
+    if (g->sink)
+        return read_triangles(g, primitive);
+    if (!spz && !splatting) {
+        const cJSON *mode = member(primitive, "mode");
+        g->other = cJSON_IsNumber(mode) && mode->valuedouble == 0 ? FXS_POINT_CLOUD : FXS_MESH;
+        return 0;
+    }
+    int is_linear = 0;
+    splats *added;
+    FXS_TRY(check_splatting(g, splatting, &is_linear));
+    FXS_TRY(add_splats(g, &added));
     added->is_linear = is_linear;
     find_middle(g, member(primitive, "attributes"), added);
     if (!spz)
@@ -794,6 +840,8 @@ static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
     int mesh_index = index_of(g, mesh_item, MESHES);
     if (mesh_item && mesh_index < 0)
         return fail_item(g, "node", index, "a mesh that does not exist");
+    if (g->sink && member(member(node, "extensions"), "EXT_mesh_gpu_instancing"))
+        return fail_item(g, "node", index, "instances of a mesh (EXT_mesh_gpu_instancing) are not read");
     if (mesh_item)
         FXS_TRY(place_mesh(g, mesh_index, rows));
     cJSON_ArrayForEach(child, member(node, "children"))
@@ -1092,9 +1140,133 @@ static void gltf_close(void *handle)
     release(g, g->parts);
 }
 
+/* ---- Triangles --------------------------------------------------------------------------------------------------- */
+
+static int put_vertices(gltf *g, const part *p, splats *s)
+{
+    accessor *a = &s->attributes[POSITION];
+    const uint32_t step = a->size / a->components;
+    a->at = 0;
+    for (uint32_t first = 0; first < a->count; first += BATCH) {
+        const uint32_t count = a->count - first < BATCH ? a->count - first : BATCH;
+        FXS_TRY(read_elements(g, a, first, count));
+        for (uint32_t k = 0; k < count; k++) {
+            double at[3], from[3];
+            for (uint32_t c = 0; c < 3; c++)
+                from[c] = component(a, g->bytes + k * a->stride + c * step);
+            for (int i = 0; i < 3; i++)
+                at[i] = p->rows[i][0] * from[0] + p->rows[i][1] * from[1] + p->rows[i][2] * from[2] + p->rows[i][3];
+            FXS_TRY(g->sink->vertex(g->sink->argument, at, g->message));
+        }
+    }
+    return 0;
+}
+
+static int is_mirrored(const part *p)
+{
+    double determinant = 0;
+    for (int i = 0; i < 3; i++)
+        determinant += p->rows[0][i] * (p->rows[1][(i + 1) % 3] * p->rows[2][(i + 2) % 3] -
+                                        p->rows[1][(i + 2) % 3] * p->rows[2][(i + 1) % 3]);
+    return determinant < 0;
+}
+
+/* Takes vertex `vertex` as index i of a primitive. corners: the last two vertices, in a fan the first and the last. */
+static int put_corner(const gltf *g, int mode, uint32_t i, uint32_t vertex, int is_turned, uint32_t corners[3])
+{
+    corners[mode == TRIANGLES ? i % 3 : i < 2 ? i : 2] = vertex;
+    if (mode == TRIANGLES ? i % 3 < 2 : i < 2)
+        return 0;
+    is_turned ^= mode == STRIP && i % 2;
+    const uint32_t turned[3] = {corners[is_turned], corners[!is_turned], corners[2]};
+    if (mode == STRIP)
+        corners[0] = corners[1];
+    if (mode != TRIANGLES)
+        corners[1] = vertex;
+    return g->sink->triangle(g->sink->argument, turned, g->message);
+}
+
+/* The vertices of the primitive have numbers from `base` on. */
+static int put_triangles(gltf *g, const part *p, splats *s, uint32_t base)
+{
+    accessor *a = &s->indices;
+    const uint32_t all = a->count ? a->count : s->count;
+    const int is_turned = is_mirrored(p);
+    uint32_t corners[3] = {0};
+    a->at = 0;
+    for (uint32_t first = 0; first < all; first += BATCH) {
+        const uint32_t count = all - first < BATCH ? all - first : BATCH;
+        if (a->count)
+            FXS_TRY(read_elements(g, a, first, count));
+        for (uint32_t k = 0; k < count; k++) {
+            const uint8_t *at = g->bytes + k * a->stride;
+            const uint32_t vertex = !a->count ? first + k : a->type == UBYTE ? *at
+                                    : a->type == USHORT ? fxs_load_u16(at) : fxs_load_u32(at);
+            if (vertex >= s->count)
+                return fail(g, "an index of a mesh beyond its vertices");
+            FXS_TRY(put_corner(g, s->mode, first + k, base + vertex, is_turned, corners));
+        }
+    }
+    return 0;
+}
+
+/* Primitives of a node often share their vertices, which are then put once. */
+static int shares_vertices(const gltf *g, int i)
+{
+    const part *p = &g->parts[i], *before = p - 1;
+    return i > 0 && !memcmp(p->rows, before->rows, sizeof p->rows) &&
+           same_range(&g->splats[p->splats].attributes[POSITION].bytes,
+                      &g->splats[before->splats].attributes[POSITION].bytes) &&
+           g->splats[p->splats].count == g->splats[before->splats].count;
+}
+
+static int put_parts(gltf *g)
+{
+    uint64_t base = 0, end = 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        splats *s = &g->splats[g->parts[i].splats];
+        if (!shares_vertices(g, i)) {
+            base = end;
+            end += s->count;
+            if (end > MAX_COUNT)
+                return fxs_fail(g->message, "%s: more than %d vertices", g->source->path, MAX_COUNT);
+            FXS_TRY(put_vertices(g, &g->parts[i], s));
+        }
+        FXS_TRY(put_triangles(g, &g->parts[i], s, (uint32_t)base));
+    }
+    return 0;
+}
+
+int fxs_gltf_triangles(const fxs_scene_source *source, const fxs_triangle_sink *sink, fxs_message *message)
+{
+    gltf *g = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *g);
+    if (!g)
+        return fxs_fail_memory(message, source->path, sizeof *g);
+    g->source = source;
+    g->message = message;
+    g->sink = sink;
+    for (int i = 0; i < 3; i++)
+        g->frame[i][i] = 1;
+    int result = read_json(g);
+    free_json(g);
+    result = result ? result : put_parts(g);
+    if (!result && !g->parts_count)
+        result = fxs_fail(message, "%s: no mesh in the scene%s%s", source->path, g->other ? ", which has " : "",
+                          g->other ? g->other : "");
+    gltf_close(g);
+    fxs_release(source->options.allocator, g);
+    return result;
+}
+
 #define READER_SIZE sizeof(gltf)
 
 #else
+
+int fxs_gltf_triangles(const fxs_scene_source *source, const fxs_triangle_sink *sink, fxs_message *message)
+{
+    (void)sink;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read glTF: built without cJSON", source->path);
+}
 
 static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
