@@ -120,8 +120,53 @@ splatv moving.splatv 300
 run mesh moving.splatv $small --parts 0 --time 0.2 -o moving.ply
 check "--time: a moment of a scene that moves" test -s moving.ply
 
+# ---- Measure ---------------------------------------------------------------------------------------------------------
+
+# A field of the JSON of info, and a check that it is near a truth, by a share.
+field() { sed -n "s/.*\"$1\": \([^,}]*\).*/\1/p" logs/out; }
+near() { awk -v x="$1" -v truth="$2" -v share="$3" 'BEGIN { exit !(x > truth * (1 - share) && x < truth * (1 + share)) }'; }
+
+for format in glb ply obj; do
+    succeeds "info of a mesh, .$format" info made.$format --json
+    check "its counts" equal "$(field triangles) $(field vertices) $(field parts)" "$triangles $vertices 1"
+    check "its volume" near "$(field volume)" 4.18879 0.03
+    check "its area" near "$(field area)" 12.56637 0.03
+done
+succeeds "info --distance" info made.obj --distance 0,0,-1,0.8,0,0.6 -o way.obj --json
+check "along a ball: acos(-0.6)" near "$(field along)" 2.2143 0.01
+check "the straight line" near "$(field straight)" 1.7889 0.01
+check "the way has this length" near "$(awk '$1 == "v" { if (n++) s += sqrt(($2 - x)^2 + ($3 - y)^2 + ($4 - z)^2)
+    x = $2; y = $3; z = $4 } END { print s }' way.obj)" "$(field along)" 0.00001
+check "the way is one line" equal "$(grep -c '^l 1 2' way.obj)" 1
+succeeds "info of an open mesh" info half.obj
+check "no volume" grep -Eq '^volume        none, open: [0-9]+ edges$' logs/out
+
+# A thing cut out of a scene of two, closed, and measured.
+"$fixsplat" --quiet convert crate.ply ball.ply two.ply --place ball.ply:0,0,3
+"$fixsplat" --quiet convert two.ply thing.fxs --crop -1.5,-1.5,-1.5,1.5,1.5,1.5
+"$fixsplat" --quiet mesh thing.fxs --watertight $small -o thing.glb
+succeeds "info of a thing that was cut out" info thing.glb --json
+check "the crate: closed" equal "$(field closed) $(field parts)" "true 1"
+check "the crate: a volume of 8" near "$(field volume)" 8 0.03
+check "the crate: an area of 24" near "$(field area)" 24 0.05
+
+# The voxels that are free are the volume of the mesh of `collide`.
+run collide crate.ply -o room.glb --voxel 0.1 --seed 0,0,-2.5 --height 0.6
+free=$(sed -n 's/.* units, \([0-9]*\) free.*/\1/p' logs/out)
+succeeds "info of the mesh of collide" info room.glb --json
+check "its volume is that of the free voxels" near "$(field volume)" "$(awk "BEGIN { print -$free * 0.001 }")" -0.000001
+
 # ---- Errors ----------------------------------------------------------------------------------------------------------
 
+fails "--distance of a scene" 2 '^fixsplat: --distance is for a mesh: make one with fixsplat mesh$' \
+    info ball.ply --distance 0,0,0,1,1,1
+fails "--distance, one point" 2 'two points' info made.obj --distance 0,0,0
+fails "-o without --distance" 2 'output' info made.obj -o a.obj
+fails "another option of a mesh" 2 'made.obj is a mesh: leave out --stats$' info made.obj --stats
+fails "parts that are not joined" 1 '^fixsplat: three.obj: the points lie on parts of the mesh that are not joined$' \
+    info three.obj --distance 0,0,-3,0,0,4 -o a.obj
+fails "--import-memory" 1 'beyond the limit of 1024' info made.obj --import-memory 1K
+fails "-o: the mesh" 2 'made.obj' info made.obj --distance 0,0,0,1,0,0 -o made.obj
 fails "no output" 2 'where to' mesh ball.ply
 fails "another ending" 2 'a.stl: expected a name ending in .glb, .ply or .obj$' mesh ball.ply -o a.stl
 fails "a scene that moves" 2 'moving.splatv: a scene that moves: give --time$' mesh moving.splatv -o a.glb

@@ -88,7 +88,7 @@ try() {
     cd "$inside" || exit 1
     while read -r place arguments; do
         own=$more
-        case $place in panorama | backends) own= ;; esac
+        case $place in panorama | backends | cube | way) own= ;; esac
         produce $command $arguments $own
         case $status:$place in 0:* | 1:until-*) ;; *) fail "$command: $place" "$(cat ../logs/err)" ;; esac
         before=$sum
@@ -164,9 +164,13 @@ board ../knot.ply --board 64x48
 compare ../knot.ply --compare ../700.ply --views 1
 packed-compare ../plain.fxs --compare ../knot.ply --views 1
 levels-compare ../levels.fxs --compare ../700.ply --views 2
+cube ../cube.obj
+way ../cube.obj --distance 0,0,0,1,1,1 -o out.obj
 backends --backends'
-options="compare ../700.ply; compare-time 0.3; cameras ../cameras.json; views 2; cutoff square; compare-cutoff square; size 60x30;
-    board 60x30; stats; max-memory 1M; profile small; json; backends; $of_scenes"
+echo 'v 0 0 0 v 0 0 1 v 0 1 0 v 0 1 1 v 1 0 0 v 1 0 1 v 1 1 0 v 1 1 1 f 1 2 4 3 f 5 7 8 6 f 1 5 6 2 f 3 4 8 7
+    f 1 3 7 5 f 2 6 8 4' | sed 's/ *\([vf]\)/\n\1/g' >cube.obj
+options="distance 0,0,0,1,0,1; output b.obj; compare ../700.ply; compare-time 0.3; cameras ../cameras.json; views 2;
+    cutoff square; compare-cutoff square; size 60x30; board 60x30; stats; max-memory 1M; profile small; json; backends; $of_scenes"
 by_design='max-gaussians import-memory' elsewhere= mask='s/trial took.*lists//' more='--size 48x32'
 try info
 

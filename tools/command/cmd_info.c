@@ -1,4 +1,5 @@
-/* fixsplat info: prints a scene's contents and the memory that rendering needs. Options add quality and statistics. */
+/* fixsplat info: prints a scene's contents and the memory that rendering needs, or the size of a mesh. Options add
+   quality, statistics, and distances. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,11 +11,14 @@
 #include "port/board/turntable.h"
 #include "src/pack/weight.h"
 #include <fixsplat/scene.h>
+#include <fixsplat/surface.h>
 #include <fixsplat/system.h>
 #include <fixsplat/internal/parts.h>
 #include <fixsplat/internal/placements.h>
 #include <fixsplat/internal/stage.h>
+#include "file_guard.h"
 #include "live_chunks.h"
+#include "mesh_info.h"
 #include "tree_levels.h"
 #include "quality.h"
 #include "start_option.h"
@@ -30,6 +34,7 @@ typedef struct info_options {
     int board_width, board_height;          /* size of the board's display in pixels; 0: no board */
     const fxs_panel_type *panel;            /* the board's display; null: any panel of this size */
     int json, stats, backends;
+    mesh_info_options mesh;                 /* of a mesh in place of a scene */
 } info_options;
 
 /* Memory needs of a scene on a microcontroller board with a display. */
@@ -59,22 +64,6 @@ typedef struct findings {
 static int is_one(const world *w)
 {
     return w->count == 1 && fxs_placement_is_plain(w->placed.objects) && !w->placed.objects->crop_count;
-}
-
-static void print_vector_json(const double v[3])
-{
-    for (int i = 0; i < 3; i++)
-        printf("%s%.*g", i ? ", " : "[", place_digits(v[i], 9), v[i]);
-    printf("]");
-}
-
-static void print_box_json(const double low[3], const double high[3])
-{
-    printf("[");
-    print_vector_json(low);
-    printf(", ");
-    print_vector_json(high);
-    printf("]");
 }
 
 static void print_error_json(const char *name, const fxs_pack_error *e)
@@ -324,20 +313,6 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
                "%zu Gaussians\n", limit, row_of_limit(m, limit));
 }
 
-static void print_place(const double v[3])
-{
-    for (int i = 0; i < 3; i++)
-        printf(" %.*g", place_digits(v[i], 6), v[i]);
-}
-
-static void print_box(const double low[3], const double high[3])
-{
-    print_place(low);
-    printf(" to");
-    print_place(high);
-    putchar('\n');
-}
-
 static void print_start_text(const loaded_scene *scene)
 {
     const fxs_start *s = &scene->opened->info->start;
@@ -504,6 +479,13 @@ static int take_board(const option_row *row, void *field, const char *value)
     return parse_size(value, &o->board_width, &o->board_height) ? 0 : wrong_value(row, value);
 }
 
+static int take_distance(const option_row *row, void *field, const char *value)
+{
+    mesh_info_options *o = field;
+    o->has_distance = parse_vector(value, 6, o->ends);
+    return o->has_distance ? 0 : wrong_value(row, value);
+}
+
 #define OPTIONS info_options
 #define PANELS "ili9341, st7789, st7789-240x240, st7735, gc9a01 or ssd1306"    /* all of fxs_panel_types */
 
@@ -543,6 +525,12 @@ static const option_row own_rows[] = {
     {"json", 0, FLAG(json), .basic = 1, .help =
      "print a JSON object. With --compare: a list of views with psnr, ssim and nudged_psnr, the means psnr and ssim, "
      "and worst_psnr, worst_ssim and worst_view. A PSNR is null for equal pictures"},
+    {"distance", "X,Y,Z,X,Y,Z", take_distance, FIELD(mesh_info_options, mesh), .expected = "two points X,Y,Z,X,Y,Z",
+     .basic = 1, .help =
+     "of a mesh: also print the straight distance between two points, and the distance along the surface. Each point "
+     "is moved to the nearest point of the mesh"},
+    {"output", "OUT.obj", OUTPUT(mesh.output), .letter = 'o', .help =
+     "with --distance: write the way along the surface as a line"},
     {"backends", 0, FLAG(backends), .basic = 1, .help =
      "print which back ends run on this machine, and why others cannot. With --json: an array of objects with name, "
      "does, devices, here, why_not (null if here) and can: trace (depths, ids), compose (meshes, coverage), devices "
@@ -551,6 +539,7 @@ static const option_row own_rows[] = {
 };
 
 static const option_rule rules[] = {
+    {"output", 0, "distance", 0},
     {"cameras views compare-time cutoff compare-cutoff budget detail", 0, "compare", 0},
     {0}
 };
@@ -573,6 +562,26 @@ static int read_options(info_options *o, int argc, char **argv)
     if (take_scenes(&o->frame.world, "info", argc - optind, argv + optind))
         return EXIT_USAGE;
     return check_rules(rules);
+}
+
+/* True if the command line names one file, and that is a mesh. */
+static int is_mesh(const info_options *o)
+{
+    const world_options *w = &o->frame.world;
+    return w->scene_count == 1 && !w->file && !w->place_count && fxs_mesh_is_file(w->scenes[0]);
+}
+
+static int print_mesh(info_options *o)
+{
+    const char *path = o->frame.world.scenes[0], *other = given_beside("distance output json quiet import-memory");
+    if (other)
+        return fail(EXIT_USAGE, "%s is a mesh: leave out --%s", path, other);
+    files_read(path);
+    if (files_check())
+        return EXIT_USAGE;
+    o->mesh.json = o->json;
+    o->mesh.max_memory = o->frame.load.import_memory;
+    return print_mesh_info(path, &o->mesh);
 }
 
 static int compare(findings *f, const info_options *o)
@@ -711,6 +720,10 @@ static int run(int argc, char **argv)
     static info_options o;
     findings f = {.compared = 0};
     int status = read_options(&o, argc, argv);
+    if (!status && is_mesh(&o))
+        return print_mesh(&o);
+    if (!status && o.mesh.has_distance)
+        return fail(EXIT_USAGE, "--distance is for a mesh: make one with fixsplat mesh");
     if (!status && !(status = world_open(&f.world, &o.frame.world, &o.frame.load))) {
         status = find(&f, &o);
         if (!status)
@@ -725,8 +738,9 @@ static int run(int argc, char **argv)
 }
 
 const command command_info = {
-    "info", "prints contents and memory needs of a scene", run,
+    "info", "prints contents and memory needs of a scene, or the size of a mesh", run,
     "Usage: fixsplat info SCENE... [OPTION...]\n"
+    "  or:  fixsplat info MESH [--distance X,Y,Z,X,Y,Z [-o OUT.obj]] [--json]\n"
     "  or:  fixsplat info --backends [--json]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its packed size in bytes per Gaussian, the\n"
     "largest change of each attribute by packing (for an .fxs, every checksum is verified instead), and the memory of\n"
@@ -736,7 +750,9 @@ const command command_info = {
     "bytes of those that begin to be drawn in a second.\n\n"
     "An .fxs with levels of detail: a line per level. A level holds the nodes with at most this many leaves, and more\n"
     "than the next line's. Then follow their Gaussians and bytes, the squared error (colours^2 units^2) that their\n"
-    "children remove, and the geometric mean size of the detail that they lack, in scene units.\n",
+    "children remove, and the geometric mean size of the detail that they lack, in scene units.\n\n"
+    "A mesh (.glb, .gltf, .ply or .obj with triangles): triangles, vertices, connected parts, bounds, area, and the\n"
+    "volume if the mesh is closed, in the units of the file.\n",
     0,
     "  $ fixsplat info scene.ply\n"
     "  $ fixsplat info scene.ply --size 1920x1080 --json\n"
@@ -747,6 +763,8 @@ const command command_info = {
     "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n"
     "  $ fixsplat info scene.ply --compare scene.ply --cutoff square --compare-cutoff mahalanobis\n"
     "  $ fixsplat info scene.fxs --compare scene.ply --budget 200000\n"
+    "  $ fixsplat info toy.glb\n"
+    "  $ fixsplat info toy.glb --distance 0,1,0,0.4,0,0.3 -o way.obj\n"
     "  $ fixsplat info dance.fxs --compare dance.splatv --compare-time 0.8\n",
     {{own_rows, 0}, {level_rows, offsetof(info_options, frame)}, {world_rows, offsetof(info_options, frame.world)},
      {load_rows, offsetof(info_options, frame.load)}, COMMON_TABLE}

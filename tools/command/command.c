@@ -82,6 +82,36 @@ int place_digits(double x, int digits)
     return fabs(x) >= 4096 && whole + 3 > digits ? whole + 3 : digits;
 }
 
+void print_vector_json(const double v[3])
+{
+    for (int i = 0; i < 3; i++)
+        printf("%s%.*g", i ? ", " : "[", place_digits(v[i], 9), v[i]);
+    printf("]");
+}
+
+void print_box_json(const double low[3], const double high[3])
+{
+    printf("[");
+    print_vector_json(low);
+    printf(", ");
+    print_vector_json(high);
+    printf("]");
+}
+
+void print_place(const double v[3])
+{
+    for (int i = 0; i < 3; i++)
+        printf(" %.*g", place_digits(v[i], 6), v[i]);
+}
+
+void print_box(const double low[3], const double high[3])
+{
+    print_place(low);
+    printf(" to");
+    print_place(high);
+    putchar('\n');
+}
+
 void print_version(void)
 {
     puts("fixsplat " FXS_VERSION);

@@ -26,6 +26,12 @@ int is_quiet(void);
 /* Returns the number of digits for printing a coordinate: at least `digits`, and enough for three decimals. */
 int place_digits(double x, int digits);
 
+/* Print a point or a box to standard output, as text after a blank, or as JSON. The text of a box ends its line. */
+void print_place(const double v[3]);
+void print_box(const double low[3], const double high[3]);
+void print_vector_json(const double v[3]);
+void print_box_json(const double low[3], const double high[3]);
+
 void print_version(void);
 
 /* Finds the known name that is closest to a misspelt word, over several calls of suggest. A null name: none is
