@@ -173,7 +173,8 @@ static const char *write_glb(const char *name, const char *extra, const char *no
         data[288 + 2 * i] = (uint8_t)(i / 6 * 4 + turns[i / 6 % 2][i % 6]);
         data[288 + 2 * i + 1] = 0;
     }
-    snprintf(json, sizeof json, "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":%s,"
+    snprintf(json, sizeof json,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":%s,"
              "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1%s},"
              "{\"attributes\":{\"POSITION\":0},\"indices\":2}]}],\"accessors\":[{\"bufferView\":0,"
              "\"componentType\":5126,\"count\":24,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5123,"
@@ -236,7 +237,8 @@ static void test_own_files(void)
 /* The truth is that of the polyhedra for the cube, and of the smooth shapes here, which finer grids come nearer to. */
 static void test_round_shapes(void)
 {
-    const double sphere[2] = {4 * PI, 4 * PI / 3}, torus[2] = {4 * PI * PI * RING * TUBE, 2 * PI * PI * RING * TUBE * TUBE};
+    const double sphere[2] = {4 * PI, 4 * PI / 3};
+    const double torus[2] = {4 * PI * PI * RING * TUBE, 2 * PI * PI * RING * TUBE * TUBE};
     double last[2] = {1, 1};
     for (int n = 32; n <= 128; n *= 2) {
         fxs_mesh *mesh = open_mesh(write_grid("sphere.obj", 2 * n, n, 1, 0, 0, on_sphere));
@@ -276,7 +278,8 @@ static void test_faces(void)
     m = measure(mesh);
     CHECK(m.open_edges == 4 && m.turned_edges == 1 && m.volume == 0);
     fxs_mesh_free(mesh);
-    mesh = open_mesh(write_text("inward.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"));
+    mesh = open_mesh(write_text("inward.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                              "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"));
     m = measure(mesh);
     CHECK(is_near(m.volume, -1 / 6.0, 1e-15) && !m.open_edges);
     fxs_mesh_free(mesh);
@@ -445,7 +448,8 @@ static void test_bad_files(void)
     fails(write_text("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\n"), "no faces");
     fails(write_text("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n"), "not before it");
     fails(write_text("bad.txt", "this is not a mesh at all, in any way\n"), "not a mesh");
-    CHECK(!fxs_mesh_is_file(in_folder("bad.txt")) && !fxs_mesh_is_file(in_folder("none.obj")) && !fxs_mesh_is_file(folder));
+    CHECK(!fxs_mesh_is_file(in_folder("bad.txt")) && !fxs_mesh_is_file(in_folder("none.obj")));
+    CHECK(!fxs_mesh_is_file(folder));
     fails(write_glb("draco.glb", ",\"extensions\":{\"KHR_draco_mesh_compression\":{}}", "[{\"mesh\":0}]"), "Draco");
     fails(write_glb("points.glb", ",\"mode\":0", "[{\"mesh\":7}]"), "does not exist");
     fails(write_glb("empty.glb", "", "[{}]"), "no mesh in the scene");

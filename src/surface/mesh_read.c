@@ -460,7 +460,7 @@ static void join_vertices(const reading *r, fxs_mesh *mesh, placed *places)
 static int fill_mesh(reading *r, fxs_mesh *mesh)
 {
     const size_t n = r->vertices, most = n > 3 * r->count ? n : 3 * r->count;
-    placed *places = fxs_hold(&r->source, n * sizeof *places, r->message);
+    placed *places = fxs_hold(&r->source, n * (uint64_t)sizeof *places, r->message);
     if (!places)
         return FXS_ERR_MEMORY;
     mesh->places = fxs_allocate(NULL, n, 3 * sizeof *mesh->places);
@@ -474,7 +474,7 @@ static int fill_mesh(reading *r, fxs_mesh *mesh)
         error = mesh->triangle_count ? fxs_mesh_compact(mesh, r->message)
                 : fxs_fail(r->message, "%s: no triangle with an area", r->source.path);
     }
-    fxs_let_go(&r->source, places, n * sizeof *places);
+    fxs_let_go(&r->source, places, n * (uint64_t)sizeof *places);
     return error;
 }
 

@@ -538,6 +538,24 @@ def enough(progress):
         raise StopIteration("three")
 
 
+# ---- Meshes ----------------------------------------------------------------------------------------------------------
+
+with open("box.obj", "w") as file:
+    file.write("v 0 0 0\nv 0 0 2\nv 0 2 0\nv 0 2 2\nv 2 0 0\nv 2 0 2\nv 2 2 0\nv 2 2 2\n"
+               "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n")
+mesh = fixsplat.Mesh("box.obj")
+ok("mesh: arrays", mesh.vertices.shape == (8, 3) and mesh.triangles.shape == (12, 3) and
+   mesh.vertices.max() == 2 and mesh.triangles.max() == 7)
+ok("mesh: measures", mesh.measure() == fixsplat.MeshMeasures(1, 0, 0, (0, 0, 0), (2, 2, 2), 24, 8))
+route = mesh.route((0, 0, 0), (2, 2, 2))
+ok("mesh: a way around a box", abs(route.along - 20 ** 0.5) < 1e-9 and abs(route.straight - 12 ** 0.5) < 1e-9 and
+   route.points.shape == (3, 3), route)
+for name, kind, words, call in (
+        ("no mesh", fixsplat.Error, "not a mesh", lambda: fixsplat.Mesh("knot.ply")),
+        ("too little memory", fixsplat.Error, "beyond the limit of 64", lambda: fixsplat.Mesh("box.obj", max_memory=64)),
+        ("a point", ValueError, "^start: expected three", lambda: mesh.route((0, math.nan, 0), (1, 1, 1)))):
+    refuses(f"mesh: {name}", kind, words, call)
+
 # ---- Metrics ---------------------------------------------------------------------------------------------------------
 
 run("render", "knot.ply", "--size", "320x200", "-o", "a.png")

@@ -22,10 +22,12 @@ from ._fit import FitProgress, fit
 from ._gaussians import Gaussians, load_gaussians
 from ._library import Error
 from ._measure import Measurement, Metrics, compare, measure
+from ._mesh import Mesh, MeshMeasures, Route
 from ._render import NOTHING, Backend, Crop, Object, Picture, Renderer, backends, render
 from ._scene import Scene, load
 from ._version import VERSION as __version__
 
 __all__ = ["NOTHING", "Backend", "Camera", "Conversion", "Crop", "Error", "FitProgress", "Gaussians", "Measurement",
-           "Metrics", "Object", "Picture", "Renderer", "Scene", "__version__", "backends", "compare", "convert", "fit",
-           "from_nerfstudio", "load", "load_cameras", "load_gaussians", "measure", "render", "to_nerfstudio"]
+           "Mesh", "MeshMeasures", "Metrics", "Object", "Picture", "Renderer", "Route", "Scene", "__version__",
+           "backends", "compare", "convert", "fit", "from_nerfstudio", "load", "load_cameras", "load_gaussians",
+           "measure", "render", "to_nerfstudio"]
