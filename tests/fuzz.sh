@@ -234,6 +234,34 @@ seeds_of_gltf() {
         )"'"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}]}' >compressed
 }
 
+seeds_of_mesh() {
+    {
+        printf '0'
+        printf 'v %s\n' '0 0 0' '0 0 2' '0 2 0' '0 2 2' '2 0 0' '2 0 2' '2 2 0' '2 2 2' '5 5 5' '6 5 5' '6 6 5' \
+            '5.5 5.2 5' '5 6 5'
+        printf 'f %s\n' '1 2 4 3' '5 7 8 6' '1 5 6 2' '3 4 8 7' '1/1/1 3/2/1 7//1 5' '2 -7 -6 4' '9 10 11 12 13'
+    } >obj
+    {
+        printf '0'
+        printf '%s\n' ply 'format ascii 1.0' 'element vertex 5'
+        printf 'property float %s\n' x y z
+        printf '%s\n' 'element face 3' 'property list uchar int vertex_index' end_header '0 0 0' '1 0 0' '1 1 0' '0 1 0' \
+            '0.2 0.2 1' '5 0 1 2 4 3' '3 1 2 4' '4 0 1 2 3'
+    } >ply
+    sed 's/ascii/binary_little_endian/; s/uchar/int/' ply >binary
+    {
+        printf '1'
+        gltf '{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"children":[1]},{"mesh":0,'"$(
+            )"'"scale":[1,-1,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5},{"attributes":'"$(
+            )"'{"POSITION":0},"indices":1,"mode":6}]}],"buffers":[{"byteLength":200}],"bufferViews":[{"buffer":0,'"$(
+            )"'"byteLength":200,"byteStride":20}],"accessors":[{"bufferView":0,"byteOffset":8,"componentType":5126,'"$(
+            )"'"count":4,"type":"VEC3"},{"bufferView":0,"componentType":5121,"count":4,"type":"SCALAR"}]}' | head -c -200
+        printf '\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\1\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0\0\0\0\0\2\0\0\0\0\0\0\0'
+        printf '\0\0\0\0\0\0\200\77\0\0\0\0\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\77'
+        head -c 120 /dev/zero
+    } >glb
+}
+
 colmap() {
     printf "$2" >cameras
     printf "\\$1\\$(printf %o $(wc -c <cameras))\\0$2$3"

@@ -8,7 +8,7 @@
 typedef struct fxs_mesh_edges {
     uint32_t count;
     uint32_t *of;                  /* the edge of each side */
-    uint32_t *sides;               /* all sides, those of an edge in a row, ascending */
+    uint32_t *sides;               /* all sides, by edge, ascending */
     uint32_t *first;               /* first[e]: number in `sides` of the first side of edge e; count + 1 numbers */
     uint8_t *joined;               /* of each edge; 1: as many triangles run one way as the other */
 } fxs_mesh_edges;

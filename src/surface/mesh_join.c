@@ -1,4 +1,4 @@
-/* Joins triangles of a mesh whose sides touch without sharing both vertices, as those of merged rectangles do. */
+/* Joins triangles of a mesh whose sides touch without sharing both vertices, such as merged rectangles. */
 #include "mesh_edges.h"
 #include "volume.h"
 
@@ -71,7 +71,7 @@ static size_t find_mark(const joining *j, int axis, const mark *wanted)
     return low;
 }
 
-/* Finds the middle one of the vertices on a side that is parallel to an axis. Returns 0 if there is none. */
+/* Finds the middle vertex on a side that is parallel to an axis. Returns 0 if no vertex is on the side. */
 static int find_between(const joining *j, uint32_t side, uint32_t *vertex)
 {
     const uint32_t a = fxs_side_begin(j->mesh, side), b = fxs_side_end(j->mesh, side);

@@ -198,8 +198,8 @@ static uint32_t take_first(search *s)
     return first;
 }
 
-/* Offers a way of the length `length` to the place `at`, and on through a triangle to the nodes of its sides, except
-   those of the edge `except`. */
+/* Offers a way of the length `length` to the place `at`, and on through a triangle to the nodes of its sides. The
+   edge `except` is left out. */
 static void offer(search *s, uint32_t triangle, uint32_t except, uint32_t before, const int32_t at[3], uint64_t length)
 {
     int32_t to[3], target[3];
@@ -571,7 +571,7 @@ static int is_shorter_around(const strip *s, uint32_t number, const fan *f, uint
     return triangle == start && sum.halves < 3;
 }
 
-/* Makes the strip that passes a fan's vertex on its other side. Returns 0 if there is none. */
+/* Makes the strip that passes a fan's vertex on its other side. Returns 0 if it meets an open edge. */
 static int go_around(const strip *s, const fan *f, strip *to)
 {
     uint32_t side = side_out(s, f), triangle = s->triangles[f->first];

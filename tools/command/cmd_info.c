@@ -577,11 +577,11 @@ static int print_mesh(info_options *o)
     if (other)
         return fail(EXIT_USAGE, "%s is a mesh: leave out --%s", path, other);
     files_read(path);
-    if (files_check())
-        return EXIT_USAGE;
+    files_write(o->mesh.output);
     o->mesh.json = o->json;
     o->mesh.max_memory = o->frame.load.import_memory;
-    return print_mesh_info(path, &o->mesh);
+    const int status = files_check();
+    return status ? status : print_mesh_info(path, &o->mesh);
 }
 
 static int compare(findings *f, const info_options *o)
