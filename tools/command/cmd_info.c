@@ -526,7 +526,7 @@ static const option_row own_rows[] = {
      "print a JSON object. With --compare: a list of views with psnr, ssim and nudged_psnr, the means psnr and ssim, "
      "and worst_psnr, worst_ssim and worst_view. A PSNR is null for equal pictures"},
     {"distance", "X,Y,Z,X,Y,Z", take_distance, FIELD(mesh_info_options, mesh), .expected = "two points X,Y,Z,X,Y,Z",
-     .basic = 1, .help =
+     .help =
      "of a mesh: also print the straight distance between two points, and the distance along the surface. Each point "
      "is moved to the nearest point of the mesh"},
     {"output", "OUT.obj", OUTPUT(mesh.output), .letter = 'o', .help =
