@@ -41,11 +41,15 @@ class Route:
     points: npt.NDArray[np.float64]
 
 
+def _three(values: Any) -> Vector:
+    return values[0], values[1], values[2]
+
+
 def _point(name: str, value: Sequence[float]) -> "list[float]":
     array = np.asarray(value, np.float64)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise ValueError(f"{name}: expected three finite numbers")
-    return array.tolist()
+    return [float(x) for x in array]
 
 
 class Mesh:
@@ -70,7 +74,7 @@ class Mesh:
         m = new("fxs_mesh_measures")
         call("fxs_mesh_measure", m, self._mesh)
         is_closed = not m.open_edges and not m.turned_edges
-        return MeshMeasures(m.parts, m.open_edges, m.turned_edges, tuple(m.low), tuple(m.high), m.area,
+        return MeshMeasures(m.parts, m.open_edges, m.turned_edges, _three(m.low), _three(m.high), m.area,
                             m.volume if is_closed else None)
 
     def route(self, start: Sequence[float], end: Sequence[float]) -> Route:
