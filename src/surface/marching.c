@@ -387,6 +387,8 @@ int fxs_volume_mesh(fxs_volume *volume, fxs_mesh **mesh, fxs_message *message)
         m->volume = volume;
         m->mesh = *mesh;
         (*mesh)->step = volume->step;
+        (*mesh)->half_q16 = volume->half_q16;
+        (*mesh)->middle_q16 = volume->middle_q16;
         (*mesh)->max_memory = volume->options.max_memory;
         memcpy((*mesh)->origin, volume->origin, sizeof volume->origin);
         for (int i = 0; i < CASES; i++)

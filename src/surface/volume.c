@@ -17,7 +17,9 @@
 enum { ROWS_OF_JOB = 16, BRICKS_OF_JOB = 32, CELLS_OF_JOB = 4096, TILE = 16 };
 
 #define NEAR_SURFACE 2.0         /* distance in voxels from a depth at which voxels are reserved */
+#define TO_CORNER 3.5            /* from the middle of a brick to its outermost voxels along each axis */
 #define RADIUS 6.1               /* radius of a brick's voxels around their middle, 3.5 sqrt(3) and a margin, voxels */
+#define CONTRACTED_MOST 0x1p19   /* places beyond this many voxels are not contracted: they are beyond all volumes */
 #define OPEN 4.0                 /* a cell is open if its middle is this many voxels before the surface */
 #define BEHIND 2.0               /* voxels behind a surface in which a sample has its whole weight */
 #define OUTSIDE_Q15 32767
@@ -57,6 +59,7 @@ static int check_options(const fxs_volume_options *o, fxs_message *message)
 static int place_grid(fxs_volume *v, fxs_message *message)
 {
     const fxs_volume_options *o = &v->options;
+    const double far = o->is_unbounded ? 2 - 1.0 / FXS_VOLUME_FAR : 1;
     double longest = 0;
     uint64_t cells = 1;
     for (int i = 0; i < 3; i++) {
@@ -69,7 +72,7 @@ static int place_grid(fxs_volume *v, fxs_message *message)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a box without a size");
     v->step = longest / o->resolution;
     for (int i = 0; i < 3; i++) {
-        const double side = o->high[i] - o->low[i];
+        const double side = o->is_unbounded ? longest * far : o->high[i] - o->low[i];
         v->size[i] = (uint32_t)(side / v->step / FXS_BRICK) + 3;
         cells *= v->size[i];
         const double middle = (FXS_BRICK * v->size[i] - 1) / 2.0, half = side / v->step / 2;
@@ -77,7 +80,11 @@ static int place_grid(fxs_volume *v, fxs_message *message)
         v->last[i] = (uint32_t)(middle + half);
         v->first[i] = FXS_BRICK * v->size[i] - 1 - v->last[i];      /* at least FXS_BRICK */
     }
-    v->cells = (uint32_t)cells;                 /* at most (2048 / 8 + 3)^3 */
+    v->cells = (uint32_t)cells;                 /* at most (2 * 2048 / 8 + 3)^3 */
+    if (o->is_unbounded) {
+        v->half_q16 = o->resolution << 15;
+        v->middle_q16 = (FXS_BRICK * v->size[0] - 1) << 15;
+    }
     return 0;
 }
 
@@ -181,6 +188,60 @@ static int sight_of(sight *s, fxs_volume *v, const fxs_depth_picture *picture, f
     return 0;
 }
 
+/* A voxel, or the voxels of a brick, as a view sees them. */
+typedef struct sample {
+    double at[3];                   /* the place in the camera's coordinates */
+    double growth;                  /* side of the voxel along the ray from the middle, relative to one in the box */
+    double radius;                  /* of a brick */
+} sample;
+
+static void place_of(const sight *s, const double place[3], double at[3])
+{
+    for (int a = 0; a < 3; a++)
+        at[a] = s->zero[a] + place[0] * s->axes[0][a] + place[1] * s->axes[1][a] + place[2] * s->axes[2][a];
+}
+
+/* Finds where a place of the grid is. */
+static void find_place(const sight *s, const double of_grid[3], sample *to)
+{
+    const fxs_volume *v = s->volume;
+    double place[3] = {of_grid[0], of_grid[1], of_grid[2]};
+    int64_t at[3];
+    to->growth = 1;
+    if (v->half_q16) {
+        for (int i = 0; i < 3; i++)
+            at[i] = (int64_t)(place[i] * 65536) - v->middle_q16;
+        const double norm = (double)fxs_expand(at, v->half_q16) / v->half_q16;
+        to->growth = norm * norm;
+        for (int i = 0; i < 3; i++)
+            place[i] = (double)(at[i] + v->middle_q16) / 65536;
+    }
+    place_of(s, place, to->at);
+}
+
+/* Finds a ball around the voxels of a brick, and their largest growth. Expanded, the corners are the outermost places
+   on each axis: a coordinate grows with itself and with the norm. */
+static void find_brick(const sight *s, const double middle[3], sample *brick)
+{
+    double most[3] = {0}, growth;
+    find_place(s, middle, brick);
+    brick->radius = RADIUS * s->volume->step;
+    growth = brick->growth;
+    for (int corner = 0; corner < 8 && s->volume->half_q16; corner++) {
+        sample c;
+        double place[3];
+        for (int i = 0; i < 3; i++)
+            place[i] = middle[i] + (corner >> i & 1 ? TO_CORNER : -TO_CORNER);
+        find_place(s, place, &c);
+        for (int i = 0; i < 3; i++)
+            most[i] = fmax(most[i], fabs(c.at[i] - brick->at[i]));
+        growth = c.growth > growth ? c.growth : growth;
+    }
+    if (growth > 1)
+        brick->radius = 1.01 * sqrt(most[0] * most[0] + most[1] * most[1] + most[2] * most[2]);
+    brick->growth = growth;
+}
+
 /* ---- Marking ----------------------------------------------------------------------------------------------------- */
 
 /* Marks the cells of a box of 2 * margin voxels around a place of the grid. */
@@ -201,6 +262,23 @@ static void mark_around(fxs_volume *v, const double place[3], double margin)
                 FXS_SHARED_WRITE(v->grid[(z * v->size[1] + y) * v->size[0] + x], 0);
 }
 
+/* Contracts a place of the grid, if the scene is unbounded. Returns 0 if it is too far away. */
+static int contract_place(const fxs_volume *v, double place[3])
+{
+    int64_t at[3];
+    if (!v->half_q16)
+        return 1;
+    for (int i = 0; i < 3; i++) {
+        if (!(fabs(place[i]) < CONTRACTED_MOST))
+            return 0;
+        at[i] = (int64_t)(place[i] * 65536) - v->middle_q16;
+    }
+    fxs_contract(at, v->half_q16);
+    for (int i = 0; i < 3; i++)
+        place[i] = (double)(at[i] + v->middle_q16) / 65536;
+    return 1;
+}
+
 static void mark_pixel(const sight *s, int x, int y)
 {
     const uint32_t depth = s->picture->depths[(size_t)y * (size_t)s->width + (size_t)x];
@@ -213,7 +291,8 @@ static void mark_pixel(const sight *s, int x, int y)
     for (int i = 0; i < 3; i++)                 /* the axes are orthogonal, with a length of `step` */
         place[i] = (at[0] * s->axes[i][0] + at[1] * s->axes[i][1] + at[2] * s->axes[i][2]) / (step * step);
     const double pixel = wide / (s->fx < s->fy ? s->fx : s->fy) / step;
-    mark_around(s->volume, place, NEAR_SURFACE + (pixel < 2 * FXS_BRICK ? pixel / 2 : FXS_BRICK));
+    if (contract_place(s->volume, place))
+        mark_around(s->volume, place, NEAR_SURFACE + (pixel < 2 * FXS_BRICK ? pixel / 2 : FXS_BRICK));
 }
 
 static void mark_rows(void *argument, uint32_t job)
@@ -278,7 +357,7 @@ static void measure_tiles(void *argument, uint32_t row)
 
 /* Returns the depth at a place of the picture: between the middles of four pixels, if they are on one surface; else of
    the nearest pixel. A negative depth: nothing is there. */
-static double depth_at(const sight *s, double u, double v)
+static double depth_at(const sight *s, double u, double v, double growth)
 {
     const int x = (int)u, y = (int)v;
     int left = (int)(u + 0.5) - 1, top = (int)(v + 0.5) - 1;
@@ -288,7 +367,7 @@ static double depth_at(const sight *s, double u, double v)
     const uint32_t low0 = d[0] < d[1] ? d[0] : d[1], low1 = e[0] < e[1] ? e[0] : e[1];
     const uint32_t high0 = d[0] > d[1] ? d[0] : d[1], high1 = e[0] > e[1] ? e[0] : e[1];
     const uint32_t low = low0 < low1 ? low0 : low1, high = high0 > high1 ? high0 : high1;
-    if ((high - low) * s->unit < s->truncation && high != FXS_NOTHING) {
+    if ((high - low) * s->unit < s->truncation * growth && high != FXS_NOTHING) {
         double across = u - 0.5 - left, along = v - 0.5 - top;
         across = across < 0 ? 0 : across > 1 ? 1 : across;
         along = along < 0 ? 0 : along > 1 ? 1 : along;
@@ -313,13 +392,14 @@ static void add_colour(const sight *s, fxs_brick *brick, uint32_t voxel, int x, 
     brick->coloured[voxel]++;
 }
 
-static void add_voxel(const sight *s, fxs_brick *brick, uint32_t voxel, const double at[3])
+/* Adds the distance of a voxel from the surface, in units in which voxels have the size of those in the box. */
+static void add_voxel(const sight *s, fxs_brick *brick, uint32_t voxel, const sample *of)
 {
-    const double scale = s->is_flat ? 1 : 1 / at[2];
+    const double *at = of->at, scale = s->is_flat ? 1 : 1 / at[2];
     const double u = s->fx * at[0] * scale + s->cx, v = s->fy * at[1] * scale + s->cy;
     if (!(at[2] > s->near) || !(u >= 0 && u < s->width && v >= 0 && v < s->height))
         return;
-    const double depth = depth_at(s, u, v), distance = depth - at[2];
+    const double depth = depth_at(s, u, v, of->growth), distance = (depth - at[2]) / of->growth;
     if (depth < 0 || distance >= s->truncation) {
         brick->sum_q15[voxel] += FXS_WHOLE * OUTSIDE_Q15;
         brick->weight[voxel] += FXS_WHOLE;
@@ -330,12 +410,6 @@ static void add_voxel(const sight *s, fxs_brick *brick, uint32_t voxel, const do
         if (weight)
             add_colour(s, brick, voxel, (int)u, (int)v);
     }
-}
-
-static void place_of(const sight *s, const double voxel[3], double at[3])
-{
-    for (int a = 0; a < 3; a++)
-        at[a] = s->zero[a] + voxel[0] * s->axes[0][a] + voxel[1] * s->axes[1][a] + voxel[2] * s->axes[2][a];
 }
 
 /* Finds the range of pixels along an axis that a ball covers. */
@@ -352,10 +426,10 @@ static void cover(double middle, double depth, double radius, double focal, doub
 
 enum brick_sight { NOT_SEEN, SEEN, ALL_OUTSIDE };
 
-/* Finds out whether a view sees a part of a brick, with its middle at `at`, or all of it before the surface. */
-static enum brick_sight look_at_brick(const sight *s, const double at[3])
+/* Finds out whether a view sees a part of a brick, or all of it before the surface. */
+static enum brick_sight look_at_brick(const sight *s, const sample *brick)
 {
-    const double radius = RADIUS * s->volume->step;
+    const double *at = brick->at, radius = brick->radius;
     int across[2], along[2];
     uint32_t nearest = FXS_NOTHING, farthest = 0;
     for (int i = 0; i < 4; i++) {
@@ -376,9 +450,10 @@ static enum brick_sight look_at_brick(const sight *s, const double at[3])
             nearest = t->nearest < nearest ? t->nearest : nearest;
             farthest = t->farthest > farthest ? t->farthest : farthest;
         }
-    if (farthest != FXS_NOTHING && farthest * s->unit - (at[2] - radius) < s->hidden)
+    if (farthest != FXS_NOTHING && farthest * s->unit - (at[2] - radius) < s->hidden * brick->growth)
         return NOT_SEEN;
-    const int is_outside = nearest == FXS_NOTHING || nearest * s->unit - (at[2] + radius) >= s->truncation;
+    const int is_outside = nearest == FXS_NOTHING ||
+                           nearest * s->unit - (at[2] + radius) >= s->truncation * brick->growth;
     return is_whole && is_outside ? ALL_OUTSIDE : SEEN;
 }
 
@@ -398,16 +473,16 @@ static void add_to_brick(const sight *s, uint32_t number)
                              FXS_BRICK * (cell / v->size[0] / v->size[1])};
     const double middle[3] = {first[0] + 3.5, first[1] + 3.5, first[2] + 3.5};
     fxs_brick *brick = &v->bricks[number];
-    double at[3];
-    place_of(s, middle, at);
-    const enum brick_sight seen = look_at_brick(s, at);
+    sample at;
+    find_brick(s, middle, &at);
+    const enum brick_sight seen = look_at_brick(s, &at);
     if (seen == ALL_OUTSIDE)
         add_all_outside(brick);
     for (uint32_t i = 0; i < FXS_BRICK_VOXELS && seen == SEEN; i++) {
         const double voxel[3] = {first[0] + i % FXS_BRICK, first[1] + i / FXS_BRICK % FXS_BRICK,
                                  first[2] + i / FXS_BRICK / FXS_BRICK};
-        place_of(s, voxel, at);
-        add_voxel(s, brick, i, at);
+        find_place(s, voxel, &at);
+        add_voxel(s, brick, i, &at);
     }
 }
 
@@ -428,16 +503,17 @@ static void open_cells(void *argument, uint32_t job)
     for (uint32_t i = first; i < v->cells && i < first + CELLS_OF_JOB; i++) {
         const double middle[3] = {FXS_BRICK * (i % v->size[0]) + 3.5, FXS_BRICK * (i / v->size[0] % v->size[1]) + 3.5,
                                   FXS_BRICK * (i / v->size[0] / v->size[1]) + 3.5};
-        double at[3];
+        sample cell;
         if (v->grid[i] != FXS_NO_BRICK || v->open[i])
             continue;
-        place_of(s, middle, at);
+        find_place(s, middle, &cell);
+        const double *at = cell.at;
         const double scale = s->is_flat ? 1 : 1 / at[2];
         const double x = s->fx * at[0] * scale + s->cx, y = s->fy * at[1] * scale + s->cy;
         if (!(at[2] > s->near) || !(x >= 0 && x < s->width && y >= 0 && y < s->height))
             continue;
-        const double depth = depth_at(s, x, y);
-        v->open[i] = depth < 0 || depth - at[2] > OPEN * v->step;
+        const double depth = depth_at(s, x, y, cell.growth);
+        v->open[i] = depth < 0 || depth - at[2] > OPEN * v->step * cell.growth;
     }
 }
 

@@ -15,6 +15,7 @@
 
 enum { VIEWS_DEFAULT = 96, RESOLUTION_DEFAULT = 512, PARTS_DEFAULT = 256, MEMORY_DEFAULT_GB = 4 };
 enum { SIZE_LEAST = 256, SIZE_MOST = 2048 };
+enum { AROUND_BOX = 2 };        /* of an unbounded scene, views from outside show twice the box's size */
 enum { FROM_AUTO, FROM_OUTSIDE, FROM_INSIDE, FROM_BOTH };
 
 typedef struct mesh_options {
@@ -22,7 +23,7 @@ typedef struct mesh_options {
     const char *output;
     int from;
     uint32_t views, resolution, trim, parts, triangles;
-    int has_box, watertight;
+    int has_box, watertight, unbounded;
     double box[6], scale, band;
     size_t memory;
 } mesh_options;
@@ -48,6 +49,9 @@ static const option_row own_rows[] = {
      "reduce the mesh to at most N triangles, where its shape allows it (default: keep all)"},
     {"box", "X,Y,Z,X,Y,Z", take_box, 0, .expected = "two corners X,Y,Z,X,Y,Z, the least first", .basic = 1, .help =
      "least and greatest corner of the part that becomes a mesh (default: the scene without outliers)"},
+    {"unbounded", 0, FLAG(unbounded), .basic = 1, .help =
+     "also take what lies outside the box, up to 16 times as far, in voxels that grow with the square of the distance. "
+     "The box, which becomes a cube, is that of the cameras, if there is no --box"},
     {"cameras", "FILE", TEXT(frame.cameras), .basic = 1, .help =
      "take the depths of the views of a camera file, as for render (default: views of its own)"},
     {"view", "N|NAME|LIST|all", TEXT(frame.view), .help = "views of the camera file (default all)"},
@@ -171,6 +175,24 @@ static int is_in_box(const mesh_task *t, const double at[3])
     return 1;
 }
 
+/* Takes the box of the cameras' places, unless they are in one place. */
+static void find_box_of_cameras(mesh_task *t)
+{
+    double low[3], high[3], longest = 0;
+    for (int k = 0; k < 3; k++) {
+        low[k] = high[k] = t->views[0].position[k];
+        for (uint32_t i = 1; i < t->view_count; i++) {
+            low[k] = fmin(low[k], t->views[i].position[k]);
+            high[k] = fmax(high[k], t->views[i].position[k]);
+        }
+        longest = fmax(longest, high[k] - low[k]);
+    }
+    if (!(longest > 0))
+        return;
+    memcpy(t->low, low, sizeof low);
+    memcpy(t->high, high, sizeof high);
+}
+
 static int views_of_cameras(mesh_task *t)
 {
     frame_options *f = &t->o->frame;
@@ -180,6 +202,9 @@ static int views_of_cameras(mesh_task *t)
     uint32_t inside = 0;
     if (count < 0)
         return EXIT_FAILED;
+    t->view_count = (uint32_t)count;
+    if (t->o->unbounded && !t->o->has_box)
+        find_box_of_cameras(t);
     for (long i = 0; i < count; i++) {
         inside += (uint32_t)is_in_box(t, t->views[i].position);
         for (int k = 0; k < 3; k++)
@@ -187,7 +212,6 @@ static int views_of_cameras(mesh_task *t)
     }
     if (!is_up)
         memcpy(f->up.at, up, sizeof up);
-    t->view_count = (uint32_t)count;
     t->is_inside = 2 * inside > t->view_count;
     return 0;
 }
@@ -227,12 +251,17 @@ static int views_of_box(mesh_task *t)
     const uint32_t around = t->o->from == FROM_INSIDE ? 0 : t->o->views;
     const uint32_t within = t->o->from == FROM_OUTSIDE ? 0 : FXS_VIEWS_WITHIN;
     int size = (int)(t->o->resolution + t->o->resolution / 4 + 31) / 32 * 32;
+    size *= t->o->unbounded ? AROUND_BOX : 1;
     size = size < SIZE_LEAST ? SIZE_LEAST : size > SIZE_MOST ? SIZE_MOST : size;
     t->view_count = around + within;
     t->views = calloc(t->view_count, sizeof *t->views);
     if (!t->views)
         return fail(EXIT_FAILED, "out of memory: %" PRIu32 " views", t->view_count);
     int error = around ? fxs_views_around(t->views, around, t->low, t->high, size, &why) : 0;
+    for (uint32_t i = 0; i < around && t->o->unbounded; i++) {
+        t->views[i].fx /= AROUND_BOX;
+        t->views[i].fy /= AROUND_BOX;
+    }
     if (!error && within)
         error = fxs_views_within(t->views + around, t->low, t->high, size, &why);
     return error ? fail_for(&why) : 0;
@@ -298,6 +327,7 @@ static int make_volume(mesh_task *t)
     options.least_views = o->trim;
     options.closed = o->watertight;
     options.is_cave = t->is_inside;
+    options.is_unbounded = o->unbounded;
     options.max_memory = o->memory;
     options.workers = t->workers;
     memcpy(options.low, t->low, sizeof t->low);
@@ -342,6 +372,7 @@ static int finish_mesh(mesh_task *t)
                     name_of(t), o->parts);
     if (o->triangles && fxs_mesh_decimate(t->mesh, o->triangles, &why))
         return fail_for(&why);
+    fxs_mesh_expand(t->mesh);
     fxs_mesh_write_options_init(&options);
     options.scale = o->scale;
     memcpy(options.up, o->frame.up.at, sizeof options.up);

@@ -50,6 +50,7 @@ FXS_EXPERIMENTAL void fxs_shapes_free(fxs_shapes *shapes);
 
 #define FXS_VOLUME_RESOLUTION 2048u      /* largest resolution of a volume */
 #define FXS_VOLUME_VIEWS 4095u          /* most views of a volume */
+#define FXS_VOLUME_FAR 16                /* distance up to which an unbounded volume reaches, in halves of its side */
 
 /* A field of 0 stands for its default. */
 typedef struct fxs_volume_options {
@@ -64,6 +65,9 @@ typedef struct fxs_volume_options {
     int is_cave;                   /* 1: the scene is seen from within, and all around the box counts as inside */
     uint64_t max_memory;           /* limit of all memory of the volume and its mesh, bytes; 0: no limit */
     fxs_workers workers;
+    int is_unbounded;              /* 1: the box becomes a cube with the same longest side, and what lies outside is
+                                      contracted, x to (2 - 1/|x|) x / |x| (Barron et al. 2022) with the largest
+                                      coordinate as |x|, so voxels grow with the square of the distance */
 } fxs_volume_options;
 FXS_INIT(fxs_volume_options)
 
@@ -112,7 +116,8 @@ typedef struct fxs_mesh {
     uint32_t *triangles;           /* three numbers of vertices per triangle */
     double origin[3], step;
     uint64_t max_memory;           /* as of the volume */
-    uint64_t reserved[4];
+    uint32_t half_q16, middle_q16; /* not 0: contracted places, until fxs_mesh_expand */
+    uint64_t reserved[3];
 } fxs_mesh;
 
 /* Takes the mesh of a volume. The bricks are freed; the volume can only be freed afterwards. fxs_mesh_free frees *mesh,
@@ -177,6 +182,10 @@ FXS_EXPERIMENTAL int fxs_mesh_drop_parts(fxs_mesh *mesh, uint32_t least, uint32_
    Heckbert 1997). Edges are collapsed one after the other, on the calling thread. */
 FXS_EXPERIMENTAL int fxs_mesh_decimate(fxs_mesh *mesh, uint32_t triangles, fxs_message *message);
 
+/* Maps the contracted places of an unbounded volume's mesh to those of the scene. Call it after decimation, which then
+   keeps details in proportion to their distance. Of another mesh, it changes nothing. */
+FXS_EXPERIMENTAL void fxs_mesh_expand(fxs_mesh *mesh);
+
 /* Options for writing a mesh. */
 typedef struct fxs_mesh_write_options {
     uint32_t size;
@@ -185,7 +194,7 @@ typedef struct fxs_mesh_write_options {
 } fxs_mesh_write_options;
 FXS_INIT(fxs_mesh_write_options)
 
-/* Writes a mesh with normals and colours, in metres. The ending of the name is the format: .glb (binary glTF 2.0, y
+/* Writes an expanded mesh with normals and colours, in metres. The ending of the name is the format: .glb (binary glTF 2.0, y
    up), .ply (binary) or .obj (colours behind the positions); the last two keep the scene's axes. The file is written
    under a temporary name and renamed. */
 FXS_EXPERIMENTAL int fxs_mesh_write(const char *path, const fxs_mesh *mesh, const fxs_mesh_write_options *options,
