@@ -8,6 +8,7 @@
 #include <fixsplat/surface.h>
 #include "check.h"
 #include "scene_writer.h"
+#include "src/surface/volume.h"
 
 /* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
 
@@ -98,7 +99,7 @@ static void add_frame(surface *s)
     s->count += 2;
 }
 
-static void put_disc(fxs_scene_writer *w, const double at[3], const double normal[3], double red)
+static void put_disc(fxs_scene_writer *w, const double at[3], const double normal[3], double red, double spacing)
 {
     fxs_message m;
     fxs_gaussian g;
@@ -108,7 +109,7 @@ static void put_disc(fxs_scene_writer *w, const double at[3], const double norma
         g.rotation[i] = n > 1e-6 ? (float)(half[i] / n) : i == 1;
     for (int i = 0; i < 3; i++) {
         g.position[i] = (float)at[i];
-        g.scale[i] = (float)log(i < 2 ? 0.6 * SPACING : 0.05 * SPACING);
+        g.scale[i] = (float)log(i < 2 ? 0.6 * spacing : 0.05 * spacing);
         g.dc[i] = (float)(((i ? 0.25 : red) - 0.5) / 0.28209);
     }
     g.opacity = 5;
@@ -157,7 +158,7 @@ static void write_discs(const surface *s, fxs_scene_writer *w)
     double at[3], normal[3];
     for (int i = 0; i < round; i++) {
         point_on(s, i, round, at, normal);
-        put_disc(w, at, normal, at[0] > 0 ? 0.9 : 0.1);
+        put_disc(w, at, normal, at[0] > 0 ? 0.9 : 0.1, SPACING);
     }
     for (int i = 0; i < s->count; i++) {
         const rectangle *r = &s->rectangles[i];
@@ -166,7 +167,7 @@ static void write_discs(const surface *s, fxs_scene_writer *w)
             normal[k] = r->u[k] == 0 && r->v[k] == 0;
         for (int k = 0; k < across * along; k++) {
             place_on(r, (2 * (k % across) + 1.0) / across - 1, (2 * (k / across) + 1.0) / along - 1, at);
-            put_disc(w, at, normal, at[0] > 0 ? 0.9 : 0.1);
+            put_disc(w, at, normal, at[0] > 0 ? 0.9 : 0.1, SPACING);
         }
     }
 }
@@ -574,6 +575,156 @@ static void test_random(void)
     }
 }
 
+/* ---- Unbounded --------------------------------------------------------------------------------------------------- */
+
+/* A ground of radius 10 at y = 0.9, a dome above it, and a ball in the box of the views. Far discs are larger. */
+enum { GROUND = 6000, DOME = 1500, BALL = 900 };
+static const double far = 10, ground = 0.9, ball_at[3] = {0.45, 0.55, 0.1}, ball_radius = 0.25;
+
+static void far_point(int i, double at[3], double normal[3], double *spacing)
+{
+    const double turn = 2 * PI * 0.6180339887498949 * i;
+    const int part = i < GROUND ? 0 : i < GROUND + DOME ? 1 : 2, n = part == 1 ? 2 * DOME : BALL;
+    const double z = 1 - (2 * (i - (part == 1 ? GROUND : GROUND + DOME)) + 1.0) / n, side = sqrt(fmax(0, 1 - z * z));
+    const double r = 0.05 * pow(far / 0.05, (i + 0.5) / GROUND);
+    const double round[3] = {side * cos(turn), -z, side * sin(turn)}, down[3] = {0, 1, 0};
+    *spacing = part == 0 ? fmax(0.09 * r, 0.02) : part == 1 ? 0.07 * far : 0.03;
+    memcpy(normal, part ? round : down, sizeof round);
+    at[0] = r * cos(turn);
+    at[1] = ground;
+    at[2] = r * sin(turn);
+    for (int k = 0; k < 3 && part; k++)
+        at[k] = part == 1 ? far * round[k] + ground * down[k] : ball_at[k] + ball_radius * round[k];
+}
+
+static double distance_from_far(const double p[3])
+{
+    const double r = hypot(p[0], p[2]), up = p[1] - ground;
+    const double of_ball = hypot(hypot(p[0] - ball_at[0], p[1] - ball_at[1]), p[2] - ball_at[2]) - ball_radius;
+    return fmin(fmin(fabs(of_ball), fabs(hypot(r, up) - far)), hypot(fmax(0, r - far), up));
+}
+
+/* Returns the least |t - 1| of the places t p where the ray to p meets the mesh; 1: it meets none. */
+static double miss_along(const fxs_mesh *m, const double p[3])
+{
+    double least = 1;
+    for (uint32_t i = 0; i < m->triangle_count; i++) {
+        double v[3][3], sides[3], volume = 0;
+        for (uint32_t k = 0; k < 3; k++)
+            place_of(m, m->triangles[3 * i + k], v[k]);
+        for (int k = 0; k < 3; k++) {
+            const double *a = v[(k + 1) % 3], *b = v[(k + 2) % 3];
+            sides[k] = p[0] * (a[1] * b[2] - a[2] * b[1]) + p[1] * (a[2] * b[0] - a[0] * b[2]) +
+                       p[2] * (a[0] * b[1] - a[1] * b[0]);
+            volume += v[0][k] * (v[1][(k + 1) % 3] * v[2][(k + 2) % 3] - v[1][(k + 2) % 3] * v[2][(k + 1) % 3]);
+        }
+        if ((sides[0] >= 0) == (sides[1] >= 0) && (sides[1] >= 0) == (sides[2] >= 0))
+            least = fmin(least, fabs(volume / (sides[0] + sides[1] + sides[2]) - 1));
+    }
+    return least;
+}
+
+static fxs_opened *open_far(void)
+{
+    char path[] = "/tmp/fixsplat-mesh-XXXXXX";
+    fxs_scene_writer *writer;
+    fxs_opened *opened = 0;
+    fxs_message m;
+    double at[3], normal[3], spacing;
+    const int descriptor = mkstemp(path);
+    if (!CHECK(descriptor >= 0))
+        return 0;
+    close(descriptor);
+    if (CHECK(!open_writer("ply", path, GROUND + DOME + BALL, 0, 0, &writer, &m))) {
+        for (int i = 0; i < GROUND + DOME + BALL; i++) {
+            far_point(i, at, normal, &spacing);
+            put_disc(writer, at, normal, 0.5, spacing);
+        }
+        CHECK(!close_writer(writer, &m));
+        CHECK(!fxs_open(path, 0, &opened, &m));
+    }
+    unlink(path);
+    return opened;
+}
+
+/* Compares the mesh with the truth, relative to the distance from the middle of the box. */
+static void compare_far(const fxs_mesh *m)
+{
+    enum { SAMPLES = 200 };
+    double there = 0, back = 0, at[3], normal[3], spacing, reach = 0;
+    int count = 0, lost = 0;
+    for (uint32_t i = 0; i < m->vertex_count; i++) {
+        place_of(m, i, at);
+        there += distance_from_far(at) / length_of(at) / m->vertex_count;
+        reach = fmax(reach, length_of(at));
+    }
+    for (int i = 0; i < SAMPLES; i++) {
+        far_point((int)((i + 0.5) * (GROUND + DOME + BALL) / SAMPLES), at, normal, &spacing);
+        const double along = at[0] * normal[0] + at[1] * normal[1] + at[2] * normal[2];
+        if (i * (GROUND + DOME + BALL) >= SAMPLES * (GROUND + DOME) && along > 0)
+            continue;                       /* no view shows all of the ball's far side */
+        const double miss = miss_along(m, at);
+        back += miss * fabs(along) / length_of(at);
+        lost += miss == 1;
+        count++;
+    }
+    printf("  unbounded: %u triangles up to %.1f, relative errors %.5f and %.5f, lost %d of %d\n", m->triangle_count,
+           reach, there, back / count, lost, count);
+    CHECK(reach > far - 0.2 && reach < far + 0.5);
+    CHECK(there < 0.005 && back < 0.005 * count && lost == 0);
+}
+
+/* Contracted places expand to places that are contracted to them again, in the order of their distance. */
+static void test_contract(void)
+{
+    uint32_t state = 3;
+    for (int64_t half = 8 << 16; half <= 1024 << 16; half *= 2)
+        for (int i = 0; i < 2000; i++) {
+            int64_t from[3], at[3], norm = 0, worst = 0;
+            for (int k = 0; k < 3; k++) {
+                from[k] = at[k] = (int64_t)((next_random(&state) / 8388608.0 - 1) * (double)half * 1.95);
+                norm = llabs(at[k]) > norm ? llabs(at[k]) : norm;
+            }
+            const int64_t distance = fxs_expand(at, half);
+            const double true_distance = norm < half ? (double)half : (double)half * (double)half / (double)(2 * half - norm);
+            CHECK(fabs((double)distance - true_distance) <= 0.5);
+            fxs_contract(at, half);
+            for (int k = 0; k < 3; k++)
+                worst = llabs(at[k] - from[k]) > worst ? llabs(at[k] - from[k]) : worst;
+            CHECK(worst <= (norm > half));
+        }
+}
+
+static void test_unbounded(void)
+{
+    static drawn views[VIEWS_MOST];
+    fxs_view of_box[VIEWS_MOST];
+    fxs_object object;
+    fxs_message m;
+    fxs_opened *opened = open_far();
+    fxs_volume_options o = options_for((const double[2][3]){{-1, -1, -1}, {1, 1, 1}}, 96);
+    if (!opened)
+        return;
+    fxs_object_init(&object, opened->scene);
+    CHECK(!fxs_views_within(of_box, o.low, o.high, 256, &m));
+    for (uint32_t i = 0; i < FXS_VIEWS_WITHIN; i++) {
+        views[i].view = of_box[i];
+        draw(opened, &object, &views[i]);
+    }
+    o.is_unbounded = o.is_cave = 1;
+    fxs_mesh *mesh = mesh_of(views, FXS_VIEWS_WITHIN, &o, 0);
+    if (CHECK(mesh)) {
+        fxs_mesh_write_options write;
+        fxs_mesh_write_options_init(&write);
+        CHECK(fxs_mesh_write("nowhere.ply", mesh, &write, &m) == FXS_ERR_ARGUMENT);
+        fxs_mesh_expand(mesh);
+        compare_far(mesh);
+    }
+    fxs_mesh_free(mesh);
+    free_drawn(views, FXS_VIEWS_WITHIN);
+    fxs_close(opened);
+}
+
 /* ---- Bad arguments ----------------------------------------------------------------------------------------------- */
 
 static int make(fxs_volume_options o, fxs_message *m)
@@ -641,6 +792,8 @@ int main(void)
     RUN(test_memory);
     free_drawn(ball, ball_count);
     RUN(test_random);
+    RUN(test_contract);
+    RUN(test_unbounded);
     RUN(test_arguments);
     return check_report();
 }

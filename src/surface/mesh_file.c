@@ -316,6 +316,8 @@ int fxs_mesh_write(const char *path, const fxs_mesh *mesh, const fxs_mesh_write_
         format++;
     if (format == count)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: expected a name ending in .glb, .ply or .obj", path);
+    if (mesh->half_q16)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a mesh with contracted places: call fxs_mesh_expand", path);
     writer *w = fxs_allocate_zeroed(NULL, 1, sizeof *w);
     if (!w)
         return fxs_fail_memory(message, path, sizeof *w);

@@ -22,7 +22,7 @@ struct fxs_volume {
     fxs_volume_options options;
     double origin[3], step;         /* a voxel (x, y, z) of the grid lies at origin + step * (x, y, z) */
     uint32_t size[3], cells;        /* size of the grid in bricks, and its product */
-    uint32_t first[3], last[3];     /* range of the voxels in the box; of an unbounded scene, all up to FXS_VOLUME_FAR */
+    uint32_t first[3], last[3];     /* range of the voxels in the box; if unbounded, of those up to FXS_VOLUME_FAR */
     uint32_t half_q16, middle_q16;  /* of an unbounded scene: half the side of the cube, and its middle on each axis, in
                                        voxels; else 0 */
     uint32_t *grid;                 /* number of the brick in a cell, or FXS_NO_BRICK */
@@ -32,8 +32,8 @@ struct fxs_volume {
     uint32_t brick_count, views;
 };
 
-/* Contracts a place, relative to the middle of a cube with half the side `half_q16` <= 2^26. Coordinates are below 2^35.
-   Expanding a contracted place gives the place again, to the precision of the contracted one. */
+/* Contracts a place, relative to the middle of a cube with half the side `half_q16` <= 2^26, with coordinates below
+   2^35. An expanded place is contracted to the same place again, to 1 in Q16. */
 void fxs_contract(int64_t at_q16[3], int64_t half_q16);
 
 /* Expands a contracted place. Returns its largest coordinate, or half_q16 within the cube. Places beyond 32 halves are

@@ -116,6 +116,18 @@ check "--cameras: two sides are seen" awk '$1 == "v" { a += $4 < -0.9; b += $4 >
 check "--view: one side is seen" awk '$1 == "v" && $4 < 0 { bad = 1 } END { exit bad }' side.obj
 open() { ! closed "$1"; }
 check "--cameras: one side of a crate is open" open side.obj
+behind='--place ground.ply:0,0,-9,1,0,0,0,4'
+run mesh crate.ply ground.ply $behind --cameras two.json --unbounded --resolution 48 --parts 20 -o far.obj
+check "--unbounded: the crate, and the ground beyond the cameras" awk '$1 == "v" { crate += $4 < -0.9 && $4 > -1.1
+    far += $4 < -8.5 } END { exit !(crate > 100 && far > 100) }' far.obj
+for how in '--threads 3' '--cpu c --threads 1'; do
+    run mesh crate.ply ground.ply $behind --cameras two.json --unbounded --resolution 48 --parts 20 -o again.obj $how
+    check "--unbounded: the same bytes, $how" cmp far.obj again.obj
+done
+run mesh crate.ply ground.ply $behind --cameras two.json --unbounded --watertight --triangles 3000 --resolution 48 -o far.obj
+check "--unbounded --watertight: no open edges" closed far.obj
+run mesh crate.ply ground.ply --unbounded $small -o far.obj
+check "--unbounded without cameras" test -s far.obj
 splatv moving.splatv 300
 run mesh moving.splatv $small --parts 0 --time 0.2 -o moving.ply
 check "--time: a moment of a scene that moves" test -s moving.ply

@@ -313,10 +313,11 @@ inside ../knot.ply -o out.ply --from inside
 both ../knot.ply -o out.ply --from both
 few ../knot.ply -o out.ply --triangles 200
 cameras ../knot.ply -o out.ply --cameras ../cameras.json
+unbounded ../knot.ply -o out.ply --cameras ../cameras.json --unbounded
 box ../knot.ply -o out.ply --box -1,-1,-1,1,1,0
 two ../knot.ply ../plain.fxs -o out.ply
 moves ../moving.splatv -o out.ply --time 0.1'
-options="triangles 100; box -1,-1,-1,1,0,1; cameras ../cameras.json; view 1; from inside; views 10; watertight; band 2; trim 70;
+options="triangles 100; box -1,-1,-1,1,0,1; cameras ../cameras.json; view 1; from inside; views 10; watertight; unbounded; band 2; trim 70;
     parts 999999; scale 2; up 0.1,-1,0; near 9; device 1; profile small; $of_scenes"
 # Most of these change no mesh by design; the resolution is given. A mesh has no budget and detail. The moving scene is
 # seen from all sides.

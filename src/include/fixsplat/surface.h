@@ -194,9 +194,9 @@ typedef struct fxs_mesh_write_options {
 } fxs_mesh_write_options;
 FXS_INIT(fxs_mesh_write_options)
 
-/* Writes an expanded mesh with normals and colours, in metres. The ending of the name is the format: .glb (binary glTF 2.0, y
-   up), .ply (binary) or .obj (colours behind the positions); the last two keep the scene's axes. The file is written
-   under a temporary name and renamed. */
+/* Writes an expanded mesh with normals and colours, in metres. The ending of the name is the format: .glb (binary glTF
+   2.0, y up), .ply (binary) or .obj (colours behind the positions); the last two keep the scene's axes. The file is
+   written under a temporary name and renamed. */
 FXS_EXPERIMENTAL int fxs_mesh_write(const char *path, const fxs_mesh *mesh, const fxs_mesh_write_options *options,
                                     fxs_message *message);
 
