@@ -318,12 +318,14 @@ static int compare_edges(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Counts sides of triangles that no other triangle has the other way round: of the border, or turned over. */
-static size_t open_edges(const fxs_mesh *m)
+/* Counts sides of triangles that no other triangle has the other way round: of the border, or turned over. *branching
+   gets the number of sides that two triangles have the same way round, and of second borders at a vertex. */
+static size_t count_open(const fxs_mesh *m, size_t *branching)
 {
     const size_t count = 3 * (size_t)m->triangle_count;
-    uint64_t *there = malloc((count + 1) * sizeof *there), *back = malloc((count + 1) * sizeof *back);
+    uint64_t *there = malloc((count + 1) * sizeof *there), *back = malloc((count + 1) * sizeof *back), last = UINT64_MAX;
     size_t open = 0;
+    *branching = 0;
     for (size_t i = 0; i < count; i++) {
         const uint64_t a = m->triangles[i], b = m->triangles[i - i % 3 + (i + 1) % 3];
         there[i] = a << 32 | b;
@@ -334,12 +336,26 @@ static size_t open_edges(const fxs_mesh *m)
     for (size_t i = 0, k = 0; i < count || k < count;) {
         const int order = i == count ? 1 : k == count ? -1 : compare_edges(&there[i], &back[k]);
         open += order != 0;
+        *branching += i && order <= 0 && there[i] == there[i - 1];
+        if (order < 0) {
+            *branching += there[i] >> 32 == last;
+            last = there[i] >> 32;
+        }
         i += order <= 0;
         k += order >= 0;
     }
     free(there);
     free(back);
     return open / 2;
+}
+
+/* Counts the sides on the border of a mesh, which must be a manifold. */
+static size_t open_edges(const fxs_mesh *m)
+{
+    size_t branching;
+    const size_t open = count_open(m, &branching);
+    CHECK(branching == 0);
+    return open;
 }
 
 static double volume_of(const fxs_mesh *m)
@@ -569,6 +585,12 @@ static void test_random(void)
         fxs_mesh *mesh = mesh_of(views, COUNT, &o, 0);
         CHECK(mesh && mesh->triangle_count > 1000 && open_edges(mesh) == 0);
         CHECK(!fxs_mesh_decimate(mesh, 5000, &m) && open_edges(mesh) == 0);
+        fxs_mesh_free(mesh);
+        o.closed = 0;
+        o.least_views = 1;
+        mesh = mesh_of(views, COUNT, &o, 0);
+        CHECK(mesh && open_edges(mesh) > 30);
+        CHECK(!fxs_mesh_decimate(mesh, 200, &m) && open_edges(mesh) > 10);
         fxs_mesh_free(mesh);
         free_drawn(views, COUNT);
         memset(views, 0, sizeof views);

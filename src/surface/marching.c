@@ -42,16 +42,48 @@ static void join_face(const int face[4], int inside, uint8_t next[EDGES])
     }
 }
 
+static void make_face(int side, int face[4])
+{
+    const int a = side / 2, up = side % 2, x = 1 << (a + 1) % 3, y = 1 << (a + 2) % 3, base = up << a;
+    const int corners[4] = {base, base | (up ? x : y), base | x | y, base | (up ? y : x)};
+    memcpy(face, corners, sizeof corners);
+}
+
+/* True if two edges belong to one face. A diagonal between them could be a side of two triangles of the next cell. */
+static int share_face(int p, int q)
+{
+    const int ends[4] = {p % 8, p % 8 | 1 << p / 8, q % 8, q % 8 | 1 << q / 8};
+    int all = 7, any = 0;
+    for (int i = 0; i < 4; i++) {
+        all &= ends[i];
+        any |= ends[i];
+    }
+    return all != 0 || any != 7;
+}
+
+/* Returns the edge of a loop from which a fan of triangles has no diagonal on a face. Each loop has one. */
+static uint8_t find_apex(const uint8_t next[EDGES], uint8_t first)
+{
+    for (uint8_t apex = first;; apex = next[apex]) {
+        uint8_t to = next[next[apex]];
+        while (next[to] != apex && !share_face(apex, to))
+            to = next[to];
+        if (next[to] == apex)
+            return apex;
+    }
+}
+
 static void make_case(table *t, int inside)
 {
     uint8_t next[EDGES];
     memset(next, NO_EDGE, sizeof next);
     for (int side = 0; side < 6; side++) {
-        const int a = side / 2, up = side % 2, x = 1 << (a + 1) % 3, y = 1 << (a + 2) % 3, base = up << a;
-        const int face[4] = {base, base | (up ? x : y), base | x | y, base | (up ? y : x)};
+        int face[4];
+        make_face(side, face);
         join_face(face, inside, next);
     }
-    for (uint8_t first = 0; first < EDGES; first++)
+    for (uint8_t start = 0; start < EDGES; start++) {
+        const uint8_t first = next[start] == NO_EDGE ? start : find_apex(next, start);
         while (next[first] != NO_EDGE) {
             uint8_t *to = t->edges[inside] + t->count[inside], second = next[first], third = next[second];
             if (third == first) {                /* the last two edges of a loop */
@@ -65,6 +97,7 @@ static void make_case(table *t, int inside)
             next[second] = NO_EDGE;
             next[first] = third;
         }
+    }
 }
 
 /* ---- Sites ------------------------------------------------------------------------------------------------------- */
@@ -409,6 +442,7 @@ int fxs_volume_mesh(fxs_volume *volume, fxs_mesh **mesh, fxs_message *message)
     }
     fxs_release(NULL, m);
     error = error ? error : fxs_mesh_compact(*mesh, message);
+    error = error ? error : fxs_mesh_split_fans(*mesh, message);
     error = error ? error : fxs_mesh_spread_colours(*mesh, message);
     if (error) {
         fxs_mesh_free(*mesh);

@@ -38,7 +38,7 @@ int fxs_mesh_compact(fxs_mesh *mesh, fxs_message *message)
     return 0;
 }
 
-/* ---- Parts ------------------------------------------------------------------------------------------------------- */
+/* ---- Fans -------------------------------------------------------------------------------------------------------- */
 
 static uint32_t root_of(uint32_t *parent, uint32_t vertex)
 {
@@ -47,14 +47,105 @@ static uint32_t root_of(uint32_t *parent, uint32_t vertex)
     return vertex;
 }
 
+static void join(uint32_t *parent, uint32_t p, uint32_t q)
+{
+    const uint32_t a = root_of(parent, p), b = root_of(parent, q);
+    parent[a > b ? a : b] = a < b ? a : b;
+}
+
+/* True if two corners at the same vertex are of triangles with a common side there. */
+static int is_beside(const fxs_mesh *mesh, uint32_t p, uint32_t q)
+{
+    const uint32_t *t = mesh->triangles;
+    const uint32_t a = t[p - p % 3 + (p + 1) % 3], b = t[p - p % 3 + (p + 2) % 3];
+    const uint32_t c = t[q - q % 3 + (q + 1) % 3], d = t[q - q % 3 + (q + 2) % 3];
+    return a == d || b == c || a == c || b == d;
+}
+
+/* Joins the corners of each fan of triangles at a vertex. Returns how many more fans than vertices there are. */
+static uint32_t join_fans(const fxs_mesh *mesh, uint32_t *first, uint32_t *next, uint32_t *parent)
+{
+    const uint32_t corners = 3 * mesh->triangle_count;
+    uint32_t fans = 0, used = 0;
+    memset(first, 0xff, mesh->vertex_count * sizeof *first);
+    for (uint32_t i = 0; i < corners; i++) {
+        uint32_t *list = &first[mesh->triangles[i]];
+        used += *list == UINT32_MAX;
+        parent[i] = i;
+        next[i] = *list;
+        *list = i;
+        for (uint32_t other = next[i]; other != UINT32_MAX; other = next[other])
+            if (is_beside(mesh, i, other))
+                join(parent, i, other);
+    }
+    for (uint32_t i = 0; i < corners; i++)
+        fans += parent[i] == i;
+    return fans - used;
+}
+
+/* Returns an array with room for `count` elements in place of another, which is released; null: out of memory. */
+static void *grow(void *from, size_t used, size_t count, size_t size)
+{
+    void *to = fxs_allocate(NULL, count, size);
+    if (!to)
+        return NULL;
+    memcpy(to, from, used * size);
+    fxs_release(NULL, from);
+    return to;
+}
+
+/* Gives all fans but the first at each vertex copies of the vertex. */
+static int copy_vertices(fxs_mesh *mesh, uint32_t *first, uint32_t *next, uint32_t *parent, uint32_t more,
+                         fxs_message *message)
+{
+    const size_t count = (size_t)mesh->vertex_count + more;
+    int32_t *places = grow(mesh->places, mesh->vertex_count, count, 3 * sizeof *places);
+    mesh->places = places ? places : mesh->places;
+    uint8_t *colours = places ? grow(mesh->colours, mesh->vertex_count, count, 4) : NULL;
+    mesh->colours = colours ? colours : mesh->colours;
+    if (!colours)
+        return fxs_fail_memory(message, NULL, 16 * (uint64_t)count);
+    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        const uint32_t root = root_of(parent, i), vertex = mesh->triangles[i];
+        if (i == root && first[vertex] != UINT32_MAX) {       /* the first fan */
+            next[i] = vertex;
+            first[vertex] = UINT32_MAX;
+        } else if (i == root) {
+            next[i] = mesh->vertex_count++;
+            memcpy(places + 3 * (size_t)next[i], places + 3 * (size_t)vertex, 3 * sizeof *places);
+            memcpy(colours + 4 * (size_t)next[i], colours + 4 * (size_t)vertex, 4);
+        }
+        mesh->triangles[i] = next[root];
+    }
+    return 0;
+}
+
+int fxs_mesh_split_fans(fxs_mesh *mesh, fxs_message *message)
+{
+    const size_t corners = 3 * (size_t)mesh->triangle_count;
+    if (corners >= UINT32_MAX)
+        return 0;
+    uint32_t *first = fxs_allocate(NULL, (size_t)mesh->vertex_count + 1, sizeof *first);
+    uint32_t *next = fxs_allocate(NULL, corners + 1, sizeof *next);
+    uint32_t *parent = fxs_allocate(NULL, corners + 1, sizeof *parent);
+    int error = first && next && parent ? 0 : fxs_fail_memory(message, NULL, 8 * (uint64_t)corners);
+    const uint32_t more = error ? 0 : join_fans(mesh, first, next, parent);
+    if (more)
+        error = copy_vertices(mesh, first, next, parent, more, message);
+    fxs_release(NULL, first);
+    fxs_release(NULL, next);
+    fxs_release(NULL, parent);
+    return error;
+}
+
+/* ---- Parts ------------------------------------------------------------------------------------------------------- */
+
 static void join_parts(const fxs_mesh *mesh, uint32_t *parent)
 {
     for (uint32_t i = 0; i < mesh->vertex_count; i++)
         parent[i] = i;
-    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) {
-        const uint32_t a = root_of(parent, mesh->triangles[i]), b = root_of(parent, mesh->triangles[i - i % 3]);
-        parent[a > b ? a : b] = a < b ? a : b;
-    }
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++)
+        join(parent, mesh->triangles[i], mesh->triangles[i - i % 3]);
 }
 
 int fxs_mesh_count_parts(const fxs_mesh *mesh, uint32_t *parts, fxs_message *message)

@@ -62,6 +62,10 @@ int fxs_mesh_join(fxs_mesh *mesh, fxs_message *message);
 /* Finds the box of a mesh's places. Errors: FXS_ERR_ARGUMENT without triangles, or if places differ by 2^28 or more. */
 int fxs_mesh_find_box(const fxs_mesh *mesh, int32_t low[3], int32_t high[3], fxs_message *message);
 
+/* Gives each of several fans of triangles that meet at a vertex a vertex of its own. They meet where the border of the
+   surface touches itself. Returns 0, or FXS_ERR_MEMORY and a message. */
+int fxs_mesh_split_fans(fxs_mesh *mesh, fxs_message *message);
+
 /* Gives vertices without a colour the mean of their neighbours' colours, from the coloured ones outwards. */
 int fxs_mesh_spread_colours(fxs_mesh *mesh, fxs_message *message);
 
