@@ -285,7 +285,7 @@ static void a_block_keeps(const char *name, uint32_t steps)
     if (CHECK(fxs_fit_create_block(&fit, coarse, &block, &options, &message) == 0)) {
         const fxs_fit_options *o = fxs_fit_options_of(fit), *of_whole = fxs_fit_options_of(whole);
         CHECK(o->exposure == of_whole->exposure && o->refine_poses == of_whole->refine_poses &&
-              o->antialiased == of_whole->antialiased);
+              o->antialiased == of_whole->antialiased && o->surfaces == of_whole->surfaces);
         CHECK(o->sky == of_whole->sky && !memcmp(&fit->far, &whole->far, sizeof fit->far));
         go_on(fit, steps);
         for (int i = 0; i < 2; i++) {
@@ -379,6 +379,35 @@ static void goes_on_antialiased(void)
     options = mine;
 }
 
+static void goes_on_with_surfaces(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.surfaces = 1;
+    whole = begin();
+    go_on(whole, 15);
+    save(whole, "half-surfaces");
+    go_on(whole, STEPS);
+    save(whole, "whole-surfaces");
+    fxs_fit_destroy(whole);
+    options = mine;
+    if (CHECK(resume(&second, "half-surfaces") == 0)) {
+        CHECK(fxs_fit_options_of(second)->surfaces == 1 && !fxs_fit_options_of(second)->antialiased);
+        go_on(second, STEPS);
+        save(second, "resumed-surfaces");
+        CHECK(same_files("whole-surfaces", "resumed-surfaces"));
+        fxs_fit_destroy(second);
+    }
+    whole = begin();
+    go_on(whole, STEPS);
+    save(whole, "no-surfaces");
+    CHECK(!same_files("whole-surfaces", "no-surfaces"));
+    fxs_fit_destroy(whole);
+    options.surfaces = 2;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options = mine;
+}
+
 static void goes_on_with_a_sky(void)
 {
     const fxs_fit_options mine = options;
@@ -412,6 +441,7 @@ static void goes_on_with_a_sky(void)
 static void a_block_keeps_exposures_and_poses(void)
 {
     a_block_keeps("half-antialiased", 26);
+    a_block_keeps("half-surfaces", 26);
     a_block_keeps("half-exposures", 26);
     a_block_keeps("half-affine", 26);
     a_block_keeps("half-poses", 526);
@@ -656,7 +686,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half", 1, 19);
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
-    change("half", 1, 37);
+    change("half", 1, 61);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
@@ -888,6 +918,7 @@ static void tests(void)
     RUN(goes_on_with_masks);
     RUN(goes_on_with_poses);
     RUN(goes_on_antialiased);
+    RUN(goes_on_with_surfaces);
     RUN(a_block_keeps_exposures_and_poses);
     RUN(goes_on_with_a_sky);
     RUN(the_file_does_not_depend_on_threads);

@@ -527,6 +527,58 @@ static void test_antialiased(void)
     CHECK(t.outside > 5 && t.beside > 3);
 }
 
+/* Depths of one plane have its normal at each pixel inside the picture, and move no splats. On a ridge between two
+   planes, positions are drawn along the normals. */
+static void check_depths(const fxs_fit_stages *stages)
+{
+    enum { STRIDE = WIDTH + 2 * FXS_FIT_MARGIN + 16, SIZE = STRIDE * (HEIGHT + 2 * FXS_FIT_MARGIN) };
+    static float numbers[7][SIZE];
+    const fxs_fit_camera camera = fit_camera(WIDTH, HEIGHT, 30);
+    fxs_fit_plane planes[7];
+    memset(numbers, 0, sizeof numbers);
+    for (int k = 0; k < 7; k++)
+        planes[k] = (fxs_fit_plane){numbers[k] + FXS_FIT_MARGIN * STRIDE + FXS_FIT_MARGIN, STRIDE};
+    for (int ridge = 0; ridge < 2; ridge++) {
+        for (int p = 0; p < PIXELS; p++) {
+            const double x = p % WIDTH, y = p / WIDTH, bend = ridge ? 0.02 * fabs(x - 18) / camera.focal[0] : 0;
+            const double plane[3] = {0.05, -0.08, 0.3};
+            const double ray[2] = {(x + 0.5 - camera.middle[0]) / camera.focal[0],
+                                   (y + 0.5 - camera.middle[1]) / camera.focal[1]};
+            const ptrdiff_t at = p / WIDTH * STRIDE + p % WIDTH;
+            planes[0].first[at] = (float)(plane[0] * ray[0] + plane[1] * ray[1] + plane[2] + bend);
+            planes[1].first[at] = 1;
+            planes[2].first[at] = (float)plane[0];
+            planes[3].first[at] = (float)plane[1];
+        }
+        for (int is_depth = 0; is_depth < 2; is_depth++)
+            for (int y = 0; y < HEIGHT; y++) {
+                stages->depths(&camera, planes, y, is_depth, 2, planes + 4);
+                for (int x = 0; x < WIDTH; x++) {
+                    const ptrdiff_t at = y * STRIDE + x;
+                    const int is_edge = x < 1 || y < 1 || x == WIDTH - 1 || y == HEIGHT - 1;
+                    double in_camera[3] = {0, 0, 0}, length = sqrt(0.05 * 0.05 + 0.08 * 0.08 + 0.3 * 0.3);
+                    for (int k = 0; k < 9; k++)
+                        in_camera[k / 3] += (double)camera.rotation[k] * (double)planes[4 + k % 3].first[at];
+                    if (is_edge)
+                        CHECK(in_camera[0] == 0 && in_camera[1] == 0 && in_camera[2] == 0);
+                    else if (!ridge && !is_depth)
+                        CHECK(fabs(in_camera[0] - 0.1 / length) < 1e-3 && fabs(in_camera[1] + 0.16 / length) < 1e-3 &&
+                              fabs(in_camera[2] - 0.6 / length) < 1e-3);
+                    else if (!ridge && x > 1 && x < WIDTH - 2 && y > 1 && y < HEIGHT - 2)
+                        CHECK(fabs(in_camera[2]) < 1e-2);
+                    else if (ridge && is_depth && x == 18 && y > 1 && y < HEIGHT - 2)
+                        CHECK(in_camera[2] > 0.01);
+                }
+            }
+    }
+}
+
+static void test_depths(void)
+{
+    for (int i = 0; i < FIT_VERSIONS; i++)
+        check_depths(fxs_fit_stages_choose(fit_cpus[i]));
+}
+
 static void test_many(void)
 {
     const kind k = {48, 30, 1, {-1.5, -0.3}, {-1, 4}, {0, 1.5}, NULL, 0};
@@ -780,6 +832,7 @@ int main(void)
     RUN(test_colours_below_0);
     RUN(test_opaque);
     RUN(test_antialiased);
+    RUN(test_depths);
     RUN(test_many);
     RUN(test_ignored_pixels);
     RUN(test_cut_of_level);

@@ -759,7 +759,7 @@ static void adam(void)
         memset(sums, 0, sizeof sums);
         sums[FXS_FIT_RED][2] = (float)g;
         stages->update(&looking, 1, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
-                       sums[0], m.by_centre);
+                       sums[0], NULL, m.by_centre);
         mean = 0.9 * mean + 0.1 * gradient;
         square = 0.999 * square + 0.001 * gradient * gradient;
         x -= 0.01 * mean / (1 - pow(0.9, step)) / (sqrt(square / (1 - pow(0.999, step))) + 1e-12);
@@ -796,7 +796,7 @@ static void gradients_beyond(void)
                 sums[i / FXS_FIT_PART][i % FXS_FIT_PART] = 1;
             sums[sum][3] = bad[which];
             stages->update(&looking, 1, 3, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0,
-                           FXS_FIT_GROUP, sums[0], m.by_centre);
+                           FXS_FIT_GROUP, sums[0], NULL, m.by_centre);
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
                 for (size_t i = 0; i < FXS_FIT_GROUP; i++)
                     unsound += !isfinite(*at(&m, k, i)) || !isfinite(m.squares[(size_t)k * m.stride + i]);
@@ -824,7 +824,7 @@ static void regularisers_beyond(void)
     m.squares[FXS_FIT_OPACITY * m.stride + 7] = -1;
     old = copy_of(&m);
     stages->update(&looking, 1, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
-                   sums[0], m.by_centre);
+                   sums[0], NULL, m.by_centre);
     CHECK(isfinite(m.squares[FXS_FIT_SCALE * m.stride + 5]) && *at(&m, FXS_FIT_SCALE, 5) < 40);
     CHECK(*at(&m, FXS_FIT_OPACITY, 7) == *at(&old, FXS_FIT_OPACITY, 7));
     CHECK(*at(&m, FXS_FIT_OPACITY, 8) != *at(&old, FXS_FIT_OPACITY, 8));

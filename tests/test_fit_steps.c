@@ -278,7 +278,7 @@ typedef struct recorded {
 } recorded;
 
 enum { FEW, FEW_MCMC, FEW_EXPOSURE, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, MASKS, HALF_MASKS,
-       POSES, ANTIALIASED, FEW_SKY, SKY, FITS };
+       POSES, ANTIALIASED, FEW_SKY, SKY, SURFACES, SURFACES_POSES, FITS };
 static const recorded fits[FITS] = {
     {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1,
      FXS_FIT_EXPOSURE_NONE, 0.6, 0xdc82ca3bb1388e32},
@@ -312,7 +312,11 @@ static const recorded fits[FITS] = {
     {"few, a sky", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 60, 250, 1,
      FXS_FIT_EXPOSURE_NONE, 0.9, 0xf990b8ad276026c4},
     {"a sky", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 350, 2,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0xb8d36b9cb21bb093}};
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0xb8d36b9cb21bb093},
+    {"surfaces", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 900, 200, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x4c5c477f8d1f9ffc},
+    {"surfaces, poses, batches of two", FXS_FIT_REFERENCE, FXS_CUTOFF_SQUARE, FXS_PROFILE_SMALL, ORDINARY, 700, 250, 2,
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x5566340498ffd7f6}};
 
 static int devices;                /* 0: the fit runs on the CPU, 1: on the first GPU */
 
@@ -328,7 +332,8 @@ static void set_options(const recorded *wanted, fxs_fit_options *o)
     memcpy(o->background, background, sizeof background);
     o->batch = wanted->batch;
     o->exposure = wanted->exposure;
-    o->refine_poses = wanted == &fits[POSES];
+    o->refine_poses = wanted == &fits[POSES] || wanted == &fits[SURFACES_POSES];
+    o->surfaces = wanted == &fits[SURFACES] || wanted == &fits[SURFACES_POSES];
     o->antialiased = wanted == &fits[ANTIALIASED];
     o->sky = wanted == &fits[FEW_SKY] || wanted == &fits[SKY] ? 300 : 0;
     o->device_count = (uint32_t)devices;
@@ -563,6 +568,78 @@ static void test_antialiased(void)
     }
 }
 
+/* Returns the mean angle between the shortest axes of Gaussians and the spheres' normals, and the mean of the shortest
+   scale divided by the next one. */
+static distances surface_distances(const fxs_fit_options *options)
+{
+    distances sums = {0, 0};
+    fxs_gaussian_source source;
+    fxs_message message;
+    fxs_fit *f;
+    double weights = 0;
+    if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, options, &message) == 0))
+        return sums;
+    while (fxs_fit_steps(f) < options->steps)
+        CHECK(fxs_fit_step(f, NULL, &message) == 0);
+    CHECK(!fxs_fit_gaussians(f, &source, &message));
+    for (uint64_t n = 0; n < source.count; n++) {
+        fxs_gaussian g;
+        double nearest = INFINITY, normal[3] = {0}, scale[3], axis[3];
+        CHECK(source.read(source.argument, n, &g, 1) == 1);
+        for (int i = 0; i < SPHERES; i++) {
+            double from[3];
+            for (int k = 0; k < 3; k++)
+                from[k] = (double)g.position[k] - spheres[i].centre[k];
+            const double away = fabs(sqrt(dot(from, from)) - spheres[i].radius);
+            for (int k = 0; k < 3 && away < nearest; k++)
+                normal[k] = from[k] / sqrt(dot(from, from));
+            nearest = fmin(nearest, away);
+        }
+        const double w = g.rotation[0], x = g.rotation[1], y = g.rotation[2], z = g.rotation[3];
+        const double q = w * w + x * x + y * y + z * z;
+        const double axes[3][3] = {{1 - 2 * (y * y + z * z) / q, 2 * (x * y + w * z) / q, 2 * (x * z - w * y) / q},
+                                   {2 * (x * y - w * z) / q, 1 - 2 * (x * x + z * z) / q, 2 * (y * z + w * x) / q},
+                                   {2 * (x * z + w * y) / q, 2 * (y * z - w * x) / q, 1 - 2 * (x * x + y * y) / q}};
+        int shortest = 0;
+        for (int k = 0; k < 3; k++) {
+            scale[k] = exp((double)g.scale[k]);
+            shortest = scale[k] < scale[shortest] ? k : shortest;
+        }
+        memcpy(axis, axes[shortest], sizeof axis);
+        const double a = scale[(shortest + 1) % 3], b = scale[(shortest + 2) % 3];
+        const double weight = nearest < 0.1 ? a * b / (1 + exp(-(double)g.opacity)) : 0;
+        sums.turn += weight * acos(fmin(1, fabs(dot(axis, normal))));
+        sums.shift += weight * scale[shortest] / fmin(a, b);
+        weights += weight;
+    }
+    fxs_fit_destroy(f);
+    return (distances){sums.turn / weights, sums.shift / weights};
+}
+
+static void test_surfaces(void)
+{
+    fxs_fit_options options;
+    distances found[2];
+    check_instruction_sets(&fits[SURFACES]);
+    make_set(ORDINARY);
+    disturb_poses();
+    check_everywhere_of_set(&fits[SURFACES_POSES]);
+    make_set(8);
+    set_options(&fits[SURFACES], &options);
+    options.max_gaussians = 1000;
+    options.workers.pool = fxs_pool_create(2);
+    options.workers.run = options.workers.pool ? fxs_pool_run : NULL;
+    options.workers.count = 2;
+    for (int i = 0; i < 2; i++) {
+        options.surfaces = i;
+        found[i] = surface_distances(&options);
+    }
+    fxs_pool_destroy(options.workers.pool);
+    if (!CHECK(found[1].turn < 0.96 * found[0].turn && found[1].shift < 0.8 * found[0].shift))
+        printf("  normals off by %g and %g rad, thickness %g and %g\n", found[0].turn, found[1].turn, found[0].shift,
+               found[1].shift);
+}
+
 static void test_poses(void)
 {
     make_set(ORDINARY);
@@ -617,6 +694,7 @@ int main(int argc, char **argv)
     RUN(test_masks_from_half_the_size);
     RUN(test_masks_that_ignore_nothing);
     RUN(test_antialiased);
+    RUN(test_surfaces);
     RUN(test_poses);
     RUN(test_poses_are_found);
 #endif

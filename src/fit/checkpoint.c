@@ -116,7 +116,7 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 static uint32_t version_of(const fxs_fit_options *o)
 {
     return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
-           12 * (uint32_t)(o->sky > 0);
+           12 * (uint32_t)(o->sky > 0) + 24 * (uint32_t)o->surfaces;
 }
 
 static int take_version(fxs_fit_options *o, uint32_t version)
@@ -125,6 +125,7 @@ static int take_version(fxs_fit_options *o, uint32_t version)
     o->refine_poses = (int)((version - VERSION) / 3 % 2);
     o->antialiased = (int)((version - VERSION) / 6 % 2);
     o->sky = (version - VERSION) / 12 % 2;
+    o->surfaces = (int)((version - VERSION) / 24 % 2);
     return version == version_of(o);
 }
 

@@ -136,6 +136,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     all.exposure = coarse->fit->options.exposure;
     all.refine_poses = coarse->fit->options.refine_poses;
     all.antialiased = coarse->fit->options.antialiased;
+    all.surfaces = coarse->fit->options.surfaces;
     all.sky = coarse->fit->options.sky;
     *fit = NULL;
     if (options->steps <= coarse->fit->step)

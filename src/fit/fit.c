@@ -114,6 +114,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_AFFINE          ? "exposure"
                         : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
                         : (unsigned)o->antialiased > 1                             ? "antialiasing"
+                        : (unsigned)o->surfaces > 1                                ? "fit of surfaces"
                         : o->sky > FXS_FIT_SKY_MOST                                ? "number of directions of a sky"
                                                                                    : NULL;
     if (wrong)
@@ -414,6 +415,9 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->number = f->step;
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
+    options->by_flat = plan->by_flat / f->extent;
+    options->by_surface = plan->by_surface;
+    options->is_depth = plan->is_depth;
     options->gain_rate = options->gain_decay = gain_rate(f, plan->gain_part);
     options->pose_rate = pose_rate(f, plan->pose_way);
     options->smooths = plan->smooths;

@@ -138,6 +138,17 @@ static int is_smoothed(const fxs_fit_options *options, uint32_t step)
     return options->antialiased && (step == 1 || step % 100 == 0 || step == steps - steps / 10 || step == steps);
 }
 
+/* Sets how a step fits surfaces (surface.h), after 7/30 of the steps as in Huang et al. 2024. Every 4 steps, either
+   normals or positions are compared with the depths, in turn. */
+static void plan_surfaces(const fxs_fit_options *options, uint32_t step, fxs_fit_plan *plan)
+{
+    if (!options->surfaces || step <= (uint64_t)options->steps * 7 / 30)
+        return;
+    plan->by_flat = 0.3f;
+    plan->is_depth = step / 4 % 2;
+    plan->by_surface = step % 4 ? 0 : plan->is_depth ? 1.6f : 1.2f;
+}
+
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan)
 {
@@ -148,6 +159,7 @@ void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t st
         plan_reference(options, extent, step, plan);
     else
         plan_mcmc(options, extent, step, least_side, plan);
+    plan_surfaces(options, step, plan);
     plan->smooths = is_smoothed(options, step) ? plan->divisor : 0;
     plan->sh_degree = plan->sh_degree < options->sh_degree ? plan->sh_degree : options->sh_degree;
 }

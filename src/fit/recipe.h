@@ -11,6 +11,8 @@ typedef struct fxs_fit_plan {
     int divisor;                   /* Photographs are averaged down by this factor in width and height. */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;
+    float by_flat, by_surface;     /* as in fxs_fit_step_options, but by_flat in units of the extent */
+    int is_depth;
     float gain_part;               /* factor of the learning rate of exposures, 0 to 1 */
     float pose_way;                /* total movement of camera poses in radians, which the caller divides by the steps
                                       per photograph */

@@ -10,6 +10,7 @@
 #include "src/base/os_calls.h"
 #include "src/fit/stages/exposure.h"
 #include "src/fit/stages/pose.h"
+#include "src/fit/stages/surface.h"
 
 enum { JOB = 4096 };               /* number of Gaussians in a job for the thread pool */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
@@ -26,7 +27,7 @@ struct fxs_fit_stepper {
     uint32_t threads;
     fxs_clock_fn *clock;
     block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered,
-        by_pose;
+        by_pose, by_surface;
 
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
@@ -80,7 +81,8 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
     if (!s)
         return;
     block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
-                       &s->planes, &s->rows, &s->reduced, &s->reduced_mask, &s->gathered, &s->by_pose};
+                       &s->planes, &s->rows, &s->reduced, &s->reduced_mask, &s->gathered, &s->by_pose,
+                       &s->by_surface};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         fxs_aligned_free(blocks[i]->memory);
     free(s);
@@ -513,7 +515,8 @@ static void backward_job(void *argument, uint32_t tile)
     pass_back(s, tile, &g);
 }
 
-static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
+/* Sums the gradients of Gaussians over their tiles. Adds `views` to the number of views that saw them. */
+static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART], float views)
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
     for (size_t i = 0; i < count; i++) {
@@ -523,7 +526,7 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
             for (uint32_t t = 0; t < (uint32_t)splats[i].tiles; t++)
                 for (int k = 0; k < FXS_FIT_SUMS; k++)
                     total[k] += sums[t][k];
-            s->model->views[first + i] += 1;
+            s->model->views[first + i] += views;
         }
         for (int k = 0; k < FXS_FIT_SUMS; k++)
             out[k][i] = total[k];
@@ -533,6 +536,17 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
 static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
 {
     return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
+}
+
+static float *surface_sums_of(const fxs_fit_stepper *s, uint32_t view)
+{
+    return s->options->by_surface > 0 ? (float *)s->by_surface.memory + 3 * view * s->model->stride : NULL;
+}
+
+/* Returns true if the gradient sums of a view are gathered before a later pass over tiles overwrites them. */
+static int is_gathered(const fxs_fit_stepper *s)
+{
+    return s->batch > 1 || s->options->by_surface > 0;
 }
 
 static size_t changed_end(const fxs_fit_stepper *s, uint32_t job)
@@ -549,7 +563,7 @@ static void gather_job(void *argument, uint32_t job)
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
-        gather(s, first, count, sums);
+        gather(s, first, count, sums, 1);
         for (int k = 0; k < FXS_FIT_SUMS; k++)
             memcpy(gathered_of(s, s->view, k) + first, sums[k], count * sizeof(float));
     }
@@ -599,14 +613,14 @@ static void update_job(void *argument, uint32_t job)
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_BATCH][FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
-        if (s->batch == 1)
-            gather(s, first, count, sums[0]);
-        else
+        if (is_gathered(s))
             take_gathered(s, first, count, sums);
+        else
+            gather(s, first, count, sums[0], 1);
         if (moves_poses(s))
             pass_to_poses(s, first, count, sums);
         s->stages->update(s->cameras, s->batch, s->options->sh_degree, &s->adam, m->parameters, masters, m->means,
-                          m->squares, m->stride, first, count, sums[0][0], m->by_centre);
+                          m->squares, m->stride, first, count, sums[0][0], surface_sums_of(s, 0), m->by_centre);
         if (s->options->noise.amount > 0)
             s->stages->noise(&s->options->noise, masters, m->stride, first, count);
         if (m->cameras && s->options->smooths)
@@ -644,9 +658,11 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
         numbers += 3 * (float)photographs[v].camera.width * (float)photographs[v].camera.height;
     adam->correction = (float)(1 / (1 - beta2));
     adam->epsilon = 1e-15f * numbers;
+    adam->is_depth = options->is_depth;
     adam->far = options->far;
     adam->by_opacity = options->by_opacity * numbers / (float)gaussians;
     adam->by_scale = options->by_scale * numbers / (3 * (float)gaussians);
+    adam->by_flat = options->by_flat * numbers / (float)gaussians;
 }
 
 static float sum_numbers(const float *numbers, size_t step, size_t count, double divisor)
@@ -791,7 +807,7 @@ static void gather_error_job(void *argument, uint32_t job)
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
-        gather(s, first, count, sums);
+        gather(s, first, count, sums, 1);
         memcpy(s->errors + first, sums[FXS_FIT_RED], count * sizeof(float));
         if (s->weights)
             memcpy(s->weights + first, sums[FXS_FIT_GREEN], count * sizeof(float));
@@ -873,6 +889,88 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     return 0;
 }
 
+static void planes_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    s->stages->planes(s->camera, s->model->parameters, s->model->stride, (size_t)job * JOB, job_count(s, job),
+                      s->splats.memory);
+}
+
+static fxs_fit_plane depth_plane_of(const fxs_fit_stepper *s, int k)
+{
+    return k < 3 ? s->loss[k].picture : s->loss[0].derivatives[0];
+}
+
+/* Blends planes of splats instead of colours, and writes the depth map that they give. */
+static void blend_planes_job(void *argument, uint32_t tile)
+{
+    const fxs_fit_stepper *s = argument;
+    const uint32_t *starts = s->counts.memory;
+    fxs_fit_tile pixels;
+    int32_t left, top;
+    tile_place(s, tile, &left, &top);
+    s->stages->blend(s->splats.memory, (fxs_fit_entry *)s->entries.memory + starts[tile],
+                     starts[s->tile_count + 1 + tile], left, top, 1, &pixels);
+    for (int32_t y = top; y < top + FXS_FIT_TILE && y < s->camera->height; y++)
+        for (int32_t x = left; x < left + FXS_FIT_TILE && x < s->camera->width; x++) {
+            const int at = FXS_FIT_AT(x - left, y - top);
+            const float planes[3] = {pixels.colour[0][at], pixels.colour[1][at], pixels.colour[2][at]};
+            float numbers[4];
+            depth_numbers(s->camera, (float)x, (float)y, planes, pixels.transmittance[at], numbers);
+            for (int k = 0; k < 4; k++)
+                depth_plane_of(s, k).first[y * s->loss[0].picture.stride + x] = numbers[k];
+        }
+}
+
+static void depths_job(void *argument, uint32_t row)
+{
+    const fxs_fit_stepper *s = argument;
+    const fxs_fit_plane out[3] = {s->loss[0].gradient, s->loss[1].gradient, s->loss[2].gradient};
+    const fxs_fit_plane planes[4] = {depth_plane_of(s, 0), depth_plane_of(s, 1), depth_plane_of(s, 2),
+                                     depth_plane_of(s, 3)};
+    s->stages->depths(s->camera, planes, (int32_t)row, s->options->is_depth, 3 * s->options->by_surface, out);
+}
+
+static void backward_surface_job(void *argument, uint32_t tile)
+{
+    const fxs_fit_stepper *s = argument;
+    fxs_fit_tile_gradient g;
+    int32_t left, top;
+    tile_place(s, tile, &left, &top);
+    memset(&g, 0, sizeof g);
+    for (int c = 0; c < 3; c++)
+        for (int32_t y = top; y < top + FXS_FIT_TILE && y < s->camera->height; y++)
+            for (int32_t x = left; x < left + FXS_FIT_TILE && x < s->camera->width; x++)
+                g.colour[c][FXS_FIT_AT(x - left, y - top)] =
+                    s->loss[c].gradient.first[y * s->loss[c].gradient.stride + x];
+    pass_back(s, tile, &g);
+}
+
+static void gather_surface_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    const size_t end = changed_end(s, job);
+    for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
+        float sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
+        gather(s, first, count, sums, 0);
+        for (size_t k = 0; k < 3; k++)
+            memcpy(surface_sums_of(s, s->view) + k * s->model->stride + first, sums[FXS_FIT_RED + k],
+                   count * sizeof(float));
+    }
+}
+
+/* Finds the gradient by the planes of Gaussians: blends the planes to depths, compares them, and sums the results by
+   blending weights. Replaces the splats' colours and their gradient sums. */
+static void pass_surface(fxs_fit_stepper *s)
+{
+    run(s, planes_job, gaussian_jobs(s));
+    run(s, blend_planes_job, s->tile_count);
+    run(s, depths_job, (uint32_t)s->camera->height);
+    run(s, backward_surface_job, s->tile_count);
+    run(s, gather_surface_job, gaussian_jobs(s));
+}
+
 static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
 {
     if (draw(s, report) || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))
@@ -883,8 +981,10 @@ static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
         sum_by_gain(s);
     const uint64_t compared = now(s);
     run(s, backward_job, s->tile_count);
-    if (s->batch > 1)
+    if (is_gathered(s))
         run(s, gather_job, gaussian_jobs(s));
+    if (s->options->by_surface > 0)
+        pass_surface(s);
     fxs_fit_add_loss(s->rows.memory, s->camera, s->batch, report);
     report->nanoseconds[LOSS] += compared - drawn;
     report->nanoseconds[BACK] += now(s) - compared;
@@ -898,7 +998,9 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     s->options = options;
     s->batch = batch;
     memset(report, 0, sizeof *report);
-    if (batch > 1 && !room(&s->gathered, batch * FXS_FIT_SUMS * model->stride * sizeof(float)))
+    if (options->by_surface > 0 && !room(&s->by_surface, 3 * (size_t)batch * model->stride * sizeof(float)))
+        return FXS_ERR_MEMORY;
+    if (is_gathered(s) && !room(&s->gathered, batch * FXS_FIT_SUMS * model->stride * sizeof(float)))
         return FXS_ERR_MEMORY;
     if (moves_poses(s) && !room(&s->by_pose, batch * FXS_FIT_POSE * part_count(s) * sizeof(float)))
         return FXS_ERR_MEMORY;

@@ -60,6 +60,10 @@ for photos in "$@"; do
     fit "$photos" "$name-cpu.fxs" --resolution 300 --steps 200 --antialiased >/dev/null
     fit "$photos" "$name-cuda.fxs" --resolution 300 --steps 200 --antialiased --backend cuda >/dev/null
     same "$name-cpu.fxs" "$name-cuda.fxs"
+    say "the same for surfaces, 700 steps, packed"
+    fit "$photos" "$name-cpu.fxs" --resolution 300 --steps 700 --surfaces >/dev/null
+    fit "$photos" "$name-cuda.fxs" --resolution 300 --steps 700 --surfaces --backend cuda >/dev/null
+    same "$name-cpu.fxs" "$name-cuda.fxs"
     for how in gain affine; do
         options="--resolution 300 --steps 700 --exposure $how --refine-poses"
         say "the same with exposures, $how, and poses, 700 steps"
@@ -71,7 +75,7 @@ done
 
 if [ "$("$B/fixsplat" info --backends 2>/dev/null | grep -c 'device [1-9]')" -gt 0 ]; then
     say "two devices, and a batch of two on one"
-    for option in "" --refine-poses; do
+    for option in "" --refine-poses --surfaces; do
         fit "$1" two.ply --resolution 600 --steps 700 --backend cuda --device 0,1 $option
         fit "$1" one.ply --resolution 600 --steps 700 --backend cuda --batch 2 $option
         same two.ply one.ply

@@ -23,6 +23,7 @@ typedef struct what {
     int has_far;                   /* 1: about half of the Gaussians have sizes as angles */
     int is_in_one_place;           /* 1: all Gaussians have equal depths */
     int has_masks;                 /* 1: all photographs except the second have masks */
+    int surfaces;                  /* 0: none; 1: the last step turns Gaussians to surfaces; 2: it moves them */
 } what;
 
 enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200, MASK_PIXELS = 160 * 120 };
@@ -133,6 +134,9 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->gain_decay = 0.02f;
     o->pose_rate = 0.01f;
     o->smooths = (int)number % 3;
+    o->by_flat = w->surfaces ? 0.5f : 0;
+    o->by_surface = w->surfaces ? 0.7f : 0;
+    o->is_depth = w->surfaces && (MOST_STEPS - (int)number) % 2 != w->surfaces - 1;
     if (w->has_far)
         o->far = (fxs_fit_far){{0.3f, -0.2f, 0.1f}, 0.25f};
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}, o->far};
@@ -196,7 +200,8 @@ static int lists_same(const fxs_fit_stepper *s, const peeked_fit *p)
     return 1;
 }
 
-static int sums_same(const fxs_fit_stepper *s, const peeked_fit *p)
+/* Compares the gradient sums of splats, from number `from_sum` on. */
+static int sums_same(const fxs_fit_stepper *s, const peeked_fit *p, int from_sum)
 {
     const uint32_t *starts = s->counts.memory, *needed = starts + s->tile_count + 1;
     const fxs_fit_entry *entries = s->entries.memory;
@@ -206,12 +211,15 @@ static int sums_same(const fxs_fit_stepper *s, const peeked_fit *p)
     for (uint32_t tile = 0; tile < s->tile_count; tile++)
         for (uint32_t e = starts[tile]; e < starts[tile] + needed[tile]; e++)
             if (!CHECK(entries[e].blocks == p->blocks[e]) ||
-                !CHECK(same(sums[entries[e].slot], p->sums[p->slots[e]], FXS_FIT_SUMS)))
+                !CHECK(same(sums[entries[e].slot] + from_sum, p->sums[p->slots[e]] + from_sum,
+                            (size_t)(FXS_FIT_SUMS - from_sum))))
                 return 0;
     return 1;
 }
 
-static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
+/* Compares the pixels of a step. After a step with surfaces, these are its depth map and the gradient from it; the
+   engines keep the depth map in different planes. */
+static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p, int has_surfaces)
 {
     const size_t width = (size_t)s->camera->width, height = (size_t)s->camera->height, size = width * height;
     int found = 1;
@@ -219,8 +227,12 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
         for (size_t y = 0; y < height && found; y++) {
             const fxs_fit_loss *l = &s->loss[c];
             const ptrdiff_t row = (ptrdiff_t)y * l->picture.stride;
-            found = CHECK(same(l->picture.first + row, p->picture + c * size + y * width, width));
-            for (size_t k = 0; k < FXS_FIT_DERIVATIVES && found; k++)
+            const float *const picture = has_surfaces ? p->derivatives : p->picture;
+            found = CHECK(same(l->picture.first + row, picture + c * size + y * width, width));
+            if (has_surfaces)
+                found = found && CHECK(same(s->loss[0].derivatives[0].first + row,
+                                            p->derivatives + 3 * size + y * width, width));
+            for (size_t k = 0; k < FXS_FIT_DERIVATIVES && found && !has_surfaces; k++)
                 found = CHECK(same(l->derivatives[k].first + row,
                                    p->derivatives + (3 * c + k) * size + y * width, width));
             found = found && CHECK(same(l->gradient.first + row, p->gradient + c * size + y * width, width));
@@ -284,14 +296,16 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     CHECK(of_here.entries == of_there.entries && of_here.visible == of_there.visible);
     CHECK(of_here.absolute == of_there.absolute && of_here.dissimilar == of_there.dissimilar);
     if (CHECK(!peek_fit(self, &photographs[w->batch - 1].camera, &p)))
-        is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && pixels_same(s, &p) &&
-                  sums_same(s, &p) && models_same(&here, &there) &&
+        is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && 
+                  pixels_same(s, &p, w->surfaces) && sums_same(s, &p, w->surfaces ? FXS_FIT_RED : 0) &&
+                  models_same(&here, &there) &&
                   CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0])) &&
                   CHECK(!memcmp(poses_of[0], poses_of[1], sizeof poses_of[0]));
     if (!CHECK(is_same))
         printf("  %d x %d, square %d, antialiased %d, %zu Gaussians, degree %d, batch %d, %u exposures, affine %d, "
-               "%u poses, spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square, w->is_antialiased,
-               w->count, w->degree, w->batch, (unsigned)w->gains, w->is_affine, (unsigned)w->poses, is_spoiled);
+               "%u poses, surfaces %d, spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square, w->is_antialiased,
+               w->count, w->degree, w->batch, (unsigned)w->gains, w->is_affine, (unsigned)w->poses, w->surfaces,
+               is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -383,6 +397,20 @@ static void test_antialiased(void)
     }
 }
 
+static void test_surfaces(void)
+{
+    static const size_t counts[] = {200, 3000, 20000};
+    for (int i = 0; i < (quick ? 4 : 24); i++) {
+        const int size = i / 2 % 3;
+        const what w = {.width = size ? size > 1 ? 160 : 37 : 1, .height = size ? size > 1 ? 120 : 27 : 1,
+                        .is_square = i % 5 == 3, .count = counts[quick ? 0 : i % 3], .degree = i % 4,
+                        .batch = 1 + i % MOST_BATCH, .by_opacity = i % 4 ? 0 : 0.01f, .near_size = -1.5f,
+                        .gains = i % 6 < 2 ? 5 : 0, .poses = i % 6 < 3 ? 5 : 0, .has_far = i % 2,
+                        .has_masks = i % 3 == 1, .surfaces = 1 + i % 2};
+        compare(&w, i % 8 == 7, 0, MOST_STEPS);
+    }
+}
+
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
@@ -390,6 +418,9 @@ static void test_no_room(void)
                         .poses = 7};
     compare(&w, 0, 64, MOST_STEPS);
     compare(&batch, 0, 64, MOST_STEPS);
+    const what surfaces = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2,
+                           .surfaces = 1};
+    compare(&surfaces, 0, 64, MOST_STEPS);
 }
 
 static void test_odds(void)
@@ -505,6 +536,7 @@ int main(int argc, char **argv)
     RUN(test_masks);
     RUN(test_poses);
     RUN(test_antialiased);
+    RUN(test_surfaces);
     RUN(test_no_room);
     RUN(test_too_little_memory);
     if (!quick)

@@ -523,12 +523,12 @@ ok("fit: the command's file", read("fitted.fxs") == read("command.fxs"))
 ok("fit: progress", [p.step for p in steps] == list(range(1, 61)) and steps[-1].steps == 60 and
    steps[-1].gaussians == fitted_count > 400 and np.mean([p.loss for p in steps[-6:]]) < np.mean([p.loss for p in steps[:6]]),
    steps[-1])
-options = {"recipe": "mcmc", "steps": 12, "exposure": "gain", "refine_poses": True, "antialiased": True, "sky": 500,
+options = {"recipe": "mcmc", "steps": 12, "exposure": "gain", "refine_poses": True, "antialiased": True, "sky": 500, "surfaces": True,
            "sh_degree": 1, "max_gaussians": 300, "background": (16, 32, 48), "cutoff": "square", "profile": "small",
            "hold_out": 0, "seed": 3, "resolution": 32, "batch": 2}
 fixsplat.fit("set", **options).save("fitted.fxs")
-run("fit", "set", "--recipe", "mcmc", "--exposure", "gain", "--refine-poses", "--antialiased", "--sky=500", "--steps",
-    "12", "--sh-degree", "1", "--max-gaussians", "300", "--background", "102030", "--cutoff", "square", "--profile",
+run("fit", "set", "--recipe", "mcmc", "--exposure", "gain", "--refine-poses", "--antialiased", "--sky=500", "--surfaces",
+    "--steps", "12", "--sh-degree", "1", "--max-gaussians", "300", "--background", "102030", "--cutoff", "square", "--profile",
     "small", "--hold-out", "0", "--seed", "3", "--resolution", "32", "--batch", "2", "-o", "command.fxs")
 ok("fit: all options: the command's file", read("fitted.fxs") == read("command.fxs"))
 

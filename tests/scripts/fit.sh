@@ -383,6 +383,17 @@ cp smooth.fxs.fit smooth.fit
 check "--antialiased, resumed, 2 threads, plain C: the same file" cmp smooth.fxs again.fxs
 fails "--resume: antialiased" 2 "--antialiased: part.fxs.fit was begun with another" $fit -o x.fxs \
     --resume part.fxs.fit --antialiased
+succeeds "--surfaces" fit set --steps 60 -o flat.fxs --surfaces --threads 1 --save-every 31
+"$fixsplat" fit set --steps 60 -o again.fxs --threads 1 >logs/out
+check "--surfaces: another file" [ "$(cmp -s flat.fxs again.fxs; echo $?)" = 1 ]
+cp flat.fxs.fit flat.fit
+"$fixsplat" fit set --steps 60 -o again.fxs --resume flat.fit --threads 2 --cpu c >logs/out
+check "--surfaces, resumed, 2 threads, plain C: the same file" cmp flat.fxs again.fxs
+fails "--resume: surfaces" 2 "--surfaces: part.fxs.fit was begun with another" $fit -o x.fxs --resume part.fxs.fit \
+    --surfaces
+fails "--surfaces of a block without them" 2 "--surfaces: part.fxs.fit was begun without it" fit set -o x.ply \
+    --recipe reference --surfaces --block 1/2 --coarse part.fxs.fit
+fails "--surfaces --moving" 2 "--surfaces" fit set -o x.fxs --moving --surfaces
 cp part.fxs.fit given.fxs
 fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
 fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \

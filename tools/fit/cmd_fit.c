@@ -82,6 +82,9 @@ static const option_row own_rows[] = {
     {"antialiased", 0, FLAG(options.antialiased), .help =
      "prefilter for views at other distances or sizes than the photographs (Mip-Splatting): Gaussians below a pixel "
      "fade, and none is finer than the photographs. Blocks follow --coarse"},
+    {"surfaces", 0, FLAG(options.surfaces), .basic = 1, .help =
+     "fit for surfaces, for fixsplat mesh: Gaussians become flat and lie along the depths that they render. Blocks "
+     "follow --coarse"},
     {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
      "add distant Gaussians where photographs look and no points lie: sky, clouds, mountains. N directions all around, "
      "1 to 1000000 (default 20000). Blocks use the sky of --coarse"},
@@ -243,14 +246,14 @@ static int finish_options(fit_command *c)
 
 static const option_rule rules[] = {
     {"recipe", "quality", 0, "it includes a recipe"},
-    {"output recipe exposure refine-poses antialiased sky steps batch block coarse max-gaussians seed crop-to-subject "
-     "cameras-only write-cameras save-every metrics-every preview log resume of photos", "measure", 0,
+    {"output recipe exposure refine-poses antialiased surfaces sky steps batch block coarse max-gaussians seed "
+     "crop-to-subject cameras-only write-cameras save-every metrics-every preview log resume of photos", "measure", 0,
      "nothing is fitted"},
     {"of photos", "block", 0, "a block follows its --coarse fit"},
     {"coarse", 0, "block", "I/N"},
     {"port", 0, "preview", 0},
     {"moment-steps refine-steps fps", 0, "moving", 0},
-    {"exposure refine-poses block coarse crop-to-subject cameras-only save-every measure write-cameras "
+    {"exposure refine-poses surfaces block coarse crop-to-subject cameras-only save-every measure write-cameras "
      "preview photos of frames", "moving", 0, "it is for still scenes"},
     {0}
 };

@@ -104,7 +104,8 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
         {"refine-poses", given->refine_poses == is->refine_poses},
-        {"antialiased", given->antialiased == is->antialiased}, {"sky", given->sky == is->sky},
+        {"antialiased", given->antialiased == is->antialiased}, {"surfaces", given->surfaces == is->surfaces},
+        {"sky", given->sky == is->sky},
         {"of", given->antialiased == is->antialiased && given->sky == is->sky},
         {"photos", given->exposure == is->exposure},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
@@ -131,6 +132,8 @@ int fit_open(const fit_command *c, const fxs_photos *photos, const fxs_fit_block
         return fail(EXIT_USAGE, "--refine-poses: %s was begun without it", c->coarse);
     if (c->coarse && o->antialiased && !fxs_fit_options_of(*fit)->antialiased)
         return fail(EXIT_USAGE, "--antialiased: %s was begun without it", c->coarse);
+    if (c->coarse && o->surfaces && !fxs_fit_options_of(*fit)->surfaces)
+        return fail(EXIT_USAGE, "--surfaces: %s was begun without it", c->coarse);
     if (c->coarse && is_given("sky") && o->sky != fxs_fit_options_of(*fit)->sky)
         return fail(EXIT_USAGE, "--sky: %s was begun with another value", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;

@@ -9,6 +9,7 @@
 #include "exposure.cuh"
 #include "model.cuh"
 #include "pose.cuh"
+#include "surface.cuh"
 #include "tile.cuh"
 #include "update.cuh"
 
@@ -152,9 +153,26 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-uint64_t view_numbers(const device *d)
+uint64_t planes_end(const device *d)
 {
     return VIEW_PLANES * (uint64_t)d->model.stride + 64;
+}
+
+/* The numbers of a view: VIEW_PLANES planes of sums, 64 other numbers, and in a step with surfaces once more as many
+   planes. */
+uint64_t view_numbers(const device *d, const fxs_fit_step_options *o)
+{
+    return planes_end(d) + (o->by_surface > 0 ? VIEW_PLANES * (uint64_t)d->model.stride : 0);
+}
+
+float *surface_planes_of(const device *d, uint32_t view)
+{
+    return d->views[view] + planes_end(d);
+}
+
+const float *surface_sums_of(const device *d, uint32_t view)
+{
+    return surface_planes_of(d, view) + FXS_FIT_RED * (size_t)d->model.stride;
 }
 
 float *flag_of(const device *d, uint32_t view)
@@ -172,9 +190,9 @@ float *by_pose_of(const device *d, uint32_t view)
     return by_gain_of(d, view) + FXS_FIT_GAIN;
 }
 
-int reserve_views(device *d, uint32_t count, fxs_message *why)
+int reserve_views(device *d, uint32_t count, const fxs_fit_step_options *o, fxs_message *why)
 {
-    const uint64_t numbers = view_numbers(d);
+    const uint64_t numbers = view_numbers(d, o);
     const int error = reserve(&d->memory, &d->sums_of_views, count * numbers * sizeof(float), why);
     for (uint32_t v = 0; v < count && !error; v++)
         d->views[v] = (float *)d->sums_of_views.data + v * numbers;
@@ -334,7 +352,7 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     mark(d, s, BLEND);
     if (d->gains.count)
         failure = first_of(failure, launch_factors(b, &d->gains, s->photographs[view].number, d->stream));
-    failure = first_of(failure, launch_blend(b, c, s->options.background, d->stream));
+    failure = first_of(failure, launch_blend<false>(b, c, s->options.background, d->stream));
     mark(d, s, LOSS);
     error = check(why, failure);
     error = error ? error : find_loss(e, d, s, view, why);
@@ -376,7 +394,8 @@ int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
             continue;
         const cudaError_t waited = cudaStreamWaitEvent(d->stream, from->gathered, 0);
         const int error = check(why, waited, cudaMemcpyPeerAsync(d->views[v], d->number, from->views[v], from->number,
-                                                                 view_numbers(d) * sizeof(float), d->stream));
+                                                                 view_numbers(d, &s->options) * sizeof(float),
+                                                                 d->stream));
         if (error)
             return error;
     }
@@ -418,16 +437,18 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     const fxs_fit_grid *grid = d->model.masters ? e->model->grid : nullptr;
     step_buffers *b = &d->buffers;
     fxs_fit_camera cameras[FXS_FIT_BATCH];
+    const float *surfaces[FXS_FIT_BATCH];
     flags f;
     for (uint32_t v = 0; v < s->count; v++) {
         cameras[v] = s->photographs[v].camera;
+        surfaces[v] = o->by_surface > 0 ? surface_sums_of(d, v) : nullptr;
         f.of_views[v] = flag_of(d, v);
     }
     wait_for_receivers(e, d);
     if (e->device_count > 1)
         hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
-    cudaError_t failure = launch_update(b, &d->model, d->views, cameras, d->posed, s->count, o->sh_degree, &adam,
-                                        grid, d->stream, &d->beside);
+    cudaError_t failure = launch_update(b, &d->model, d->views, surfaces, cameras, d->posed, s->count, o->sh_degree,
+                                        &adam, grid, d->stream, &d->beside);
     if (o->noise.amount > 0)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (o->smooths && d->cameras.count)
@@ -446,19 +467,36 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     return check(why, failure, cudaGetLastError());
 }
 
+/* Sums the gradients by surfaces of a view, after its other sums are gathered. Replaces the splats' colours. */
+int pass_surface(device *d, const step_order *s, uint32_t view, fxs_message *why)
+{
+    static const float black[3] = {0, 0, 0};
+    const fxs_fit_camera *c = &s->photographs[view].camera;
+    step_buffers b = d->buffers;
+    b.factors = nullptr;
+    cudaError_t failure = launch_planes(&b, &d->model, c, posed_of(d, view), d->stream);
+    failure = first_of(failure, launch_blend<true>(&b, c, black, d->stream));
+    failure = first_of(failure, launch_depths(&b, c, posed_of(d, view), s->options.is_depth,
+                                              3 * s->options.by_surface, d->stream));
+    failure = first_of(failure, launch_back(&b, c, d->stream));
+    return check(why, failure, launch_gather(&b, &d->model, surface_planes_of(d, view), d->stream));
+}
+
 int pass_all(engine *e, const step_order *s, fxs_message *why)
 {
     int error = 0;
     for (uint32_t v = 0; v < s->count && !error; v++) {
         device *d = &e->devices[device_of(e, s, v)];
         const on_device here(d->number);
-        error = reserve_views(d, s->count, why);
+        error = reserve_views(d, s->count, &s->options, why);
         error = error ? error : pass(e, d, s, v, why);
         if (error)
             break;
         error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
         if (moves_poses(d, s) && !error)
             error = sum_by_pose(d, s, v, why);
+        if (s->options.by_surface > 0 && !error)
+            error = pass_surface(d, s, v, why);
         if (e->device_count == 1)
             continue;
         say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, flag_of(d, v));

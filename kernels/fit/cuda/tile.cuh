@@ -195,6 +195,21 @@ __device__ inline void blend_batch(blend_shared *s, const tile_place &p, blend_p
     }
 }
 
+/* Writes a pixel of the planes that depths are made of, in place of the derivatives of SSIM. */
+__device__ inline void put_depth(const step_buffers &b, const fxs_fit_camera &camera, const tile_place &p,
+                                 const blend_pixel &pixel)
+{
+    const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
+    const size_t size = (size_t)camera.width * (size_t)camera.height;
+    const float planes[3] = {pixel.red, pixel.green, pixel.blue};
+    float numbers[4];
+    depth_numbers(&camera, (float)p.x, (float)p.y, planes, pixel.transmittance, numbers);
+    for (int k = 0; k < 4; k++)
+        b.derivatives[k * size + at] = numbers[k];
+}
+
+/* HasPlanes: the splats have planes instead of colours (src/fit/stages/surface.h). */
+template <bool HasPlanes>
 __global__ void __launch_bounds__(FXS_FIT_PIXELS, 5)
 blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float3 background)
 {
@@ -230,7 +245,10 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     __syncthreads();
     if (threadIdx.x == 0)
         b.needed[tile] = s->needed;
-    if (p.is_inside) {
+    if (HasPlanes) {
+        if (p.is_inside)
+            put_depth(b, camera, p, pixel);
+    } else if (p.is_inside) {
         const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
         const size_t size = (size_t)camera.width * (size_t)camera.height;
         const float colour[3] = {pixel.red + pixel.transmittance * background.x,
@@ -247,12 +265,13 @@ cudaError_t allow_shared(Kernel kernel, size_t bytes)
     return cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes);
 }
 
+template <bool HasPlanes>
 cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, const float background[3],
                          cudaStream_t stream)
 {
     const uint32_t tiles = (uint32_t)(camera->tiles_x * camera->tiles_y);
-    const cudaError_t error = allow_shared(blend_tiles, sizeof(blend_shared));
-    blend_tiles<<<tiles, FXS_FIT_PIXELS, sizeof(blend_shared), stream>>>(
+    const cudaError_t error = allow_shared(blend_tiles<HasPlanes>, sizeof(blend_shared));
+    blend_tiles<HasPlanes><<<tiles, FXS_FIT_PIXELS, sizeof(blend_shared), stream>>>(
         *b, *camera, make_float3(background[0], background[1], background[2]));
     return error ? error : cudaGetLastError();
 }

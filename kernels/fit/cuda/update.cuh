@@ -201,6 +201,7 @@ enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 struct batch_views {
     uint32_t count;
     float *planes[FXS_FIT_BATCH];
+    const float *surfaces[FXS_FIT_BATCH];  /* 3 planes of sums by surface.h; null: none in this step */
     fxs_fit_camera cameras[FXS_FIT_BATCH];
     const posed_camera *posed;
 };
@@ -270,8 +271,19 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
     }
 }
 
-/* Updates all parameters of the Gaussians except spherical harmonics above degree 0. */
-template <int Degree, bool IsPosed>
+__device__ inline void add_surface_sums(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
+                                        uint32_t i, const float *at, real gradient[FXS_FIT_SH])
+{
+    real sums[3] = {0, 0, 0};
+    for (uint32_t v = 0; v < views.count; v++)
+        for (int k = 0; k < 3 && views.surfaces[v]; k++)
+            sums[k] += views.surfaces[v][(size_t)k * m.stride + i];
+    add_surface(adam, at, SHAPE_THREADS, sums, gradient, 1);
+}
+
+/* Updates all parameters of the Gaussians except spherical harmonics above degree 0. HasSurfaces: Gaussians are
+   flattened and turned. */
+template <int Degree, bool IsPosed, bool HasSurfaces>
 __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                   const __grid_constant__ fxs_fit_adam adam)
@@ -293,6 +305,8 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
         add_view<Degree, IsPosed>(views, v, m, i, rows, gradient);
     if (adam.by_opacity > 0)
         add_regularisers(&adam, rows.parameters[0] + threadIdx.x, SHAPE_THREADS, gradient);
+    if constexpr (HasSurfaces)
+        add_surface_sums(&adam, views, m, i, rows.parameters[0] + threadIdx.x, gradient);
     real number[FXS_FIT_SH];
 #pragma unroll
     for (int k = 0; k < FXS_FIT_SH; k++)
@@ -400,7 +414,8 @@ cudaError_t launch_quantise_sh(const device_model *m, const fxs_fit_grid *grid, 
 /* Updates the Gaussians from the gradient sums of `count` views, in the order of the views. `posed` and `grid` may be
    null. A second stream updates SH above degree 0. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
-                          const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
+                          const float *const *surfaces, const fxs_fit_camera *cameras,
+                          const posed_camera *posed, uint32_t count, int degree,
                           const fxs_fit_adam *adam, const fxs_fit_grid *grid, cudaStream_t stream,
                           const side_stream *beside)
 {
@@ -410,11 +425,14 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
     views.posed = posed;
     for (uint32_t v = 0; v < count; v++) {
         views.planes[v] = planes[v];
+        views.surfaces[v] = surfaces[v];
         views.cameras[v] = cameras[v];
     }
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
-        const auto shapes = posed ? update_shapes<Degree, true> : update_shapes<Degree, false>;
+        const auto plain = posed ? update_shapes<Degree, true, false> : update_shapes<Degree, false, false>;
+        const auto flat = posed ? update_shapes<Degree, true, true> : update_shapes<Degree, false, true>;
+        const auto shapes = adam->by_flat > 0 ? flat : plain;
         launch_early(shapes, (m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream, *b, *m, views,
                      *adam);
         beside->start(stream);

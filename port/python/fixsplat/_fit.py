@@ -40,6 +40,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
         sh_degree: int = 3, max_gaussians: Optional[int] = None, seed: int = 0, batch: int = 0,
         background: "Sequence[int]" = (0, 0, 0), cutoff: str = "mahalanobis", profile: str = "default",
         exposure: str = "none", refine_poses: bool = False, antialiased: bool = False, sky: int = 0,
+        surfaces: bool = False,
         hold_out: Optional[int] = None, skip_bad: bool = False,
         backend: str = "cpu", devices: "Sequence[int]" = (0,),
         max_memory: int = 0, threads: int = 0,
@@ -79,6 +80,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
         affine map of colours.
     refine_poses: True finds the poses of the photographs beside the scene.
     antialiased: True makes a scene for other distances and sizes than those of the photographs.
+    surfaces: True fits flat Gaussians that lie along surfaces, for a mesh of the scene.
     sky: the number of directions around the cameras in which the fit begins with a Gaussian far away, where photographs
     look and no points lie, up to 1,000,000. 0 stands for no sky.
     backend: the engine that makes the steps, "cpu" or "cuda".
@@ -107,6 +109,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     options.exposure = choose("exposure", exposure, EXPOSURES)
     options.refine_poses = bool(refine_poses)
     options.antialiased = bool(antialiased)
+    options.surfaces = bool(surfaces)
     options.sky = whole("sky", sky, 0, lib.FXS_FIT_SKY_MOST)
     options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)
     if choose("backend", backend, {"cpu": 0, "cuda": 1}):

@@ -6,6 +6,7 @@
 #include "fit_project.h"
 #include "src/fit/quantise.h"
 #include "smooth.h"
+#include "surface.h"
 #include "tile.h"
 
 #define JOIN(a, b) a##b
@@ -277,6 +278,15 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
     store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
+static void add_surface_part(const fxs_fit_adam *adam, uint32_t batch, const float *at, size_t stride,
+                             const float *by_surface, float *gradients)
+{
+    real sums[3] = {all(0), all(0), all(0)};
+    for (uint32_t k = 0; by_surface && k < 3 * batch; k++)
+        sums[k % 3] += load(by_surface + k * stride);
+    add_surface(adam, at, stride, sums, gradients, FXS_FIT_PART);
+}
+
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,
                               float *means, float *squares, size_t ahead)
 {
@@ -301,7 +311,7 @@ static void keep_within(float *at, size_t count)
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
                                         const fxs_fit_adam *adam, const float *parameters, float *masters,
                                         float *means, float *squares, size_t stride, size_t first, size_t count,
-                                        const float *sums, float *by_centre)
+                                        const float *sums, const float *by_surface, float *by_centre)
 {
     part_planes gradients;
     const int used = FXS_FIT_SH + 3 * SH_COUNT(degree);
@@ -313,6 +323,9 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, ui
                      sums + (size_t)v * FXS_FIT_SUMS * FXS_FIT_PART + i, by_centre + first + i, gradients[0] + i);
         if (adam->by_opacity > 0)
             add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
+        if (adam->by_flat > 0)
+            add_surface_part(adam, batch, parameters + first + i, stride, by_surface ? by_surface + first + i : NULL,
+                             gradients[0] + i);
     }
     for (int k = 0; k < used; k++) {
         const size_t at = (size_t)k * stride + first;
@@ -380,9 +393,38 @@ static void NAMED(fxs_fit_pose_, ISA)(const fxs_fit_camera *camera, int degree, 
     }
 }
 
+static void NAMED(fxs_fit_planes_, ISA)(const fxs_fit_camera *camera, const float *parameters, size_t stride,
+                                        size_t first, size_t count, fxs_fit_splat *splats)
+{
+    for (size_t i = first; i < first + count; i += LANES) {
+        real plane[3];
+        float out[3][LANES];
+        find_plane(camera, parameters + i, stride, plane);
+        for (int c = 0; c < 3; c++)
+            store(out[c], plane[c]);
+        for (size_t k = 0; k < LANES; k++)
+            for (int c = 0; c < 3 && splats[i + k].depth > 0; c++)
+                splats[i + k].colour[c] = out[c][k];
+    }
+}
+
+static void NAMED(fxs_fit_depths_, ISA)(const fxs_fit_camera *camera, const fxs_fit_plane planes[4], int32_t row,
+                                         int is_depth, float weight, const fxs_fit_plane out[3])
+{
+    const depth_map d = {planes[0].first, planes[1].first, planes[2].first, planes[3].first, planes[0].stride};
+    for (int32_t x = 0; x < camera->width; x += LANES) {
+        real n[3];
+        (is_depth ? depth_gradient : depth_normal)(camera, numbers_from(0) + (float)x, all((float)row), &d,
+                                                   row * d.stride + x, weight, n);
+        for (int c = 0; c < 3; c++)
+            store(at_of(&out[c], row) + x, n[c]);
+    }
+}
+
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_cover_, ISA), NAMED(fxs_fit_blend_, ISA),
     NAMED(fxs_fit_backward_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_backward_rows_, ISA),
     NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA),
-    NAMED(fxs_fit_smooth_, ISA), NAMED(fxs_fit_quantise_, ISA), NAMED(fxs_fit_pose_, ISA)};
+    NAMED(fxs_fit_smooth_, ISA), NAMED(fxs_fit_quantise_, ISA), NAMED(fxs_fit_pose_, ISA),
+    NAMED(fxs_fit_planes_, ISA), NAMED(fxs_fit_depths_, ISA)};

@@ -117,6 +117,8 @@ typedef struct fxs_fit_adam {
     float correction;              /* bias correction of Adam's second moment, 1 / (1 - 0.999^step) */
     float epsilon;                 /* Adam's epsilon, in units of the gradient */
     float by_opacity, by_scale;    /* weights of the loss terms that penalise opacity and scale */
+    float by_flat;                 /* weight of the loss term that penalises the smallest scale; 0: no surfaces */
+    int is_depth;                  /* 0: the sums by surfaces are normals, 1: they are gradients by positions */
     fxs_fit_far far;
 } fxs_fit_adam;
 
@@ -207,10 +209,10 @@ typedef struct fxs_fit_stages {
     /* Computes the gradients of at most FXS_FIT_PART Gaussians, and makes a step of Adam on their exact parameters
        before quantisation, `masters`. sums: FXS_FIT_SUMS planes for each camera. |dL/dcentre| is added to by_centre. A
        gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities are clamped to
-       FXS_FIT_FARTHEST. */
+       FXS_FIT_FARTHEST. by_surface: null, or 3 planes of sums (surface.h) for each camera, from Gaussian 0 on. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
-                   size_t count, const float *sums, float *by_centre);
+                   size_t count, const float *sums, const float *by_surface, float *by_centre);
     /* Displaces Gaussians randomly. A move beyond FXS_FIT_FARTHEST_PLACE is skipped. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
     /* Raises the scales of Gaussians to their lower limit (smooth.h), for photographs reduced by `divisor`. */
@@ -223,6 +225,13 @@ typedef struct fxs_fit_stages {
        of a rotation about the eye. Order of addition: Gaussians p and p + 128, then p and p + 64, and so on. */
     void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                  size_t count, const float *sums, float out[FXS_FIT_POSE]);
+    /* Replaces the colours of the visible splats first..first + count by the planes of their Gaussians (surface.h). */
+    void (*planes)(const fxs_fit_camera *camera, const float *parameters, size_t stride, size_t first, size_t count,
+                   fxs_fit_splat *splats);
+    /* Computes a row of the gradient by the planes of splats from a picture's depths. planes: the numbers of a
+       depth_map (surface.h). is_depth 0: by normals, times -1; 1: by positions. weight: of a pixel in the loss. */
+    void (*depths)(const fxs_fit_camera *camera, const fxs_fit_plane planes[4], int32_t row, int is_depth,
+                   float weight, const fxs_fit_plane out[3]);
 } fxs_fit_stages;
 
 /* Returns the fastest implementation of the fit's stages, among the instruction sets in `cpu` that the processor

@@ -128,6 +128,9 @@ typedef struct fxs_fit_options {
                                       colour. Beyond the extent, sizes are measured as angles from the cameras. For a
                                       whole fit; must be 0 for a block, which gets the sky of its coarse fit. 0: no
                                       sky */
+    int surfaces;                  /* 1: fits the scene for surfaces: flattens Gaussians along their shortest axis, and
+                                      turns these axes towards the normals of the rendered depths. For a mesh of the
+                                      scene; costs some PSNR and time. A block uses its coarse fit's setting. 0: no */
 } fxs_fit_options;
 
 /* Sets the options to their initial values: those that the comments of fxs_fit_options name, and 0 in the other fields
