@@ -138,7 +138,7 @@ static int is_smoothed(const fxs_fit_options *options, uint32_t step)
     return options->antialiased && (step == 1 || step % 100 == 0 || step == steps - steps / 10 || step == steps);
 }
 
-/* Sets how a step fits surfaces (surface.h), after 7/30 of the steps as in Huang et al. 2024. Every 4 steps, either
+/* Sets how a step fits surfaces (fit_surface.h), after 7/30 of the steps as in Huang et al. 2024. Every 4 steps, either
    normals or positions are compared with the depths, in turn. */
 static void plan_surfaces(const fxs_fit_options *options, uint32_t step, fxs_fit_plan *plan)
 {

@@ -10,7 +10,7 @@
 #include "src/base/os_calls.h"
 #include "src/fit/stages/exposure.h"
 #include "src/fit/stages/pose.h"
-#include "src/fit/stages/surface.h"
+#include "src/fit/stages/fit_surface.h"
 
 enum { JOB = 4096 };               /* number of Gaussians in a job for the thread pool */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };

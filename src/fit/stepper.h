@@ -46,7 +46,7 @@ typedef struct fxs_fit_step_options {
     float pose_rate;               /* learning rate of camera poses in radians; 0: they stay fixed */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     float by_flat, by_surface;     /* weights in the loss of the mean smallest scale, and of the mean disagreement of
-                                      Gaussians and depths (surface.h); by_surface 0: depths are not compared */
+                                      Gaussians and depths (fit_surface.h); by_surface 0: depths are not compared */
     int is_depth;                  /* 0: the comparison turns Gaussians; 1: it moves them */
     int smooths;                   /* divisor of the photographs' size, for the lower limit of scales; 0: no limit */
     fxs_fit_far far;

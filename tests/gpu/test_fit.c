@@ -303,9 +303,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
                   CHECK(!memcmp(poses_of[0], poses_of[1], sizeof poses_of[0]));
     if (!CHECK(is_same))
         printf("  %d x %d, square %d, antialiased %d, %zu Gaussians, degree %d, batch %d, %u exposures, affine %d, "
-               "%u poses, surfaces %d, spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square, w->is_antialiased,
-               w->count, w->degree, w->batch, (unsigned)w->gains, w->is_affine, (unsigned)w->poses, w->surfaces,
-               is_spoiled);
+               "%u poses, surfaces %d, spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square,
+               w->is_antialiased, w->count, w->degree, w->batch, (unsigned)w->gains, w->is_affine, (unsigned)w->poses,
+               w->surfaces, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);

@@ -9,7 +9,7 @@
 #include "exposure.cuh"
 #include "model.cuh"
 #include "pose.cuh"
-#include "surface.cuh"
+#include "fit_surface.cuh"
 #include "tile.cuh"
 #include "update.cuh"
 

@@ -44,7 +44,7 @@ static inline float odds_of(float alpha)
 #include "src/fit/stages/noise.h"
 #include "src/fit/quantise.h"
 #include "src/fit/stages/smooth.h"
-#include "src/fit/stages/surface.h"
+#include "src/fit/stages/fit_surface.h"
 #undef static
 
 struct step_seen {

@@ -208,7 +208,7 @@ __device__ inline void put_depth(const step_buffers &b, const fxs_fit_camera &ca
         b.derivatives[k * size + at] = numbers[k];
 }
 
-/* HasPlanes: the splats have planes instead of colours (src/fit/stages/surface.h). */
+/* HasPlanes: the splats have planes instead of colours (src/fit/stages/fit_surface.h). */
 template <bool HasPlanes>
 __global__ void __launch_bounds__(FXS_FIT_PIXELS, 5)
 blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float3 background)

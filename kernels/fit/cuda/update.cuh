@@ -201,7 +201,7 @@ enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 struct batch_views {
     uint32_t count;
     float *planes[FXS_FIT_BATCH];
-    const float *surfaces[FXS_FIT_BATCH];  /* 3 planes of sums by surface.h; null: none in this step */
+    const float *surfaces[FXS_FIT_BATCH];  /* 3 planes of sums by fit_surface.h; null: none in this step */
     fxs_fit_camera cameras[FXS_FIT_BATCH];
     const posed_camera *posed;
 };

@@ -6,7 +6,7 @@
 #include "fit_project.h"
 #include "src/fit/quantise.h"
 #include "smooth.h"
-#include "surface.h"
+#include "fit_surface.h"
 #include "tile.h"
 
 #define JOIN(a, b) a##b

@@ -209,7 +209,7 @@ typedef struct fxs_fit_stages {
     /* Computes the gradients of at most FXS_FIT_PART Gaussians, and makes a step of Adam on their exact parameters
        before quantisation, `masters`. sums: FXS_FIT_SUMS planes for each camera. |dL/dcentre| is added to by_centre. A
        gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT counts as 0. Scales and opacities are clamped to
-       FXS_FIT_FARTHEST. by_surface: null, or 3 planes of sums (surface.h) for each camera, from Gaussian 0 on. */
+       FXS_FIT_FARTHEST. by_surface: null, or 3 planes of sums (fit_surface.h) for each camera, from Gaussian 0 on. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, const float *by_surface, float *by_centre);
@@ -225,11 +225,11 @@ typedef struct fxs_fit_stages {
        of a rotation about the eye. Order of addition: Gaussians p and p + 128, then p and p + 64, and so on. */
     void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                  size_t count, const float *sums, float out[FXS_FIT_POSE]);
-    /* Replaces the colours of the visible splats first..first + count by the planes of their Gaussians (surface.h). */
+    /* Replaces the colours of the visible splats first..first + count by planes of their Gaussians (fit_surface.h). */
     void (*planes)(const fxs_fit_camera *camera, const float *parameters, size_t stride, size_t first, size_t count,
                    fxs_fit_splat *splats);
     /* Computes a row of the gradient by the planes of splats from a picture's depths. planes: the numbers of a
-       depth_map (surface.h). is_depth 0: by normals, times -1; 1: by positions. weight: of a pixel in the loss. */
+       depth_map (fit_surface.h). is_depth 0: by normals, times -1; 1: by positions. weight: of a pixel in the loss. */
     void (*depths)(const fxs_fit_camera *camera, const fxs_fit_plane planes[4], int32_t row, int is_depth,
                    float weight, const fxs_fit_plane out[3]);
 } fxs_fit_stages;

@@ -1,4 +1,4 @@
-/* Fits Gaussians to surfaces (src/fit/stages/surface.h) on a device: planes of splats, and gradients by depths. */
+/* Fits Gaussians to surfaces (src/fit/stages/fit_surface.h) on a device: planes of splats, and gradients by depths. */
 #ifndef FXS_CUDA_FIT_SURFACE_CUH
 #define FXS_CUDA_FIT_SURFACE_CUH
 
