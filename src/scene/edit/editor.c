@@ -13,14 +13,17 @@
 #include "src/base/try_internal.h"
 #include "src/core/codes.h"
 
-enum { CHOSEN = 1, EMPTY = 2, REACH = 32 };
+/* Flags of a slot. BEFORE: the Gaussian was selected before the last shape. */
+enum { CHOSEN = 1, EMPTY = 2, BEFORE = 4 };
+enum { REACH = 32 };
 
 #define NEAR_DEFAULT 0.2
 
-/* What a lasso or a brush selects: pixels, and with `front` the surface in them. */
+/* What a lasso or a brush selects: pixels, and with `front` the surface in them. What an object has: slots. */
 typedef struct picture {
     uint8_t *mask;
     uint32_t *depths;
+    uint8_t *objects;
 } picture;
 
 static unsigned char *rows_of(const fxs_editor *e, uint32_t chunk)
@@ -130,11 +133,15 @@ static int project(const fxs_camera *c, const int64_t place_q32[3], size_t *pixe
     return 1;
 }
 
-static int is_inside(const fxs_edit_shape *s, const picture *p, const int64_t place_q32[3])
+static int is_inside(const fxs_editor *e, uint32_t slot, const fxs_edit_shape *s, const picture *p)
 {
     const double *n = s->numbers;
     double square = 0, depth;
+    int64_t place_q32[3];
     size_t pixel;
+    if (s->kind == FXS_EDIT_OBJECT)
+        return p->objects[slot];
+    place_of(e, slot, place_q32);
     if (s->kind == FXS_EDIT_LASSO || s->kind == FXS_EDIT_BRUSH)
         return project(&s->camera, place_q32, &pixel, &depth) && p->mask[pixel] &&
                (!p->depths || p->depths[pixel] == FXS_NOTHING ||
@@ -251,70 +258,66 @@ static int make_picture(const fxs_editor *e, const fxs_context *context, const f
     return has_depths ? find_depths(e, context, c, p->depths, message) : 0;
 }
 
-static void select(fxs_editor *e, const fxs_edit_shape *s, const picture *p)
-{
-    int64_t place_q32[3];
-    e->chosen = 0;
-    for (uint32_t i = 0; i < e->count; i++) {
-        if (!is_there(e, i))
-            continue;
-        place_of(e, i, place_q32);
-        if (is_inside(s, p, place_q32))
-            e->slots[i].flags = s->subtract ? 0 : CHOSEN;
-        e->chosen += e->slots[i].flags == CHOSEN;
-    }
-}
-
-static void choose(fxs_editor *e, const fxs_edit_shape *s, const uint8_t *objects)
-{
-    e->chosen = 0;
-    for (uint32_t i = 0; i < e->count; i++) {
-        if (!is_there(e, i))
-            continue;
-        if (objects[i])
-            e->slots[i].flags = s->subtract ? 0 : CHOSEN;
-        e->chosen += e->slots[i].flags == CHOSEN;
-    }
-}
-
-/* Selects the Gaussians of an object by clicks and boxes. */
-static int select_object(fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, fxs_message *message)
+/* Finds the Gaussians of an object by clicks and boxes. */
+static int find_object(const fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, picture *p,
+                       fxs_message *message)
 {
     const fxs_select_options options = {.size = sizeof options, .workers = context->config.workers};
+    const fxs_select_view view = {s->camera, p->mask};
     const uint32_t count = s->point_numbers / FXS_EDIT_HINT;
-    const fxs_camera *c = &s->camera;
-    picture p = {NULL, NULL};
-    int error = make_picture(e, context, s, &p, message);
-    fxs_select_hint *hints = fxs_allocate(NULL, count + 1, sizeof *hints);
-    uint8_t *objects = fxs_allocate(NULL, e->count, 1);
-    if (!error && (!hints || !objects))
+    fxs_select_hint *hints = fxs_allocate(NULL, (size_t)count + 1, sizeof *hints);
+    int error = 0;
+    p->objects = fxs_allocate(NULL, e->count, 1);
+    if (!hints || !p->objects)
         error = fxs_fail_memory(message, NULL, e->count + count * (uint64_t)sizeof *hints);
     for (uint32_t i = 0; i < count && !error; i++) {
         const int32_t *n = s->points + FXS_EDIT_HINT * i;
         hints[i] = (fxs_select_hint){n[0], n[1], n[2], n[3], n[4] != 0};
     }
-    const fxs_select_view view = {*c, p.mask};
-    error = error ? error : fxs_select_mark(context, &e->scene, c, hints, count, p.mask, message);
-    error = error ? error : fxs_select(context, &e->scene, &view, 1, &options, objects, message);
-    if (!error)
-        choose(e, s, objects);
-    fxs_release(NULL, p.mask);
+    error = error ? error : fxs_select_mark(context, &e->scene, &s->camera, hints, count, p->mask, message);
+    error = error ? error : fxs_select(context, &e->scene, &view, 1, &options, p->objects, message);
     fxs_release(NULL, hints);
-    fxs_release(NULL, objects);
+    return error;
+}
+
+/* Selects by a shape. `again`: in place of the last shape. */
+static void choose(fxs_editor *e, const fxs_edit_shape *s, const picture *p, int again)
+{
+    e->chosen = 0;
+    for (uint32_t i = 0; i < e->count; i++) {
+        if (!is_there(e, i))
+            continue;
+        uint8_t *flags = &e->slots[i].flags;
+        const int was = *flags & (again ? BEFORE : CHOSEN);
+        const int is = is_inside(e, i, s, p) ? !s->subtract : was != 0;
+        *flags = (uint8_t)((was ? BEFORE : 0) | (is ? CHOSEN : 0));
+        e->chosen += (uint32_t)is;
+    }
+}
+
+static int select_by(fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, int again,
+                     fxs_message *message)
+{
+    picture p = {NULL, NULL, NULL};
+    int error = s->kind < FXS_EDIT_LASSO ? 0 : make_picture(e, context, s, &p, message);
+    if (!error && s->kind == FXS_EDIT_OBJECT)
+        error = find_object(e, context, s, &p, message);
+    if (!error)
+        choose(e, s, &p, again);
+    fxs_release(NULL, p.mask);
+    fxs_release(NULL, p.depths);
+    fxs_release(NULL, p.objects);
     return error;
 }
 
 int fxs_editor_select(fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, fxs_message *message)
 {
-    picture p = {NULL, NULL};
-    if (s->kind == FXS_EDIT_OBJECT)
-        return select_object(e, context, s, message);
-    const int error = s->kind < FXS_EDIT_LASSO ? 0 : make_picture(e, context, s, &p, message);
-    if (!error)
-        select(e, s, &p);
-    fxs_release(NULL, p.mask);
-    fxs_release(NULL, p.depths);
-    return error;
+    return select_by(e, context, s, 0, message);
+}
+
+int fxs_editor_replace(fxs_editor *e, const fxs_context *context, const fxs_edit_shape *s, fxs_message *message)
+{
+    return select_by(e, context, s, 1, message);
 }
 
 void fxs_editor_clear(fxs_editor *e)
@@ -333,7 +336,7 @@ int fxs_editor_act(fxs_editor *e, int keep, fxs_message *message)
                                                                            : "no more edits");
     for (uint32_t i = 0; i < e->count; i++) {
         fxs_edit_slot *s = &e->slots[i];
-        const int is_hit = is_there(e, i) && (s->flags == CHOSEN) != keep;
+        const int is_hit = is_there(e, i) && (s->flags & CHOSEN) != keep;
         s->edit = is_hit ? (uint16_t)(e->done + 1) : s->edit <= e->done ? s->edit : 0;
     }
     e->last = e->done + 1;
@@ -360,7 +363,7 @@ void fxs_editor_mark(const fxs_editor *e, const fxs_camera *c, uint32_t *pixels,
     size_t at;
     double depth;
     for (uint32_t i = 0; i < e->count; i++) {
-        if (e->slots[i].flags != CHOSEN)
+        if (!(e->slots[i].flags & CHOSEN))
             continue;
         place_of(e, i, place_q32);
         if (!project(c, place_q32, &at, &depth))

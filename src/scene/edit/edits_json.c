@@ -14,7 +14,7 @@
 
 #define FARTHEST 0x1p28   /* largest coordinate of a camera, scene units */
 
-static const char *const names[FXS_EDIT_KINDS] = {"box", "sphere", "lasso", "brush"};
+static const char *const names[FXS_EDIT_KINDS] = {"box", "sphere", "lasso", "brush", "object"};
 
 /* The fields of a camera in the file: real numbers, which are rounded to integers with `bits` fraction bits. */
 static const struct {
@@ -40,6 +40,10 @@ static const struct {
 
 #define WORK_MOST ((uint64_t)1 << 34)   /* most pixels that the shapes of a file write */
 
+enum { OBJECT_WORK = 128, HINT_WORK = 16 };
+
+/* Coordinates of a corner, a disc and a hint. */
+static const int each_of[FXS_EDIT_KINDS] = {0, 0, 2, 3, FXS_EDIT_HINT};
 
 typedef struct reader {
     fxs_edits *edits;
@@ -90,23 +94,32 @@ static int take_camera(const reader *r, const cJSON *camera, fxs_camera *out)
     return 0;
 }
 
+/* True if x may be coordinate i of a corner, a disc or a hint. */
+static int is_coordinate(enum fxs_edit_kind kind, int i, double x)
+{
+    const int is_radius = kind == FXS_EDIT_BRUSH && i == 2, is_hint = kind == FXS_EDIT_OBJECT;
+    const double least = is_radius || is_hint ? 0 : -FXS_EDIT_OUTSIDE;
+    const double most = is_radius ? FXS_BRUSH_MOST : !is_hint ? FXS_EDIT_OUTSIDE : i == 4 ? 1 : FXS_MAX_SIZE - 1;
+    return x == floor(x) && x >= least && x <= most;
+}
+
 static int take_points(const reader *r, const cJSON *list, fxs_edit_shape *shape)
 {
-    const int each = shape->kind == FXS_EDIT_LASSO ? 2 : 3, count = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
+    const int each = each_of[shape->kind], count = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
     const cJSON *item;
     uint32_t n = 0;
     if (!count || count % each || (uint32_t)count > FXS_EDIT_NUMBERS_MOST)
-        return wrong(r, "\"points\" of a lasso is a list of x, y, of a brush of x, y, radius, at most 196608 numbers");
+        return wrong(r, "\"points\" of a lasso is a list of x, y, of a brush of x, y, radius, of an object of x, y, "
+                        "right, bottom, 0 or 1, at most 196608 numbers");
     int32_t *points = fxs_allocate(NULL, (size_t)count, sizeof *points);
     if (!points)
         return fxs_fail_memory(r->message, r->path, (uint64_t)count * sizeof *points);
     shape->points = points;
     cJSON_ArrayForEach(item, list) {
         const double x = cJSON_IsNumber(item) ? item->valuedouble : NAN;
-        const int is_radius = each == 3 && n % 3 == 2;
-        if (!(x == floor(x) && x >= (is_radius ? 0 : -FXS_EDIT_OUTSIDE) &&
-              x <= (is_radius ? FXS_BRUSH_MOST : FXS_EDIT_OUTSIDE)))
-            return wrong(r, "\"points\" are whole pixels, up to 2^20, a radius 0 to 1024");
+        if (!is_coordinate(shape->kind, (int)n % each, x))
+            return wrong(r, "\"points\" are whole pixels, up to 2^20, a radius 0 to 1024; of an object, pixels of the "
+                            "picture, then 0 or 1");
         points[n++] = (int32_t)x;
     }
     shape->point_numbers = n;
@@ -119,7 +132,7 @@ static int take_shape(const reader *r, const cJSON *item, fxs_edit_shape *shape)
     while (kind < FXS_EDIT_KINDS && !is_text(item, "shape", names[kind]))
         kind++;
     if (kind == FXS_EDIT_KINDS)
-        return wrong(r, "\"shape\" is box, sphere, lasso or brush");
+        return wrong(r, "\"shape\" is box, sphere, lasso, brush or object");
     shape->kind = (enum fxs_edit_kind)kind;
     shape->subtract = cJSON_IsTrue(item_of(item, "subtract"));
     shape->front = cJSON_IsTrue(item_of(item, "front"));
@@ -134,10 +147,13 @@ static int take_shape(const reader *r, const cJSON *item, fxs_edit_shape *shape)
     return is_finite ? 0 : wrong(r, "\"numbers\" of a box are 6, of a sphere 4");
 }
 
-/* Returns about how many pixels a lasso or a brush writes. */
+/* Returns about how many pixels a shape writes. An object takes as long as its frame and its weights, and each hint of
+   it some passes over the picture. */
 static uint64_t work_of(const fxs_edit_shape *s)
 {
     const uint64_t pixels = (uint64_t)s->camera.width * (uint64_t)s->camera.height;
+    if (s->kind == FXS_EDIT_OBJECT)
+        return (OBJECT_WORK + HINT_WORK * (uint64_t)(s->point_numbers / FXS_EDIT_HINT)) * pixels;
     uint64_t work = s->kind < FXS_EDIT_LASSO ? 0 : s->front ? 16 * pixels : pixels;
     if (s->kind == FXS_EDIT_LASSO)
         work += s->point_numbers / 2 * (uint64_t)s->camera.height;

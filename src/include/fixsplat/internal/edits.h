@@ -60,9 +60,14 @@ FXS_EXPERIMENTAL int fxs_editor_open(fxs_editor *editor, const fxs_scene *scene,
 FXS_EXPERIMENTAL void fxs_editor_close(fxs_editor *editor);
 
 /* Adds the Gaussians in a shape to the selection, or takes them out of it. A shape with `front` renders a frame with
-   `context`. Errors: FXS_ERR_ARGUMENT (size of the picture or of a brush), and as fxs_render. */
+   `context`; an object takes the steps of select.h. After an error, the selection is as before. Errors:
+   FXS_ERR_ARGUMENT (size of the picture or of a brush), and as fxs_render, fxs_select_mark and fxs_select. */
 FXS_EXPERIMENTAL int fxs_editor_select(fxs_editor *editor, const fxs_context *context, const fxs_edit_shape *shape,
                                        fxs_message *message);
+
+/* The same, but first takes back what the last shape did to the selection. */
+FXS_EXPERIMENTAL int fxs_editor_replace(fxs_editor *editor, const fxs_context *context, const fxs_edit_shape *shape,
+                                        fxs_message *message);
 FXS_EXPERIMENTAL void fxs_editor_clear(fxs_editor *editor);
 
 /* Deletes the selected Gaussians, or with `keep` all others, and clears the selection. Drops the edits that were taken
