@@ -20,6 +20,9 @@ typedef struct edited {
 
 static fxs_message message;
 
+/* Two groups of Gaussians side by side, a red one at x < 10 and a green one, if `has_two`; then nothing is between. */
+static int has_two;
+
 /* A cube of SIDE^3 opaque Gaussians in a shuffled order, at whole coordinates from 0 on. Every 1000th has a NaN. */
 static long read_cube(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
 {
@@ -29,6 +32,11 @@ static long read_cube(void *argument, uint64_t first, fxs_gaussian *out, size_t 
         out[i] = (fxs_gaussian){.position = {(float)(n % SIDE), (float)(n / SIDE % SIDE), (float)(n / SIDE / SIDE)},
                                 .scale = {-0.7f, -0.7f, -0.7f}, .rotation = {1, 0, 0, 0}, .opacity = 5,
                                 .dc = {(float)(n % 7), 0, 0}};
+        if (has_two) {
+            out[i].dc[0] = n % SIDE < SIDE / 2 ? 1.5f : -1.5f;
+            out[i].dc[1] = -out[i].dc[0];
+            out[i].position[0] += n % SIDE < SIDE / 2 ? -4.0f : 4.0f;
+        }
         if (n % 1000 == 0)
             out[i].dc[0] = NAN;
     }
@@ -177,6 +185,53 @@ static void test_front(void)
     end(e);
 }
 
+static int of_x(const edited *e, int side)
+{
+    int count = 0;
+    for (uint32_t n = 0; n < COUNT; n++)
+        count += n % 1000 && (int)(n % SIDE) / (SIDE / 2) == side && e->slots[n] != UINT32_MAX;
+    return count;
+}
+
+/* Clicks select the group of their pixel, as boxes do; another click mends or replaces, and "not this" takes out. */
+static void test_object(void)
+{
+    static const int32_t left[] = {55, 80, 55, 80, 1}, both[] = {55, 80, 55, 80, 1, 145, 80, 145, 80, 1};
+    static const int32_t box[] = {102, 12, 190, 148, 1}, not_left[] = {20, 20, 180, 140, 1, 55, 80, 55, 80, 0};
+    static const int32_t nothing[] = {100, 80, 100, 80, 1}, outside[] = {55, 200, 55, 200, 1};
+    has_two = 1;
+    edited *e = cube(FXS_PROFILE_DEFAULT);
+    has_two = 0;
+    fxs_edit_shape shape = lasso();
+    shape.kind = FXS_EDIT_OBJECT;
+    shape.points = left;
+    shape.point_numbers = FXS_EDIT_HINT;
+    const int red = select(e, shape);
+    CHECK(red > 0.97 * of_x(e, 0) && red <= of_x(e, 0));
+    shape.points = nothing;
+    CHECK(select(e, shape) == FXS_ERR_ARGUMENT && strstr(message.text, "nothing is there"));
+    shape.points = outside;
+    CHECK(select(e, shape) == FXS_ERR_ARGUMENT && (int)e->editor.chosen == red);
+    shape.points = both;
+    shape.point_numbers = 2 * FXS_EDIT_HINT;
+    CHECK(!fxs_editor_replace(&e->editor, &e->context, &shape, &message));
+    CHECK(e->editor.chosen > 0.97 * 7992 && e->editor.chosen <= 7992);
+    shape.points = not_left;
+    CHECK(!fxs_editor_replace(&e->editor, &e->context, &shape, &message));
+    const int green = (int)e->editor.chosen;
+    CHECK(green > 0.9 * of_x(e, 1) && green <= of_x(e, 1));
+    fxs_editor_clear(&e->editor);
+    shape.points = box;
+    shape.point_numbers = FXS_EDIT_HINT;
+    CHECK(select(e, shape) > 0.9 * of_x(e, 1));
+    shape.points = left;
+    const int all = select(e, shape);
+    shape.subtract = 1;
+    CHECK(all > 0.9 * 7992 && select(e, shape) == all - red);
+    CHECK(fxs_editor_act(&e->editor, 1, &message) == 7992 - (all - red));
+    end(e);
+}
+
 static int faint(const edited *e)
 {
     int count = 0;
@@ -262,6 +317,7 @@ static int read_edits(fxs_edits *edits, const char *json)
 #define CAMERA "{\"width\":200,\"height\":160,\"fx\":100,\"fy\":100,\"cx\":100,\"cy\":80," \
                "\"rotation\":[1,0,0,0,1,0,0,0,1],\"position\":[9.5,9.5,-20],\"near\":0.2}"
 #define LASSO "{\"shape\":\"lasso\",\"front\":true,\"camera\":" CAMERA ",\"points\":[60,40,140,40,140,120,60,120]}"
+#define OBJECT "{\"shape\":\"object\",\"camera\":" CAMERA ",\"points\":[100,80,100,80,1]}"
 #define BOX "{\"shape\":\"box\",\"numbers\":[-0.1,-0.1,-0.1,1.1,1.1,1.1]}"
 #define FILE_OF(gaussians, act, shapes) "{\"format\":\"fixsplat edits\",\"version\":1,\"scene\":{\"gaussians\":" \
     gaussians ",\"checksum\":\"%08x\"},\"edits\":[{\"act\":\"" act "\",\"select\":[" shapes "]}]}"
@@ -281,6 +337,15 @@ static void test_file(void)
     CHECK(e->editor.left == 7992 - 256 - 7);
     CHECK(fxs_edits_do(&edits, &e->editor, &e->context, &message) == FXS_ERR_ARGUMENT);
     CHECK(strstr(message.text, "another scene"));
+    fxs_edits_free(&edits);
+    fxs_editor_go(&e->editor, 0);
+    e->editor.last = 0;
+    snprintf(json, sizeof json, FILE_OF("7992", "delete", OBJECT), checksum);
+    CHECK(!read_edits(&edits, json) && edits.shapes[0].kind == FXS_EDIT_OBJECT);
+    CHECK(!fxs_editor_select(&e->editor, &e->context, &edits.shapes[0], &message));
+    const uint32_t chosen = e->editor.chosen;
+    fxs_editor_clear(&e->editor);
+    CHECK(!fxs_edits_do(&edits, &e->editor, &e->context, &message) && e->editor.left == 7992 - chosen);
     fxs_edits_free(&edits);
     fxs_editor_go(&e->editor, 0);
     snprintf(json, sizeof json, FILE_OF("7992", "keep", LASSO), checksum ^ 1);
@@ -336,6 +401,9 @@ static void test_bad_files(void)
         {FILE_OF("1", "delete", "{\"shape\":\"lasso\",\"camera\":" CAMERA ",\"points\":[1,2,3]}"), "\"points\" of"},
         {FILE_OF("1", "delete", "{\"shape\":\"lasso\",\"camera\":" CAMERA ",\"points\":[1,2.5]}"), "whole pixels"},
         {FILE_OF("1", "delete", "{\"shape\":\"brush\",\"camera\":" CAMERA ",\"points\":[1,2,2000]}"), "whole pixels"},
+        {FILE_OF("1", "delete", "{\"shape\":\"object\",\"camera\":" CAMERA ",\"points\":[1,2,3,4,2]}"), "then 0 or 1"},
+        {FILE_OF("1", "delete", "{\"shape\":\"object\",\"camera\":" CAMERA ",\"points\":[-1,2,3,4,1]}"), "then 0 or 1"},
+        {FILE_OF("1", "delete", "{\"shape\":\"object\",\"camera\":" CAMERA ",\"points\":[1,2,3,4]}"), "\"points\" of"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         fxs_edits edits;
@@ -355,6 +423,7 @@ static void tests(void)
     RUN(test_shapes);
     RUN(test_turned);
     RUN(test_front);
+    RUN(test_object);
     RUN(test_acts);
     RUN(test_written);
     RUN(test_file);

@@ -1323,6 +1323,51 @@ static int orange_pixels(const viewer *v)
     return count;
 }
 
+/* Clicks of one camera are one object with several hints, a click of another camera is another object. */
+static void test_object(void)
+{
+    viewer v;
+    frame_options options = framed_options();
+    options.width = 256;
+    options.height = 192;
+    if (start(&v, &options))
+        return;
+    key(&v, 'l'), key(&v, 'l'), key(&v, 'l');
+    CHECK(v.edit.tool == EDIT_OBJECT && strstr(v.note, "object: click it"));
+    click(&v, 1, 4, 4);
+    CHECK(strstr(v.note, "nothing is there") && !v.edit.list.shape_count);
+    click(&v, 1, 104, 88);
+    const fxs_edit_shape *shapes = v.edit.list.shapes;
+    const uint32_t chosen = v.edit.editor.chosen;
+    if (!CHECK(shapes)) {
+        viewer_close(&v);
+        return;
+    }
+    CHECK(chosen > 20 && v.edit.list.shape_count == 1 && shapes[0].point_numbers == 5 && orange_pixels(&v) > 10);
+    CHECK(shapes[0].points[0] == 104 && shapes[0].points[3] == 88 && shapes[0].points[4] == 1);
+    click(&v, 1, 4, 4);
+    CHECK(strstr(v.note, "nothing is there") && v.edit.editor.chosen == chosen && v.edit.list.shape_count == 1);
+    push_button(SDL_MOUSEBUTTONDOWN, 1, 8, 8);
+    move_to(&v, SDL_BUTTON_LMASK, 248, 184);
+    push_button(SDL_MOUSEBUTTONUP, 1, 248, 184);
+    rest(&v);
+    CHECK(v.edit.list.shape_count == 1 && v.edit.list.shapes[0].point_numbers == 10);
+    CHECK(v.edit.list.shapes[0].points[7] == 248 && v.edit.editor.chosen > chosen);
+    key(&v, SDLK_DELETE);
+    CHECK(v.edit.list.count == 1 && drawn(&v) == v.edit.editor.left && v.edit.editor.left < 2000 - chosen);
+    key(&v, 'u');
+    CHECK(drawn(&v) == 2000);
+    click(&v, 1, 104, 88);
+    CHECK(v.edit.editor.chosen == chosen && v.edit.list.shape_count == 2);
+    wheel(&v, 1);
+    rest(&v);
+    click(&v, 1, 104, 88);
+    CHECK(v.edit.list.shape_count == 3 && v.edit.list.shapes[2].point_numbers == 5);
+    key(&v, SDLK_ESCAPE);
+    CHECK(!v.edit.editor.chosen && v.edit.list.shape_count == 1);
+    viewer_close(&v);
+}
+
 static void test_edits(void)
 {
     viewer v;
@@ -2027,6 +2072,7 @@ int main(void)
     RUN(test_measure);
     RUN(test_crop);
     RUN(test_edits);
+    RUN(test_object);
     RUN(test_crop_handles);
     RUN(test_crop_of_objects);
     RUN(test_crop_not_written);

@@ -237,8 +237,8 @@ void fxs_window_wake(void)
 int fxs_window_holds(int key)
 {
     const Uint8 *state = SDL_GetKeyboardState(0);
-    if (key == FXS_KEY_SHIFT)
-        return (SDL_GetModState() & KMOD_SHIFT) != 0;
+    if (key == FXS_KEY_SHIFT || key == FXS_KEY_ALT)
+        return (SDL_GetModState() & (key == FXS_KEY_SHIFT ? KMOD_SHIFT : KMOD_ALT | KMOD_CTRL)) != 0;
     if (key >= FXS_KEY_LEFT && key <= FXS_KEY_DOWN)
         return state[(const int[]){SDL_SCANCODE_LEFT, SDL_SCANCODE_RIGHT, SDL_SCANCODE_UP, SDL_SCANCODE_DOWN}
                      [key - FXS_KEY_LEFT]];

@@ -24,7 +24,7 @@ enum fxs_window_event_type {
 };
 
 enum { FXS_KEY_BACKSPACE = 8, FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_DELETE = 127, FXS_KEY_SHIFT,
-       FXS_KEY_LEFT, FXS_KEY_RIGHT, FXS_KEY_UP, FXS_KEY_DOWN };
+       FXS_KEY_ALT, FXS_KEY_LEFT, FXS_KEY_RIGHT, FXS_KEY_UP, FXS_KEY_DOWN };
 
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;
@@ -62,8 +62,8 @@ int fxs_window_wait(fxs_window *window, int milliseconds, fxs_window_event *even
    open. */
 void fxs_window_wake(void);
 
-/* Returns 1 if a key is held down. Keys are 'a' to 'z' (by position on a US keyboard), ' ', FXS_KEY_SHIFT and
-   the arrows. */
+/* Returns 1 if a key is held down. Keys are 'a' to 'z' (by position on a US keyboard), ' ', FXS_KEY_SHIFT, the
+   arrows, and FXS_KEY_ALT (Alt or Ctrl, since some desktops keep Alt for themselves). */
 int fxs_window_holds(int key);
 
 /* Shows a picture stretched to the window, and panels over the picture. If `picture` is null, fills the window with the

@@ -6,7 +6,6 @@
 
 #include "src/gaussian/tilt.h"
 #include "src/core/animate.h"
-#include "src/gaussian/attributes.h"
 
 #define LN_2 0.69314718055994531
 
@@ -74,14 +73,11 @@ void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char 
     const fxs_codes codes = fxs_codes_of(s, rows, g);
     memset(out, 0, sizeof *out);
     for (int i = 0; i < 3; i++) {
-        const uint32_t scale = fxs_scale_code(codes.scale, i), colour = fxs_colour_code(&codes, i);
-        const int64_t steps = (int64_t)codes.position[i] * chunk->step_q32[i] << chunk->step_shift;
-        out->position[i] = (float)((double)(chunk->origin_q32[i] + steps) * 0x1p-32);
+        const uint32_t scale = fxs_scale_code(codes.scale, i);
         out->scale[i] = (float)(LN_2 * (chunk->scale_q16 * 0x1p-16 -
                                         (double)scale * scale * chunk->scale_step_q24 * 0x1p-24));
-        out->dc[i] = fxs_dc_of_colour(chunk->colour_q16[i] * 0x1p-16 +
-                                      (double)colour * chunk->colour_step_q20[i] * 0x1p-20);
     }
+    fxs_decode_point(chunk, &codes, out->position, out->dc);
     take_rotation(s, chunk, &codes, out->rotation);
     out->opacity = fxs_logit_of_opacity(opacity_of(codes.colour >> 24, chunk->opacity_law));
     if (s->profile == FXS_PROFILE_DEFAULT)

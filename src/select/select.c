@@ -148,7 +148,7 @@ static int decode(selecting *s, fxs_message *m)
 {
     const fxs_allocator *a = s->o.allocator;
     fxs_chunk chunk;
-    fxs_gaussian g;
+    float position[3], dc[3];
     for (int k = 0; k < 3; k++)
         s->planes[k] = fxs_allocate(a, s->slots, sizeof *s->planes[k]);
     s->colours = fxs_allocate(a, s->slots, 3);
@@ -159,11 +159,12 @@ static int decode(selecting *s, fxs_message *m)
         const unsigned char *rows = s->scene.rows + i / FXS_CHUNK * (size_t)s->scene.chunk_bytes;
         if (i % FXS_CHUNK == 0 && fxs_chunk_read(&chunk, &s->scene, i / FXS_CHUNK))
             return fxs_fail_as(FXS_ERR_SCENE, m, "%s", fxs_strerror(FXS_ERR_SCENE));
+        const fxs_codes codes = fxs_codes_of(&s->scene, rows, i % FXS_CHUNK);
         s->is_full[i] = !fxs_slot_is_empty(&s->scene, rows, i % FXS_CHUNK);
-        fxs_decode(&s->scene, &chunk, rows, i % FXS_CHUNK, &g);
+        fxs_decode_point(&chunk, &codes, position, dc);
         for (int k = 0; k < 3; k++) {
-            s->planes[k][i] = g.position[k];
-            s->colours[3 * (size_t)i + (size_t)k] = shade_of(g.dc[k]);
+            s->planes[k][i] = position[k];
+            s->colours[3 * (size_t)i + (size_t)k] = shade_of(dc[k]);
         }
     }
     return 0;

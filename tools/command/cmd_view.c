@@ -24,7 +24,7 @@ const char viewer_keys[] =
     "z i            depths, ids; again: colours\n"
     "c              crop box, by its handles; again: the whole scene\n"
     "enter          write the crop box or the edits, SCENE-cropped-001\n"
-    "l j            lasso (shift adds), brush, neither; front only\n"
+    "l j            lasso, brush (shift adds, alt takes out), object; front only\n"
     "delete u       delete selection or crop box, undo; shift: keep, redo\n"
     "1 2 3          1 or 2: turn and fly; 3: walk, also by arrows, q e turn\n"
     "x 0 v b        cut-off, SH degree, resolution in motion, back end\n"

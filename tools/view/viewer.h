@@ -36,7 +36,7 @@ typedef struct crop_box {
     double low[3], high[3];
 } crop_box;
 
-enum edit_tool { EDIT_OFF, EDIT_LASSO, EDIT_BRUSH };
+enum edit_tool { EDIT_OFF, EDIT_LASSO, EDIT_BRUSH, EDIT_OBJECT };
 enum edit_act { EDIT_SELECT, EDIT_DELETE, EDIT_KEEP, EDIT_CLEAR, EDIT_UNDO, EDIT_REDO, EDIT_WRITE };
 
 /* Editing by hand. */

@@ -1,5 +1,6 @@
-/* Editing by hand in the window: a lasso or a brush, drawn with the left button, selects Gaussians, and so does the
-   crop box. The editor works on a copy of the scene. It belongs to the renderer's thread while requests are queued. */
+/* Editing by hand in the window: a lasso or a brush, drawn with the left button, selects Gaussians, and so do clicks on
+   objects, boxes around them, and the crop box. The editor works on a copy of the scene. It belongs to the renderer's
+   thread while requests are queued. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "viewer.h"
 
 enum { BRUSH = 24, STROKE_MOST = 16384 };    /* radius of the brush in points of the screen; most points of a stroke */
+enum { HINTS_MOST = 64, STILL = 4 };           /* most clicks and boxes of an object; a click moves less, in points */
 
 /* ---- The renderer's thread --------------------------------------------------------------------------------------- */
 
@@ -75,19 +77,45 @@ static void clear(editing *e)
     fxs_edits_drop_shapes(&e->list, first_chosen(&e->list), e->list.shape_count);
 }
 
+/* Puts a click or a box behind those of the object that was selected last, if they are of the same camera. Then returns
+   1. Otherwise the object begins another shape; where something else was meant, the shape takes the object out. */
+static int join_object(const editing *e, fxs_edit_shape *s, int32_t *points)
+{
+    const fxs_edit_shape *last = e->list.shape_count > first_chosen(&e->list)
+                                     ? &e->list.shapes[e->list.shape_count - 1] : 0;
+    const int32_t *hint = s->points;
+    s->points = points;
+    if (last && last->kind == FXS_EDIT_OBJECT && !last->subtract && last->point_numbers < HINTS_MOST * FXS_EDIT_HINT &&
+        !memcmp(&last->camera, &s->camera, sizeof s->camera)) {
+        memcpy(points, last->points, last->point_numbers * sizeof *points);
+        memcpy(points + last->point_numbers, hint, FXS_EDIT_HINT * sizeof *points);
+        s->point_numbers += last->point_numbers;
+        return 1;
+    }
+    memcpy(points, hint, FXS_EDIT_HINT * sizeof *points);
+    s->subtract = !points[FXS_EDIT_HINT - 1];
+    points[FXS_EDIT_HINT - 1] = 1;
+    return 0;
+}
+
 static int select_shape(viewer *v, request *r)
 {
     editing *e = &v->edit;
+    int32_t points[(HINTS_MOST + 1) * FXS_EDIT_HINT];
+    fxs_edit_shape shape = r->shape;
     fxs_kernels fastest;
     fxs_context context;
     fxs_kernels_choose(&fastest, ~0u);
     fxs_context_init(&context, &(fxs_config){.size = sizeof(fxs_config), .kernels = &fastest});
     if (!r->adds)
         clear(e);
-    int error = renderer_camera(&v->renderer, &r->view, &r->shape.camera);
+    int error = renderer_camera(&v->renderer, &r->view, &shape.camera);
+    const int joins = !error && shape.kind == FXS_EDIT_OBJECT && join_object(e, &shape, points);
     if (!error)
-        error = fxs_editor_select(&e->editor, &context, &r->shape, &r->message);
-    if (!error && (error = fxs_edits_add_shape(&e->list, &r->shape, &r->message)) != 0)
+        error = (joins ? fxs_editor_replace : fxs_editor_select)(&e->editor, &context, &shape, &r->message);
+    if (!error && joins)
+        fxs_edits_drop_shapes(&e->list, e->list.shape_count - 1, e->list.shape_count);
+    if (!error && (error = fxs_edits_add_shape(&e->list, &shape, &r->message)) != 0)
         clear(e);
     return error;
 }
@@ -198,7 +226,8 @@ static int can_edit(const viewer *v)
 void edit_tool(viewer *v)
 {
     static const char *const notes[] = {[EDIT_LASSO] = "lasso: drag around Gaussians; h lists the keys",
-                                        [EDIT_BRUSH] = "brush: drag over Gaussians; h lists the keys"};
+                                        [EDIT_BRUSH] = "brush: drag over Gaussians; h lists the keys",
+                                        [EDIT_OBJECT] = "object: click it, or drag a box around it; alt: not this"};
     editing *e = &v->edit;
     if (play_moves(v)) {
         tell(v, "no edits of a scene that moves: convert --time writes a moment");
@@ -209,7 +238,7 @@ void edit_tool(viewer *v)
         return;
     }
     e->stroke_count = 0;
-    e->tool = e->tool == EDIT_BRUSH ? EDIT_OFF : e->tool + 1;
+    e->tool = e->tool == EDIT_OBJECT ? EDIT_OFF : e->tool + 1;
     if (!e->stroke)
         e->stroke = malloc(STROKE_MOST * sizeof *e->stroke);
     if (!e->stroke)
@@ -301,11 +330,32 @@ double edit_brush(const viewer *v)
     return BRUSH * fxs_window_scale(v->window);
 }
 
+/* Lists the numbers of a click or a box, from the first to the last point of the stroke. */
+static uint32_t list_hint(const viewer *v, int32_t *out)
+{
+    const editing *e = &v->edit;
+    if (!e->stroke_count)
+        return 0;
+    const double *a = e->stroke[0], *b = e->stroke[e->stroke_count - 1];
+    const double *end = hypot(b[0] - a[0], b[1] - a[1]) < STILL * fxs_window_scale(v->window) ? a : b;
+    for (int k = 0; k < 2 && out; k++) {
+        const int32_t last = (k ? v->view.height : v->view.width) - 1;
+        const double low = floor(fmin(a[k], end[k])), high = floor(fmax(a[k], end[k]));
+        out[k] = (int32_t)fmin(fmax(low, 0), last);
+        out[2 + k] = (int32_t)fmin(fmax(high, 0), last);
+    }
+    if (out)
+        out[4] = !fxs_window_holds(FXS_KEY_ALT);
+    return FXS_EDIT_HINT;
+}
+
 /* Lists the numbers of a shape: the corners of a lasso, or a brush's discs along the stroke, half a radius apart.
    Returns their number. Without `out`, only counts. */
 static uint32_t list_points(const viewer *v, int32_t *out)
 {
     const editing *e = &v->edit;
+    if (e->tool == EDIT_OBJECT)
+        return list_hint(v, out);
     const int radius = (int)edit_brush(v);
     uint32_t n = 0;
     for (int i = 0; i < e->stroke_count; i++) {
@@ -329,10 +379,16 @@ void edit_release(viewer *v)
     int32_t *points = count ? malloc(count * sizeof *points) : 0;
     request *r = points ? ask_edit(v, EDIT_SELECT) : 0;
     if (r) {
+        static const enum fxs_edit_kind kinds[] = {[EDIT_LASSO] = FXS_EDIT_LASSO, [EDIT_BRUSH] = FXS_EDIT_BRUSH,
+                                                   [EDIT_OBJECT] = FXS_EDIT_OBJECT};
+        const int is_object = e->tool == EDIT_OBJECT, is_less = fxs_window_holds(FXS_KEY_ALT);
         list_points(v, points);
-        r->adds = fxs_window_holds(FXS_KEY_SHIFT);
-        r->shape.kind = e->tool == EDIT_LASSO ? FXS_EDIT_LASSO : FXS_EDIT_BRUSH;
-        r->shape.front = e->front;
+        r->adds = is_object || is_less || fxs_window_holds(FXS_KEY_SHIFT);
+        r->shape.kind = kinds[e->tool];
+        r->shape.subtract = !is_object && is_less;
+        r->shape.front = !is_object && e->front;
+        if (is_object)
+            tell(v, "looking for the object ...");
         r->shape.points = points;
         r->shape.point_numbers = count;
     } else {

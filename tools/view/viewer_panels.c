@@ -310,12 +310,25 @@ static void add_crop(panels *p, const viewer *v)
     }
 }
 
-/* Draws the stroke of a lasso or a brush. */
+/* Draws the box around an object. */
+static void draw_box(const panels *p, const editing *e, const fxs_panel *panel)
+{
+    const double *a = e->stroke[0], *b = e->stroke[e->stroke_count - 1];
+    const double corners[4][2] = {{a[0], a[1]}, {b[0], a[1]}, {b[0], b[1]}, {a[0], b[1]}};
+    for (int i = 0; i < 4; i++)
+        fxs_draw_line(&panel->picture, corners[i], corners[(i + 1) % 4], 2 * p->scale, 0xff7d3dff);
+}
+
+/* Draws the stroke of a tool. */
 static void add_stroke(panels *p, const viewer *v)
 {
     const editing *e = &v->edit;
     const int is_lasso = e->tool == EDIT_LASSO;
     const fxs_panel *panel = add(p, 0, 0, p->width, p->height, 0, 0);
+    if (panel && e->tool == EDIT_OBJECT) {
+        draw_box(p, e, panel);
+        return;
+    }
     for (int i = 0; i < e->stroke_count && panel; i++)
         fxs_draw_line(&panel->picture, e->stroke[i], e->stroke[is_lasso ? (i + 1) % e->stroke_count : i ? i - 1 : 0],
                       is_lasso ? 2 * p->scale : 2 * edit_brush(v), is_lasso ? 0xff7d3dff : 0xff7d3d80);
