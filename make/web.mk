@@ -20,7 +20,7 @@ WASM_OPT_ROUND := --flatten --rereloop -O3 -O3
 WASM_OPT_FLAGS := $(WASM_OPT_ROUND) $(WASM_OPT_ROUND) -ocimfs=200 -fimfs=0 --low-memory-unused
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
-WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_edit.c port/web/web_paged.c src/scene/edit/editor.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_edit.c port/web/web_paged.c src/scene/edit/editor.c $(wildcard src/select/*.c) src/gaussian/nearest.c src/base/crc32.c src/gaussian/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c within.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
@@ -47,7 +47,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
                 $(if $(filter $(addprefix kernels/simd/wasm/,bin% project% shade%),$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
-WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
+WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% core/src/select/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/scene/sound.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c ply_motion.c rad.c splatv.c tileset.c) import/src/pack/lives.c import/src/gaussian/moment.c import/src/gaussian/gaussian_source.c \

@@ -1,7 +1,7 @@
 // Editing a scene by hand: selects and deletes Gaussians. fixsplat.js loads this module with the first edited scene.
 
-const SHAPES = ['box', 'sphere', 'lasso', 'brush']
-const COUNTS = [6, 4, 0, 0]
+const SHAPES = ['box', 'sphere', 'lasso', 'brush', 'object']
+const COUNTS = [6, 4, 0, 0, 0]
 const MARK = 0xff3d7dff         // orange, as RGBA8 in little-endian order
 
 /** Selects and deletes Gaussians of a scene. The scene then has no levels of detail. */
@@ -32,13 +32,14 @@ export class Editor {
     return { left, chosen, done, last }
   }
 
-  /** Selects by a shape { shape, numbers or points, front, subtract }, beside what is selected. */
+  /** Selects by a shape { shape, numbers or points, front, subtract }, beside what is selected. A click or a box of an
+      object joins those before of the same camera. */
   select(asked, camera = {}, options = {}) {
     const shape = { ...asked }
     const kind = SHAPES.indexOf(shape.shape)
-    const { numbers = [], points: corners = [] } = shape
+    const { numbers = [] } = shape
     if (kind < 0 || numbers.length !== COUNTS[kind] || !numbers.every(Number.isFinite))
-      throw new Error('expected a box of 6 numbers, a sphere of 4, a lasso or a brush')
+      throw new Error('expected a box of 6 numbers, a sphere of 4, a lasso, a brush or an object')
     const [core, width, height] = this.#begin([{ scene: this.scene }], camera, options)
     if (kind > 1) {
       core.c.edit_camera()
@@ -47,16 +48,28 @@ export class Editor {
       const orthographic = !!camera.orthographic
       shape.camera = { width, height, fx, fy, cx, cy, rotation, position, near, orthographic }
     }
-    const points = Int32Array.from(corners.length ? corners : [0])
+    const joins = shape.shape === 'object' && this.#join(shape)
+    const points = Int32Array.from(shape.points?.length ? shape.points : [0])
     const at = core.copy(new Uint8Array(points.buffer))
     try {
       core.put(...numbers)
-      core.draw('edit_select', this.#at, kind, !!shape.subtract, !!shape.front, at, points.length)
+      core.draw('edit_select', this.#at, kind, !!shape.subtract, !!shape.front, at, points.length, joins)
     } finally {
       core.c.release(at)
     }
+    if (joins) this.#chosen.pop()
     this.#chosen.push(shape)
     return this.facts
+  }
+
+  /** Puts a click or a box behind those of the object that was selected last. Returns false if this one begins another
+      shape. Where something else was meant, that shape takes the object out. */
+  #join(shape) {
+    const last = this.#chosen.at(-1)
+    const isSame = last?.shape === 'object' && !last.subtract && JSON.stringify(last.camera) === JSON.stringify(shape.camera)
+    if (isSame) shape.points = [...last.points, ...shape.points]
+    else if (!shape.points[4]) Object.assign(shape, { subtract: true, points: [...shape.points.slice(0, 4), 1] })
+    return isSame
   }
 
   clear() {

@@ -446,12 +446,14 @@ export interface ScreenOptions extends FrameOptions {
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
-/** A shape that selects the Gaussians with centres in it. */
+/** A shape that selects the Gaussians with centres in it, or the Gaussians of an object. */
 export interface EditShape {
-  shape: 'box' | 'sphere' | 'lasso' | 'brush'
+  shape: 'box' | 'sphere' | 'lasso' | 'brush' | 'object'
   /** Box: smallest x, y, z and largest. Sphere: middle and radius. */
   numbers?: number[]
-  /** Whole pixels. Lasso: x, y of each corner. Brush: x, y and radius of each disc. */
+  /** Whole pixels. Lasso: x, y of each corner. Brush: x, y and radius of each disc. Object: x, y, right, bottom of a
+      box around the object, or of a pixel of it, then 1, or 0 if it is something else. Joins those before of the same
+      camera. */
   points?: number[]
   /** Lasso, brush: leaves out Gaussians behind the surface that the picture shows. */
   front?: boolean
@@ -473,7 +475,8 @@ export interface Editor {
   readonly facts: EditFacts
   /** The edits that are done, as the content of a file for `fixsplat convert --edits`. */
   readonly edits: object
-  /** Adds the Gaussians in a shape to the selection; the camera and the size are for a lasso or a brush. */
+  /** Adds the Gaussians in a shape to the selection; the camera and the size are for a lasso, a brush or
+      an object. */
   select(shape: EditShape, camera?: Camera, options?: FrameOptions): EditFacts
   clear(): EditFacts
   /** Deletes the selected Gaussians, or with 'keep' all others. */

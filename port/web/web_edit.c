@@ -41,14 +41,14 @@ EXPORT(edit_facts) void fxs_web_edit_facts(const web_editor *e)
         fxs_web_numbers()[i] = facts[i];
 }
 
-/* Selects by a shape. In: the 6 numbers of a box, or the 4 of a sphere. */
+/* Selects by a shape, with `again` in place of the last shape. In: the 6 numbers of a box, or the 4 of a sphere. */
 EXPORT(edit_select) int fxs_web_edit_select(web_editor *e, int kind, int subtract, int front, const int32_t *points,
-                                            uint32_t point_numbers)
+                                            uint32_t point_numbers, int again)
 {
     fxs_edit_shape shape = {.kind = (enum fxs_edit_kind)kind, .subtract = subtract, .front = front,
                             .camera = *fxs_web_eye(), .points = points, .point_numbers = point_numbers};
     memcpy(shape.numbers, fxs_web_numbers(), sizeof shape.numbers);
-    return fxs_editor_select(&e->editor, fxs_web_context(), &shape, fxs_web_message());
+    return (again ? fxs_editor_replace : fxs_editor_select)(&e->editor, fxs_web_context(), &shape, fxs_web_message());
 }
 
 EXPORT(edit_clear) void fxs_web_edit_clear(web_editor *e)

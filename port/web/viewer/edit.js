@@ -1,14 +1,17 @@
-// Editing by hand: a row of tools that select Gaussians by a lasso, a brush, a box or a sphere, and delete them or all
-// others. The Editor in the worker has the list of edits.
+// Editing by hand: a row of tools that select Gaussians by a lasso, a brush, a box, a sphere or clicks on an object, and
+// delete them or all others. The Editor in the worker has the list of edits.
 import { button } from './body.js'
 import { add, cross, project, unit } from './motion.js'
 
 const LEAST = 3 // CSS pixels between two points of a stroke
+const STILL = 4 // CSS pixels that the pointer moves at most in a click on an object
+const SOON = 500 // milliseconds after which the viewer says that it looks for an object
 const STEP = 0.5 // distance between two discs of a brush, in its radius
 const TOOLS = {
   lasso: ['Lasso', 'M12 4c5 0 9 2.4 9 5.5S17 15 12 15s-9-2.4-9-5.5S7 4 12 4zM7 14.5c-2 1.5-1 3 0 3.5s1 2-1 3'],
   brush: ['Brush', 'M20 3L10 13M8.5 13.5c-3 0-2.5 4-5.5 5.5 4 2 9 1 9-2.5a3 3 0 0 0-3.5-3z'],
   box: ['Box', 'M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9'],
+  object: ['Object', 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5M10 9l7 3-3 1-1 3z'],
   sphere: ['Sphere', 'M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM3 12c4 3.5 14 3.5 18 0'],
 }
 const ACTS = {
@@ -158,7 +161,8 @@ export class Edit {
   #do(name, ...args) {
     const host = this.#host
     const call = async () => {
-      this.facts = await host.edit(name, ...args)
+      const wait = args[0]?.shape === 'object' && setTimeout(() => host.note('Looking for the object'), SOON)
+      this.facts = await host.edit(name, ...args).finally(() => clearTimeout(wait))
       const { left, chosen, done, last } = this.facts
       this.#chosen = chosen
       this.#tools.chosen.textContent = host.language.of('{0} selected', host.language.number(chosen))
@@ -169,7 +173,8 @@ export class Edit {
       return this.facts
     }
     this.#next = this.#next.catch(() => {}).then(call)
-    this.#next.catch((error) => host.say(error))
+    const isNothing = /nothing i[sn] |object 1: /
+    this.#next.catch((error) => (isNothing.test(error.message) ? host.note('Nothing there') : host.say(error)))
     return this.#next
   }
 
@@ -195,8 +200,9 @@ export class Edit {
     for (const name of Object.keys(TOOLS)) this.#tools[name].setAttribute('aria-pressed', name === tool)
     const isFlat = tool === 'lasso' || tool === 'brush'
     this.#tools.wide.hidden = tool !== 'brush'
-    this.#tools.numbers.hidden = !tool || isFlat
+    this.#tools.numbers.hidden = tool !== 'box' && tool !== 'sphere'
     this.#tools.front.parentNode.hidden = !isFlat
+    if (tool === 'object') this.#host.note('Click an object, or drag a box around it. Alt: not this')
     if (tool) this.#host.ui.stage.dataset.tool = tool
     else delete this.#host.ui.stage.dataset.tool
     this.#end()
@@ -255,7 +261,7 @@ export class Edit {
   #drag(point) {
     const { points } = this.#stroke
     if (distance(points.at(-1), point) < LEAST) return
-    if (this.#stroke.found) points[1] = point
+    if (this.#stroke.found || this.#tool === 'object') points[1] = point
     else points.push(point)
     this.#draw()
   }
@@ -263,12 +269,14 @@ export class Edit {
   #draw() {
     const { points } = this.#stroke
     const [[x, y]] = points
-    const r = distance(points[0], points.at(-1))
+    const [u, v] = points.at(-1)
+    const r = distance([x, y], [u, v])
     const shapes = {
       lasso: ['path', { d: `M${points.join('L')}Z` }],
       brush: ['path', { d: `M${points.join('L')}l0 0`, 'stroke-width': 2 * this.#wide, 'stroke-opacity': 0.35 }],
       box: ['rect', { x: x - r, y: y - r, width: 2 * r, height: 2 * r }],
       sphere: ['circle', { cx: x, cy: y, r }],
+      object: ['path', { d: `M${x},${y}H${u}V${v}H${x}Z` }],
     }
     const [name, values] = shapes[this.#tool]
     const drawn = document.createElementNS('http://www.w3.org/2000/svg', name)
@@ -289,6 +297,13 @@ export class Edit {
     const { clientWidth, clientHeight } = this.#host.element
     const [sx, sy] = [width / clientWidth, height / clientHeight]
     const scaled = points.map(([x, y]) => [Math.floor(x * sx), Math.floor(y * sy)])
+    if (tool === 'object') {
+      const ends = distance(points[0], points.at(-1)) > STILL ? [scaled[0], scaled.at(-1)] : [scaled[0], scaled[0]]
+      const within = (x, size) => Math.min(Math.max(x, 0), size - 1)
+      const corner = (end) => [within(end(...ends.map(([x]) => x)), width), within(end(...ends.map(([, y]) => y)), height)]
+      const hint = [...corner(Math.min), ...corner(Math.max), how === 'subtract' ? 0 : 1]
+      return this.#select({ shape: tool, points: hint }, 'add', camera)
+    }
     if (tool === 'lasso' && points.length < 3) return this.#do('clear')
     const radius = Math.min(Math.max(Math.round(this.#wide * sx), 1), 1024)
     this.#select({ shape: tool, points: tool === 'lasso' ? scaled.flat() : discs(scaled, radius) }, how, camera)
@@ -316,7 +331,7 @@ export class Edit {
 
   #select(shape, how, camera = this.#host.current()) {
     const size = this.#host.size()
-    const front = this.#tools.front.checked && !!shape.points
+    const front = this.#tools.front.checked && !!shape.points && shape.shape !== 'object'
     if (!how) this.#do('clear')
     const asked = { ...shape, ...(front && { front }), ...(how === 'subtract' && { subtract: true }) }
     return this.#do('select', asked, this.#host.rendered(size, camera), size)
