@@ -5,7 +5,28 @@
 . tests/scripts/lib/web.sh
 needs page chromium -- puppeteer-core
 
+# things: two balls of 2000 Gaussians, red and blue, on a grey floor of 3600, y down.
+things() {
+    awk 'function put(x, y, z, r, g, b) {
+            print x, y, z, (r - 0.5) / 0.2821, (g - 0.5) / 0.2821, (b - 0.5) / 0.2821, 5, s, s, s, 1, 0, 0, 0 }
+        BEGIN {
+            print "ply\nformat ascii 1.0\nelement vertex 7600"
+            n = split("x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3", name, " ")
+            for (i = 1; i <= n; i++) print "property float " name[i]
+            print "end_header"
+            s = log(0.03)
+            for (i = 0; i < 4000; i++) {
+                h = 1 - (i % 2000 + 0.5) / 1000; w = sqrt(1 - h * h); a = 2.39996323 * i
+                put((i < 2000 ? -1.4 : 1.4) + w * cos(a), h - 1, w * sin(a), i < 2000 ? 0.8 : 0.2, 0.2, i < 2000 ? 0.2 : 0.8)
+            }
+            s = log(0.06)
+            for (i = 0; i < 3600; i++) put((i % 60 - 29.5) / 8, 0.05, (int(i / 60) - 29.5) / 8, 0.6, 0.6, 0.55)
+        }'
+}
+
 make_scenes() {
+    things >"$work/things.ply" && "$B/fixsplat" convert "$work/things.ply" "$work/things.fxs" \
+        --start-view 0,-2.5,-7,0,-0.8,0 --quiet || return 1
     "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null || return 1
     head -c 3000 "$work/scene.ply" >"$work/short.ply"
     echo 'GIF89a, and no scene' >"$work/text.ply"
