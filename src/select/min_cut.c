@@ -7,50 +7,58 @@
 
 #define NONE UINT32_MAX
 
-/* Arcs 2 e and 2 e + 1 are the two directions of edge e. The arcs of a node form a list. */
+/* One direction of an edge. Its capacity is what is left of it. */
+typedef struct arc {
+    uint32_t head, back;               /* node at its end, and the arc in the other direction */
+    int32_t capacity;
+} arc;
+
+/* The arcs of node i are those from first[i] to before first[i + 1]. */
 typedef struct graph {
     uint32_t nodes;
     int32_t *left;
     uint32_t *first, *now;             /* first arc of a node, and the one that the search has come to */
-    uint32_t *next, *head;
-    int32_t *capacity;
+    arc *arcs;
     uint32_t *level;                   /* arcs to the sink, plus 1; 0: none leads there */
     uint32_t *queue;
 } graph;
 
-static void add_arc(graph *g, uint32_t arc, uint32_t from, uint32_t to, int32_t capacity)
+static void add_edge(graph *g, const fxs_edge *edge)
 {
-    g->head[arc] = to;
-    g->capacity[arc] = capacity;
-    g->next[arc] = g->first[from];
-    g->first[from] = arc;
+    const uint32_t forth = g->now[edge->a]++, back = g->now[edge->b]++;
+    g->arcs[forth] = (arc){edge->b, back, edge->capacity};
+    g->arcs[back] = (arc){edge->a, forth, edge->capacity};
 }
 
 static int graph_make(graph *g, int32_t *terminals, uint32_t nodes, const fxs_edge *edges, uint32_t count,
                       const fxs_allocator *allocator)
 {
-    const size_t arcs = 2 * (size_t)count + 1, n = (size_t)nodes + 1;
+    const size_t n = (size_t)nodes + 1;
     *g = (graph){.nodes = nodes, .left = terminals};
-    g->first = fxs_allocate(allocator, n, sizeof *g->first);
+    g->first = fxs_allocate_zeroed(allocator, n, sizeof *g->first);
     g->now = fxs_allocate(allocator, n, sizeof *g->now);
     g->level = fxs_allocate(allocator, n, sizeof *g->level);
     g->queue = fxs_allocate(allocator, n, sizeof *g->queue);
-    g->next = fxs_allocate(allocator, arcs, sizeof *g->next);
-    g->head = fxs_allocate(allocator, arcs, sizeof *g->head);
-    g->capacity = fxs_allocate(allocator, arcs, sizeof *g->capacity);
-    if (!g->first || !g->now || !g->level || !g->queue || !g->next || !g->head || !g->capacity)
+    g->arcs = fxs_allocate(allocator, 2 * (size_t)count + 1, sizeof *g->arcs);
+    if (!g->first || !g->now || !g->level || !g->queue || !g->arcs)
         return FXS_ERR_MEMORY;
-    memset(g->first, 0xff, n * sizeof *g->first);
-    for (uint32_t e = 0; e < count; e++) {
-        add_arc(g, 2 * e, edges[e].a, edges[e].b, edges[e].capacity);
-        add_arc(g, 2 * e + 1, edges[e].b, edges[e].a, edges[e].capacity);
-    }
+    for (uint32_t e = 0; e < count; e++)
+        if (edges[e].capacity) {
+            g->first[edges[e].a + 1]++;
+            g->first[edges[e].b + 1]++;
+        }
+    for (uint32_t i = 0; i < nodes; i++)
+        g->first[i + 1] += g->first[i];
+    memcpy(g->now, g->first, n * sizeof *g->now);
+    for (uint32_t e = 0; e < count; e++)
+        if (edges[e].capacity)
+            add_edge(g, &edges[e]);
     return 0;
 }
 
 static void graph_free(graph *g, const fxs_allocator *allocator)
 {
-    void *const blocks[] = {g->first, g->now, g->level, g->queue, g->next, g->head, g->capacity};
+    void *const blocks[] = {g->first, g->now, g->level, g->queue, g->arcs};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         fxs_release(allocator, blocks[i]);
 }
@@ -69,9 +77,9 @@ static int find_levels(graph *g)
     for (uint32_t at = 0; at < end; at++) {
         const uint32_t node = g->queue[at];
         is_found |= g->left[node] > 0;
-        for (uint32_t arc = g->first[node]; arc != NONE; arc = g->next[arc]) {
-            const uint32_t other = g->head[arc];
-            if (!g->level[other] && g->capacity[arc ^ 1] > 0) {
+        for (uint32_t i = g->first[node]; i < g->first[node + 1]; i++) {
+            const uint32_t other = g->arcs[i].head;
+            if (!g->level[other] && g->arcs[g->arcs[i].back].capacity > 0) {
                 g->level[other] = g->level[node] + 1;
                 g->queue[end++] = other;
             }
@@ -83,26 +91,29 @@ static int find_levels(graph *g)
 /* Moves on from a node: returns an arc to a node one level nearer to the sink, or NONE. */
 static uint32_t step(graph *g, uint32_t node)
 {
-    uint32_t arc = g->now[node];
-    while (arc != NONE && !(g->capacity[arc] > 0 && g->level[g->head[arc]] + 1 == g->level[node] && g->level[node] > 1))
-        arc = g->next[arc];
-    return g->now[node] = arc;
+    const uint32_t end = g->first[node + 1], level = g->level[node];
+    uint32_t i = level > 1 ? g->now[node] : end;
+    while (i < end && !(g->arcs[i].capacity > 0 && g->level[g->arcs[i].head] + 1 == level))
+        i++;
+    g->now[node] = i;
+    return i < end ? i : NONE;
 }
 
 /* Pushes flow along a path, of arcs in the queue's memory. Returns the number of arcs before the first full one. */
 static uint32_t push(graph *g, uint32_t source, uint32_t length)
 {
-    const uint32_t *path = g->queue, sink = length ? g->head[path[length - 1]] : source;
+    const uint32_t *path = g->queue, sink = length ? g->arcs[path[length - 1]].head : source;
     int32_t flow = g->left[source] < -g->left[sink] ? g->left[source] : -g->left[sink];
     uint32_t kept = length;
     for (uint32_t i = 0; i < length; i++)
-        flow = g->capacity[path[i]] < flow ? g->capacity[path[i]] : flow;
+        flow = g->arcs[path[i]].capacity < flow ? g->arcs[path[i]].capacity : flow;
     g->left[source] -= flow;
     g->left[sink] += flow;
     for (uint32_t i = length; i-- > 0;) {
-        g->capacity[path[i]] -= flow;
-        g->capacity[path[i] ^ 1] += flow;
-        kept = g->capacity[path[i]] ? kept : i;
+        arc *along = &g->arcs[path[i]];
+        along->capacity -= flow;
+        g->arcs[along->back].capacity += flow;
+        kept = along->capacity ? kept : i;
     }
     return kept;
 }
@@ -112,14 +123,14 @@ static void send(graph *g, uint32_t source)
 {
     uint32_t length = 0;
     while (g->left[source] > 0 && g->level[source]) {
-        const uint32_t node = length ? g->head[g->queue[length - 1]] : source;
+        const uint32_t node = length ? g->arcs[g->queue[length - 1]].head : source;
         if (g->left[node] < 0 && length) {
             length = push(g, source, length);
             continue;
         }
-        const uint32_t arc = step(g, node);
-        if (arc != NONE) {
-            g->queue[length++] = arc;
+        const uint32_t next = step(g, node);
+        if (next != NONE) {
+            g->queue[length++] = next;
         } else {
             g->level[node] = 0;
             length -= length > 0;
@@ -136,9 +147,9 @@ static void find_side(graph *g, uint8_t *side)
             g->queue[end++] = i;
     }
     for (uint32_t at = 0; at < end; at++)
-        for (uint32_t arc = g->first[g->queue[at]]; arc != NONE; arc = g->next[arc]) {
-            const uint32_t other = g->head[arc];
-            if (g->capacity[arc] > 0 && !side[other]) {
+        for (uint32_t i = g->first[g->queue[at]]; i < g->first[g->queue[at] + 1]; i++) {
+            const uint32_t other = g->arcs[i].head;
+            if (g->arcs[i].capacity > 0 && !side[other]) {
                 side[other] = 1;
                 g->queue[end++] = other;
             }

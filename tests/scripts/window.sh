@@ -199,6 +199,8 @@ stroke() {
     xdotool mouseup 1
 }
 
+other_title() { titled ' - [1-9][0-9]* selected of' && [ "$(xdotool getwindowname "$window")" != "$1" ]; }
+
 # An edited scene has no command that renders it again, so the title tells when the picture is written.
 shoot() {
     xdotool key p
@@ -227,6 +229,15 @@ if open "$B/fixsplat"; then
     check "redo" until_ 100 titled ' - 0 selected of 1[0-9]*'
     shoot redone
     check "redone: the same picture" cmp "$work/edited.png" "$work/redone.png"
+    xdotool key l
+    until_ 50 titled 'object: click it'
+    xdotool mousemove --window "$window" 5 5 click 1
+    check "no object at a click" until_ 100 titled ' - 5,5: nothing is there'
+    xdotool mousemove --window "$window" 130 82 click 1
+    check "a click selects the object there" until_ 100 titled ' - [1-9][0-9]* selected of 1[0-9]*'
+    one=$(xdotool getwindowname "$window")
+    xdotool mousemove --window "$window" 190 100 mousedown 1 mousemove_relative 40 30 mousemove_relative 50 50 mouseup 1
+    check "a box adds to it" until_ 100 other_title "$one"
     xdotool key Return
     check "written" until_ 100 titled "written: $work/knot-edited-001.fxs"
     close xdotool key Escape Escape
