@@ -45,8 +45,9 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                 $(if $(filter simd import import_sog,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
                 $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
-                $(if $(filter $(addprefix kernels/simd/wasm/,bin% project% shade%),$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
+                $(if $(filter $(WEB_FAST),$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
+WEB_FAST := $(addprefix kernels/simd/wasm/,bin% project% shade%) src/core/weigh.c src/gaussian/nearest.c src/select/min_cut.c
 WEB_SMALL := simd/src/% $(addprefix core/src/core/,animate.c bands.c pace.c setup.c sized.c targets.c) core/port/% core/src/base/% core/src/gaussian/% core/src/camera/% core/src/scene/% core/src/select/% simd/port/% simd/kernels/gles/% %/kernels/gl/gl_functions.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/scene/sound.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/gaussian/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \

@@ -21,18 +21,43 @@ typedef struct weighing {
     uint64_t *sums;
 } weighing;
 
-/* Sets the label of each pixel of a tile. Closes the pixels that are not counted. */
-static void read_labels(const weighing *w, int32_t x, int32_t y, fxs_tile *tile, uint8_t labels[FXS_TILE_PIXELS])
+/* Sets the label of each pixel of a tile. Closes the pixels that are not counted. Returns 1 if all other pixels have one
+   label, and then sets it in all. */
+static int read_labels(const weighing *w, int32_t x, int32_t y, fxs_tile *tile, uint8_t labels[FXS_TILE_PIXELS])
 {
     const fxs_stage_view *view = &w->frame.view;
+    int is_one = 1, one = -1;
     for (int32_t i = 0; i < FXS_TILE_PIXELS; i++) {
         const int32_t column = x + i % FXS_TILE, row = y + i / FXS_TILE;
         const int is_inside = column < view->width && row < view->height;
         const uint8_t label = is_inside ? w->labels[(size_t)row * (size_t)view->width + (size_t)column] : 255;
         labels[i] = is_inside && label < w->label_count ? label : 0;
-        if (!is_inside || label >= w->label_count)
+        if (!is_inside || label >= w->label_count) {
             tile->transmittance_q15[i] = 0;
+            continue;
+        }
+        is_one = is_one && (one < 0 || one == label);
+        one = label;
     }
+    if (is_one)
+        memset(labels, one < 0 ? 0 : one, FXS_TILE_PIXELS);
+    return is_one;
+}
+
+/* Closes pixels that count as opaque. */
+static void close_opaque(int16_t *transmittance_q15, int32_t count)
+{
+    for (int32_t k = 0; k < count; k++)
+        transmittance_q15[k] = transmittance_q15[k] < HIDDEN_Q15 ? 0 : transmittance_q15[k];
+}
+
+/* Returns what pixels have lost of their transmittance: at most 256 * 2^15. */
+static int32_t sum_of(const int16_t *before_q15, const int16_t *after_q15, int32_t count)
+{
+    int32_t sum = 0;
+    for (int32_t k = 0; k < count; k++)
+        sum += before_q15[k] - after_q15[k];
+    return sum;
 }
 
 static int is_open(const fxs_tile *tile)
@@ -55,19 +80,20 @@ static void weigh_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
     nothing.which = 0;
     fxs_tile_origin(f, tile, &x, &y);
     fxs_tile_clear(&pixels);
-    read_labels(w, x, y, &pixels, labels);
+    const int is_one = read_labels(w, x, y, &pixels, labels);
     for (uint32_t i = 0; i < list->count && (i % CHECKED || is_open(&pixels)); i++) {
         const uint32_t slot = list->entries[i] & ~FXS_ENTRY_CUT_OFF;
         const int32_t first = (f->splats[slot].first_row > y ? f->splats[slot].first_row - y : 0) * FXS_TILE;
         const int32_t end = (fxs_min(f->splats[slot].last_row - y, FXS_TILE - 1) + 1) * FXS_TILE;
+        const int32_t count = end > first ? end - first : 0;
         uint64_t *sums = w->sums + (size_t)w->label_count * f->indices[slot];
-        memcpy(before_q15, pixels.transmittance_q15, sizeof before_q15);
+        memcpy(before_q15 + first, pixels.transmittance_q15 + first, (size_t)count * sizeof *before_q15);
         f->context->config.kernels->trace(&f->view, x, y, f->splats, list->entries + i, 0, 0, 1, &pixels, &nothing);
-        for (int32_t k = first; k < end; k++) {
+        if (is_one)
+            sums[labels[0]] += (uint64_t)sum_of(before_q15 + first, pixels.transmittance_q15 + first, count);
+        for (int32_t k = is_one ? first + count : first; k < first + count; k++)
             sums[labels[k]] += (uint64_t)(before_q15[k] - pixels.transmittance_q15[k]);
-            if (pixels.transmittance_q15[k] < HIDDEN_Q15)
-                pixels.transmittance_q15[k] = 0;
-        }
+        close_opaque(pixels.transmittance_q15 + first, count);
     }
 }
 
