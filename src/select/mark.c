@@ -154,22 +154,34 @@ static uint32_t pixel_of(const marking *p, int32_t x, int32_t y)
     return (uint32_t)y * (uint32_t)p->width + (uint32_t)x;
 }
 
-/* Marks the pixels of regions with their objects, and pixels within BORDER of a region's border as unknown. */
+/* True if a pixel within BORDER has another object. */
+static int is_border(const marking *p, int32_t x, int32_t y)
+{
+    const uint8_t own = p->objects[pixel_of(p, x, y)];
+    for (int32_t v = y - BORDER; v <= y + BORDER; v++)
+        for (int32_t u = x - BORDER; u <= x + BORDER; u++)
+            if (u >= 0 && v >= 0 && u < p->width && v < p->height && p->objects[pixel_of(p, u, v)] != own)
+                return 1;
+    return 0;
+}
+
+/* Marks the pixels of regions with their objects, and pixels on a region's border as unknown. An object that is all
+   border is marked too. */
 static void mark_regions(const marking *p, uint8_t *marks)
 {
+    uint8_t is_marked[256] = {0};
     for (int32_t y = 0; y < p->height; y++)
         for (int32_t x = 0; x < p->width; x++) {
-            const uint8_t own = p->objects[pixel_of(p, x, y)];
-            int is_border = 0;
-            for (int32_t v = y - BORDER; v <= y + BORDER; v++)
-                for (int32_t u = x - BORDER; u <= x + BORDER; u++)
-                    is_border |= u >= 0 && v >= 0 && u < p->width && v < p->height &&
-                                 p->objects[pixel_of(p, u, v)] != own;
-            if (is_border)
-                marks[pixel_of(p, x, y)] = FXS_SELECT_UNKNOWN;
-            else if (own != FXS_SELECT_PERHAPS)
-                marks[pixel_of(p, x, y)] = own;
+            const uint32_t pixel = pixel_of(p, x, y);
+            const uint8_t own = p->objects[pixel];
+            const int is_on_border = is_border(p, x, y);
+            is_marked[own] |= !is_on_border;
+            if (is_on_border || own != FXS_SELECT_PERHAPS)
+                marks[pixel] = is_on_border ? FXS_SELECT_UNKNOWN : own;
         }
+    for (size_t i = 0; i < (size_t)p->width * (size_t)p->height; i++)
+        if (!is_marked[p->objects[i]])
+            marks[i] = p->objects[i];
 }
 
 /* Grows regions from the edge of a box: what they do not reach is the object. */
