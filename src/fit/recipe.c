@@ -146,7 +146,7 @@ static void plan_surfaces(const fxs_fit_options *options, uint32_t step, fxs_fit
         return;
     plan->by_flat = 0.3f;
     plan->is_depth = step / 4 % 2;
-    plan->by_surface = step % 4 ? 0 : plan->is_depth ? 1.6f : 1.2f;
+    plan->by_surface = step % 4 ? 0 : plan->is_depth ? 0.8f : 0.6f;
 }
 
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,

@@ -82,7 +82,7 @@ static const option_row own_rows[] = {
     {"antialiased", 0, FLAG(options.antialiased), .help =
      "prefilter for views at other distances or sizes than the photographs (Mip-Splatting): Gaussians below a pixel "
      "fade, and none is finer than the photographs. Blocks follow --coarse"},
-    {"surfaces", 0, FLAG(options.surfaces), .basic = 1, .help =
+    {"surfaces", 0, FLAG(options.surfaces), .help =
      "fit for surfaces, for fixsplat mesh: Gaussians become flat and lie along the depths that they render. Blocks "
      "follow --coarse"},
     {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
