@@ -1,5 +1,5 @@
-/* Moves a walker through voxels. port/web/viewer/walk.js and voxels.js have the same rule: the same constants, the same
- * order of tries.
+/* Moves a walker through voxels. Speed, steps, slides and ease are those of the page (port/web/viewer/walk.js), which
+ * has no gravity, measures the floor in pictures of depths, and has a wider body.
  *
  * The body is a capsule from a step's height above the feet up to the eye. It is sampled at points a voxel apart. A step
  * of the walk is taken in the first of some directions in which the body does not touch more solid points than before.

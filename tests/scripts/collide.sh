@@ -37,6 +37,13 @@ run collide room.ply -o wide.voxel.json $seed --radius 0.6
 check "--radius: too wide for the door" at_least 220000 "$(free_of)"
 run collide room.ply -o low.voxel.json $seed --height 2.3
 check "--height: too high for the door" at_least 220000 "$(free_of)"
+room narrow.ply '' 0.25
+run collide narrow.ply -o narrow.voxel.json $seed
+check "a door half as wide: shut" [ "$(free_of)" -lt 220000 ]
+run collide narrow.ply -o narrow.voxel.json $seed --radius 0.1
+check "a door half as wide: open for a thinner walker" at_least 420000 "$(free_of)"
+run collide narrow.ply -o narrow.voxel.json $seed --opacity 0.8
+check "a door half as wide: open with thinner walls" at_least 420000 "$(free_of)"
 room nan.ply "nan 0 0 0 0 0 2 -2 -2 -2 1 0 0 0"
 run collide nan.ply -o nan.voxel.json $seed
 check "a NaN in the scene: a note" grep -q "fixsplat: nan.ply: left out 1 of" logs/err

@@ -3,6 +3,7 @@
 # of `fixsplat render`.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/screen.sh
+. tests/scripts/lib/room.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 XDG_STATE_HOME=$work/state
@@ -98,11 +99,11 @@ if open "$B/fixsplat"; then
     check "the next view's name" until_ 50 titled 'at-10 (2 of 3)'
     shot next
     same next $cameras --view 1
-    xdotool key x 1
+    xdotool key x 0 0
     shot square
     same square $cameras --view 1 --cutoff square --sh-degree 1
     check "the cut-off shows" differ next square
-    xdotool key x 3 shift+n keydown w
+    xdotool key x 0 0 shift+n keydown w
     sleep 0.3
     xdotool keyup w
     shot flown
@@ -250,6 +251,42 @@ if open "$B/fixsplat"; then
     "$B/fixsplat" render "$work/knot-edited-001.fxs" --cameras "$work/cameras.json" -o "$work/rendered.png"
     check "the written scene: the same picture" cmp "$work/edited.png" "$work/rendered.png"
 fi
+
+# ---- Walking ---------------------------------------------------------------------------------------------------------
+
+# Walks ahead from z = $1 in the made rooms, and prints the x of the eye where it stops.
+walk() {
+    z=$1
+    shift
+    : >"$work/out"
+    "$B/fixsplat" view "$work/room.ply" --eye=-2,-1.3,"$z" --look=9,-1.3,"$z" --eye-height 1.4 --size 320x200 \
+        --screenshot "$work/shot.png" "$@" >"$work/out" 2>"$work/errors" &
+    viewer=$!
+    until_ 300 xdotool search --onlyvisible --class fixsplat || return
+    window=$(xdotool search --onlyvisible --class fixsplat)
+    xdotool windowfocus --sync "$window"
+    until_ 300 titled 'room.ply - '
+    xdotool key 3
+    sleep 2
+    xdotool keydown shift keydown w
+    sleep 3
+    xdotool keyup w keyup shift
+    sleep 1
+    xdotool key p
+    until_ 300 lines "$work/out" 1
+    sed 's/.*--eye \([^,]*\),.*/\1/' "$work/out"
+    xdotool key Escape Escape
+    until_ 200 ended || kill -KILL $viewer
+}
+between() { awk "BEGIN { exit !($1 > $2 && $1 < $3) }"; }
+
+room "$work/room.ply"
+"$B/fixsplat" collide "$work/room.ply" -o "$work/room.voxel.json" --seed=-1.5,-1,0 --quiet
+x=$(walk 0)
+check "a walk goes through the door: $x" between "$x" 2.4 2.9
+x=$(walk 1.2 --walls "$work/room.voxel.json")
+check "a walk stops at the wall: $x" between "$x" -0.5 -0.1
+check "walking: not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
 
 # ---- Frames of Vulkan in a swapchain ---------------------------------------------------------------------------------
 
