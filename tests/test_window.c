@@ -1939,7 +1939,8 @@ static uint64_t opened(const char *const *place, int count, const char *option, 
 
 static int is_row_tried(const option_row *row)
 {
-    static const char by_design[] = " screenshot walls eye-height web xr threads max-memory cpu backend max-gaussians import-memory ";
+    static const char by_design[] = " screenshot walls eye-height web xr threads max-memory cpu backend max-gaussians "
+                                    "import-memory ";
     char name[40];
     snprintf(name, sizeof name, " %s ", row->name);
     int found = strstr(by_design, name) != 0;

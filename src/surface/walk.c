@@ -1,10 +1,10 @@
 /* Moves a walker through voxels. Speed, steps, slides and ease are those of the page (port/web/viewer/walk.js), which
  * has no gravity, measures the floor in pictures of depths, and has a wider body.
  *
- * The body is a capsule from a step's height above the feet up to the eye. It is sampled at points a voxel apart. A step
- * of the walk is taken in the first of some directions in which the body does not touch more solid points than before.
- * It is not taken where the body would not fit above the next floor. The floor is the mean of the middle half of the heights below the feet. The eye rises to its height above the floor
- * exponentially, and falls by gravity. */
+ * The body is a capsule from a step's height above the feet up to the eye. It is sampled at points a voxel apart. Each
+ * step of the walk tries some directions. It takes the first one in which the body touches no more solid points than
+ * before, and fits above the next floor. The floor is the mean of the middle half of the heights below the feet. The
+ * eye rises to its height above the floor exponentially, and falls by gravity. */
 #include <math.h>
 #include <stdlib.h>
 

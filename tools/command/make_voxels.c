@@ -8,7 +8,8 @@
 #include <fixsplat/internal/start.h>
 #include "tools/serve/scene_picture.h"
 
-/* Chooses seeds: the given one, or the first view's camera or another place, moved into the box, and the middle of the scene. */
+/* Chooses seeds: the given one; or two, the first view's camera or another place, moved into the box, and the middle of
+   the scene. */
 static int take_seeds(fxs_collide_options *c, const voxel_options *o, const fxs_opened *opened)
 {
     const double height = o->height == 0 ? FXS_COLLIDE_HEIGHT : o->height;

@@ -1,5 +1,5 @@
-/* Walking in the window, as in the page (port/web/viewer/walk.js). The first walk in a scene finds the height of the eye
-   on the renderer's thread, then makes walls on a thread of its own, or reads them. */
+/* Walking in the window, as in the page (port/web/viewer/walk.js). The first walk in a scene finds the eye's height on
+   the renderer's thread, then makes walls on a thread of its own, or reads them. */
 #include "viewer.h"
 
 #include <math.h>

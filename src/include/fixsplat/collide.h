@@ -97,8 +97,8 @@ FXS_INIT(fxs_walker)
    there. */
 FXS_EXPERIMENTAL int fxs_walker_place(fxs_walker *walker, const fxs_voxels *voxels, const double at[3]);
 
-/* Walks by the horizontal part of a way and lets `seconds` pass. The walker slides along walls, climbs steps up to a quarter of its
-   height, and falls where the floor is deeper. Returns 1 while the eye has not come to rest. */
+/* Walks by the horizontal part of a way and lets `seconds` pass. The walker slides along walls, climbs steps up to a
+   quarter of its height, and falls where the floor is deeper. Returns 1 while the eye has not come to rest. */
 FXS_EXPERIMENTAL int fxs_walker_move(fxs_walker *walker, const fxs_voxels *voxels, const double way[3],
                                      double seconds);
 
