@@ -41,9 +41,9 @@ room narrow.ply '' 0.25
 run collide narrow.ply -o narrow.voxel.json $seed
 check "a door half as wide: shut" [ "$(free_of)" -lt 220000 ]
 run collide narrow.ply -o narrow.voxel.json $seed --radius 0.1
-check "a door half as wide: open for a thinner walker" at_least 420000 "$(free_of)"
+check "a door half as wide: open for a thinner walker" at_least "$(free_of)" 420000
 run collide narrow.ply -o narrow.voxel.json $seed --opacity 0.8
-check "a door half as wide: open with thinner walls" at_least 420000 "$(free_of)"
+check "a door half as wide: open with thinner walls" at_least "$(free_of)" 420000
 room nan.ply "nan 0 0 0 0 0 2 -2 -2 -2 1 0 0 0"
 run collide nan.ply -o nan.voxel.json $seed
 check "a NaN in the scene: a note" grep -q "fixsplat: nan.ply: left out 1 of" logs/err

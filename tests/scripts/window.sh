@@ -259,7 +259,7 @@ walk() {
     z=$1
     shift
     : >"$work/out"
-    "$B/fixsplat" view "$work/room.ply" --eye=-2,-1.3,"$z" --look=9,-1.3,"$z" --eye-height 1.4 --size 320x200 \
+    XDG_STATE_HOME=$work/walked "$B/fixsplat" view "$work/room.ply" --eye=-2,-1.3,"$z" --look=9,-1.3,"$z" --eye-height 1.4 --size 320x200 \
         --screenshot "$work/shot.png" "$@" >"$work/out" 2>"$work/errors" &
     viewer=$!
     until_ 300 xdotool search --onlyvisible --class fixsplat || return

@@ -40,7 +40,7 @@ static const option_row window_rows[] = {
     {"screenshot", "OUT", TEXT(screenshot), .basic = 1, .help =
      "picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the current "
      "folder). A command that renders it again is printed, except for depths, ids and crops"},
-    {"walls", "FILE", TEXT(walls), .basic = 1, .help =
+    {"walls", "FILE", TEXT(walls), .help =
      "walls of the scene for walks (key 3): a .voxel.json of fixsplat collide or splat-transform (default: made from "
      "the scene when a walk begins)"},
     {"eye-height", "H", REAL(eye_height, 1e-6, 1e6, "units from 1e-6 to 1e6"), .help =
@@ -205,8 +205,8 @@ const command command_view = {
     "  $ fixsplat view scene.ply\n"
     "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"
     "  $ fixsplat view --web folder\n"
-    "  $ fixsplat view room.fxs --walls room.voxel.json\n"
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
+    "  $ fixsplat view room.fxs --walls room.voxel.json\n"
     "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
     "  $ fixsplat view https://example.org/city.fxs --fps 60\n"
     "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n"
