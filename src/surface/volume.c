@@ -22,6 +22,7 @@ enum { ROWS_OF_JOB = 16, BRICKS_OF_JOB = 32, CELLS_OF_JOB = 4096, TILE = 16 };
 #define CONTRACTED_MOST 0x1p19   /* places beyond this many voxels are not contracted: they are beyond all volumes */
 #define OPEN 4.0                 /* a cell is open if its middle is this many voxels before the surface */
 #define BEHIND 2.0               /* voxels behind a surface in which a sample has its whole weight */
+#define COLOURED 1.5             /* largest distance in voxels from a surface whose colour a voxel takes */
 #define OUTSIDE_Q15 32767
 
 #define MESH_BYTES_OF_BRICK 4096 /* estimate: a brick on a surface has 100 vertices and 200 triangles */
@@ -407,7 +408,7 @@ static void add_voxel(const sight *s, fxs_brick *brick, uint32_t voxel, const sa
         const int32_t weight = distance < s->behind ? (int32_t)((distance - s->hidden) * s->to_weight) : FXS_WHOLE;
         brick->sum_q15[voxel] += weight * (int32_t)fxs_floor(distance * s->to_q15 + 0.5);
         brick->weight[voxel] = (uint16_t)(brick->weight[voxel] + weight);
-        if (weight)
+        if (fabs(distance) <= COLOURED * s->volume->step)
             add_colour(s, brick, voxel, (int)u, (int)v);
     }
 }
