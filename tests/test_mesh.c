@@ -323,7 +323,8 @@ static int compare_edges(const void *a, const void *b)
 static size_t count_open(const fxs_mesh *m, size_t *branching)
 {
     const size_t count = 3 * (size_t)m->triangle_count;
-    uint64_t *there = malloc((count + 1) * sizeof *there), *back = malloc((count + 1) * sizeof *back), last = UINT64_MAX;
+    uint64_t *there = malloc((count + 1) * sizeof *there), *back = malloc((count + 1) * sizeof *back);
+    uint64_t last = UINT64_MAX;
     size_t open = 0;
     *branching = 0;
     for (size_t i = 0; i < count; i++) {
@@ -708,7 +709,7 @@ static void test_contract(void)
                 norm = llabs(at[k]) > norm ? llabs(at[k]) : norm;
             }
             const int64_t distance = fxs_expand(at, half);
-            const double true_distance = norm < half ? (double)half : (double)half * (double)half / (double)(2 * half - norm);
+            const double h = (double)half, true_distance = norm < half ? h : h * h / (2 * h - (double)norm);
             CHECK(fabs((double)distance - true_distance) <= 0.5);
             fxs_contract(at, half);
             for (int k = 0; k < 3; k++)
