@@ -21,8 +21,8 @@ typedef struct weighing {
     uint64_t *sums;
 } weighing;
 
-/* Sets the label of each pixel of a tile. Closes the pixels that are not counted. Returns 1 if all other pixels have one
-   label, and then sets it in all. */
+/* Sets the label of each pixel of a tile. Closes the pixels that are not counted. Returns 1 if all other pixels have
+   one label, and then sets it in all. */
 static int read_labels(const weighing *w, int32_t x, int32_t y, fxs_tile *tile, uint8_t labels[FXS_TILE_PIXELS])
 {
     const fxs_stage_view *view = &w->frame.view;

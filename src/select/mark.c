@@ -14,7 +14,8 @@ enum {
     DEPTH_BITS = 16,
     STEEP = 12,                        /* largest change of depth from pixel to pixel, in widths of a pixel there */
     STEP = 12,                         /* largest change of a colour channel from pixel to pixel, of 255 */
-    LUMA = 80, CHROMA = 24,           /* largest difference in brightness and in colour from the click's pixel */
+    LUMA = 60, CHROMA = 24,            /* largest difference in brightness and in colour from the click's pixel */
+    EDGE_LUMA = 25, EDGE_CHROMA = 10,  /* the same for the pixels of a box's edge */
     BORDER = 1                         /* pixels on each side of a region's border that are unknown */
 };
 
@@ -27,6 +28,7 @@ typedef struct marking {
     uint32_t *next;                    /* pixels of each step wait in a list */
     uint32_t first[STEP + 1], last[STEP + 1];
     uint8_t *objects;                  /* of each pixel */
+    int32_t luma, chroma;              /* limits of the regions that grow now */
     void *frame;
 } marking;
 
@@ -92,10 +94,10 @@ static int is_like(const marking *p, uint32_t pixel, uint32_t start)
 {
     const uint8_t *a = p->pixels + 4 * (size_t)pixel, *b = p->pixels + 4 * (size_t)start;
     const int32_t luma = (a[0] + 2 * a[1] + a[2]) / 4 + 1, other = (b[0] + 2 * b[1] + b[2]) / 4 + 1;
-    if (distance(luma, other) > LUMA)
+    if (distance(luma, other) > p->luma)
         return 0;
     for (int k = 0; k < 3; k++)
-        if (distance(a[k] * other, b[k] * luma) > CHROMA * (luma > other ? luma : other))
+        if (distance(a[k] * other, b[k] * luma) > p->chroma * (luma > other ? luma : other))
             return 0;
     return 1;
 }
@@ -143,8 +145,10 @@ static void grow(marking *p, const fxs_select_hint *box)
     }
 }
 
-static void begin(marking *p)
+static void begin(marking *p, int32_t luma, int32_t chroma)
 {
+    p->luma = luma;
+    p->chroma = chroma;
     memset(p->starts, 0xff, (size_t)p->width * (size_t)p->height * sizeof *p->starts);
     memset(p->first, 0xff, sizeof p->first);
 }
@@ -188,7 +192,7 @@ static void mark_regions(const marking *p, uint8_t *marks)
 static int take_box(marking *p, const fxs_select_hint *box, uint8_t *marks, fxs_message *m)
 {
     size_t count = 0;
-    begin(p);
+    begin(p, EDGE_LUMA, EDGE_CHROMA);
     for (int32_t y = box->y; y <= box->bottom; y++)
         for (int32_t x = box->x; x <= box->right; x++)
             if (x == box->x || x == box->right || y == box->y || y == box->bottom)
@@ -217,7 +221,7 @@ static int is_click(const fxs_select_hint *h)
 static int take_clicks(marking *p, const fxs_select_hint *hints, uint32_t count, uint8_t *marks, fxs_message *m)
 {
     const size_t pixels = (size_t)p->width * (size_t)p->height;
-    begin(p);
+    begin(p, LUMA, CHROMA);
     memset(p->objects, FXS_SELECT_PERHAPS, pixels);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t pixel = pixel_of(p, hints[i].x, hints[i].y);
