@@ -9,7 +9,7 @@ arm=aarch64-linux-gnu-gcc
 i686=i686-linux-gnu-gcc
 library="$(echo src/core src/base src/gaussian src/scene src/scene/read src/scene/write src/pack |
     sed 's|[^ ]*|&/*.c|g') port/posix/output.c port/posix/files.c"
-golden="$library $(echo src/scene/edit src/scene/make src/camera src/image | sed 's|[^ ]*|&/*.c|g') tests/test_golden.c \
+golden="$library $(echo src/scene/edit src/scene/make src/select src/camera src/image | sed 's|[^ ]*|&/*.c|g') tests/test_golden.c \
     tools/command/metrics.c $(ls port/backend/*.c port/posix/*.c | grep -v 'backend/fit_engines\|posix/\(files\|output\|pager\)\.c')"
 cameras=$(for name in camera camera_bundler camera_colmap camera_csv camera_file camera_json camera_metashape camera_write \
     colmap_text lens lens_warp path view_list; do echo "src/camera/$name.c"; done)
