@@ -160,7 +160,7 @@ static int decode(selecting *s, fxs_message *m)
         if (i % FXS_CHUNK == 0 && fxs_chunk_read(&chunk, &s->scene, i / FXS_CHUNK))
             return fxs_fail_as(FXS_ERR_SCENE, m, "%s", fxs_strerror(FXS_ERR_SCENE));
         const fxs_codes codes = fxs_codes_of(&s->scene, rows, i % FXS_CHUNK);
-        s->is_full[i] = !fxs_slot_is_empty(&s->scene, rows, i % FXS_CHUNK);
+        s->is_full[i] = codes.colour >> 24 != 0;       /* a Gaussian that an editor deleted has opacity code 0 */
         fxs_decode_point(&chunk, &codes, position, dc);
         for (int k = 0; k < 3; k++) {
             s->planes[k][i] = position[k];

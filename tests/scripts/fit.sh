@@ -392,7 +392,7 @@ check "--surfaces, resumed, 2 threads, plain C: the same file" cmp flat.fxs agai
 fails "--resume: surfaces" 2 "--surfaces: part.fxs.fit was begun with another" $fit -o x.fxs --resume part.fxs.fit \
     --surfaces
 fails "--surfaces of a block without them" 2 "--surfaces: part.fxs.fit was begun without it" fit set -o x.ply \
-    --recipe reference --surfaces --block 1/2 --coarse part.fxs.fit
+    --surfaces --block 1/2 --coarse part.fxs.fit
 fails "--surfaces --moving" 2 "--surfaces" fit set -o x.fxs --moving --surfaces
 cp part.fxs.fit given.fxs
 fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
