@@ -170,7 +170,7 @@ static void test_tiny_gradients(void)
                 reference_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
             }
             versions[v]->update(&looking, 1, 0, &numbers, parameters[0], parameters[0], means[0], squares[0],
-                                FXS_FIT_GROUP, 0, FXS_FIT_GROUP, sums[0], by_centre);
+                                FXS_FIT_GROUP, 0, FXS_FIT_GROUP, sums[0], 0, by_centre);
         }
         for (int i = 0; i < block; i++) {
             const double found = (double)parameters[FXS_FIT_COLOUR][i];

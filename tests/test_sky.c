@@ -240,7 +240,7 @@ static void mean_scale(const fxs_fit_stages *stages)
         fxs_fit_model m = at_distances();
         a.far = is_far ? of_two : nowhere;
         stages->update(&looking, 1, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, m.stride,
-                       sums[0], m.by_centre);
+                       sums[0], 0, m.by_centre);
         for (size_t i = 0; i < 4; i++)
             for (size_t k = FXS_FIT_SCALE; k < FXS_FIT_SCALE + 3; k++)
                 CHECK(is_near(m.means[k * m.stride + i], i < 2 || (is_far && i == 2) ? 0.25f : 2));
