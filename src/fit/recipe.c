@@ -144,9 +144,9 @@ static void plan_surfaces(const fxs_fit_options *options, uint32_t step, fxs_fit
 {
     if (!options->surfaces || step <= (uint64_t)options->steps * 7 / 30)
         return;
-    plan->by_flat = 0.3f;
+    plan->by_flat = 0.1f;
     plan->is_depth = step / 4 % 2;
-    plan->by_surface = step % 4 ? 0 : plan->is_depth ? 0.8f : 0.6f;
+    plan->by_surface = step % 4 ? 0 : plan->is_depth ? 0.4f : 0.3f;
 }
 
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,

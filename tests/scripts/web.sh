@@ -175,8 +175,8 @@ start_node package package
 start_node import import
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-for size in core.wasm:69500 simd.wasm:103700 threads.wasm:104000 import.wasm:101600 import_threads.wasm:101700 \
-    import_sog.wasm:101600 import_core.wasm:128150 fixsplat.js:40000; do
+for size in core.wasm:70000 simd.wasm:104300 threads.wasm:104600 import.wasm:101700 import_threads.wasm:101900 \
+    import_sog.wasm:101700 import_core.wasm:128500 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -306,7 +306,7 @@ else
 fi
 check "bodies without an end" reader endless "$work/700.ply" "$work/700-default.fxs"
 check "from https to http" reader redirected "$work/paged.fxs"
-check "size of both" both_at_most 205500
+check "size of both" both_at_most 206100
 if [ -e "$B/web/libs" ]; then
     readers
 else

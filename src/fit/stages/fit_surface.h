@@ -115,11 +115,13 @@ static inline mask depth_plane(const fxs_fit_camera *camera, real x, real y, con
     return both(is_inside, both(is_smooth(left, own, right), is_smooth(up, own, down)));
 }
 
-static inline void to_world(const fxs_fit_camera *camera, const real in_camera[3], real factor, real out[3])
+/* Turns a vector to the world, times a factor; 0 where the pixel has no plane, as the vector is undefined there. */
+static inline void to_world(const fxs_fit_camera *camera, mask has_plane, const real in_camera[3], real factor,
+                            real out[3])
 {
     for (int i = 0; i < 3; i++)
-        out[i] = ((camera->rotation[i] * in_camera[0] + camera->rotation[3 + i] * in_camera[1]) +
-                  camera->rotation[6 + i] * in_camera[2]) * factor;
+        out[i] = keep(has_plane, ((camera->rotation[i] * in_camera[0] + camera->rotation[3 + i] * in_camera[1]) +
+                                  camera->rotation[6 + i] * in_camera[2]) * factor);
 }
 
 /* Sets `out` to the unit normals of the depths around pixels, in the world, away from the camera, times `weight` and
@@ -130,7 +132,7 @@ static inline void depth_normal(const fxs_fit_camera *camera, real x, real y, co
     real plane[3];
     const mask has_plane = depth_plane(camera, x, y, d, at, plane);
     const real factor = (load(d->covered + at) * weight) / most(root(dot3(plane, plane)), all(1e-30f));
-    to_world(camera, plane, keep(has_plane, factor), out);
+    to_world(camera, has_plane, plane, factor, out);
 }
 
 /* Returns coordinate i of the difference between the plane of the depths around a pixel and the blended plane,
@@ -155,7 +157,7 @@ static inline void depth_gradient(const fxs_fit_camera *camera, real x, real y, 
                    difference(camera, x, y + 1.0f, d, at + d->stride, 1);
     const real by_inverse = a * (0.5f * camera->focal[0]) + b * (0.5f * camera->focal[1]);
     const real factor = by_inverse * (load(d->inverse + at) * weight) / most(load(d->covered + at), all(0.5f));
-    to_world(camera, plane, keep(has_plane, -factor), out);
+    to_world(camera, has_plane, plane, -factor, out);
 }
 
 /* Adds the gradients of the flattening, and of the normals or the positions. by_surface: sum of -dL/dnormal over
