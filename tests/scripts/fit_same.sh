@@ -7,7 +7,7 @@ trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
 sources="tests/test_fit_steps.c $(ls src/fit/*.c src/fit/*/*.c src/pack/*.c src/core/*.c | grep -v '/photo\|/checkpoint' | tr '\n' ' ')
     src/camera/camera.c src/gaussian/transform.c src/base/message.c src/base/allocator.c src/base/crc32.c
-    src/base/options.c src/gaussian/scene_start.c
+    src/base/options.c src/gaussian/scene_start.c src/gaussian/nearest.c
     port/posix/pool.c port/posix/pages.c port/backend/fit_engines.c port/backend/pack_stages.c"
 few="$flags -w -DFXS_FIT_FEW -ffunction-sections -Wl,--gc-sections"
 one="$(echo $sources) -o % -lm -lpthread"
