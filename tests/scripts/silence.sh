@@ -231,17 +231,17 @@ try collide
 
 # ---- select ----------------------------------------------------------------------------------------------------------
 
-mkdir masks && "$fixsplat" render knot.ply --cameras cameras.json --view 0 -o masks/a.png
+mkdir marks && "$fixsplat" render knot.ply --cameras cameras.json --view 0 -o marks/a.png
 places='plain ../knot.ply --eye 0,-2,-9 --look 0,0,0 -o out.ply --around 300,100,900,700
 packed ../start.fxs -o out.fxs --click 640,360
 several ../knot.ply -o out.ply --cameras ../cameras.json --around 8,3,56,34
-masked ../knot.ply -o out.ply --cameras ../cameras.json --masks ../masks --alone'
-options='rest rest.ply; ids; picture look.png; masks ../masks; labels; click 500,300; not 600,400; around 500,300,600,400; bias 0.2; trim 1
+masked ../knot.ply -o out.ply --cameras ../cameras.json --masks ../marks --alone'
+options='rest rest.ply; ids; picture look.png; masks ../marks; labels; click 500,300; not 600,400; around 500,300,600,400; bias=-0.7; trim 1
 alone; cameras ../cameras.json; view 1; eye 0,-3,-9; look 0.3,0,0; up 1,0,0; fov 30; size 800x600; profile small; lod 1; axes rdf
 rate 12'
 by_design='output threads max-memory max-gaussians import-memory' mask= more=
 # What is clicked at, or white in the masks, is in the box already.
-elsewhere='click:plain masks:several'
+elsewhere='click:plain masks:several around:packed'
 how=plainly path=$PATH notes=
 try select
 
@@ -380,7 +380,8 @@ packed --web ../plain.fxs
 cameras --web ../knot.ply --cameras ../cameras.json
 several --web ../scenes'
 options="bg 303030; levels; qr; bind 0.0.0.0; cert a.pem; key a.pem; screenshot a.png; fps 30; max-memory 3M; cpu c;
-    backend cpu; pool 1M; xr; metres-per-unit 2; pass-through; $shared"
+    backend cpu; pool 1M; xr; metres-per-unit 2; pass-through; walls a.voxel.json;
+    eye-height 2; $shared"
 # A list packs a scene when a page asks for it.
 by_design='web threads max-gaussians import-memory no-open port host' more='--port 0 --no-open' mask='s/:[0-9]+//'
 elsewhere='profile:several levels:several lod:several axes:several'
