@@ -105,21 +105,21 @@ for name, other in (("mapped", fixsplat.load("knot.fxs")), ("bytes", fixsplat.lo
 
 # ---- Objects ---------------------------------------------------------------------------------------------------------
 
-seen = fixsplat.load("knot.fxs")
+packed = fixsplat.load("knot.fxs")
 front = fixsplat.Camera.look_at((1, -2, -7), (0, 0, 0), 320, 180)
 printed = run("select", "knot.fxs", "--eye=1,-2,-7", "--look=0,0,0", "--up=0,-1,0", "--size", "320x180", "--around",
               "80,20,240,160", "--trim", "0", "--ids")
-found = seen.find([(front, seen.mark(front, [(80, 20, 240, 160, 1)]))], threads=3)
+found = packed.find([(front, packed.mark(front, [(80, 20, 240, 160, 1)]))], threads=3)
 ok("find: as the command", found.tolist() == [int(word) for word in printed.split()] and (found == 1).any())
 half = np.zeros((180, 320), np.uint8)
 half[:, 160:] = 1
-sides = seen.find([(front, half)], alone=True)
-ok("find: by a mask", 0 < (sides == 1).sum() < seen.count)
-ok("find: a trim", (seen.find([(front, half)], trim=0.5) == 255).any())
-refuses("find: marks of another shape", ValueError, "shape", lambda: seen.find([(front, half[1:])]))
-refuses("find: nothing marked", fixsplat.Error, "no pixel of a picture", lambda: seen.find([(front, 0 * half)]))
-refuses("mark: no click", ValueError, "hints", lambda: seen.mark(front, [(1, 2)]))
-refuses("mark: outside", fixsplat.Error, "outside of the picture", lambda: seen.mark(front, [(320, 2, 1)]))
+sides = packed.find([(front, half)], alone=True)
+ok("find: by a mask", 0 < (sides == 1).sum() < packed.count)
+ok("find: a trim", (packed.find([(front, half)], trim=0.5) == 255).any())
+refuses("find: marks of another shape", ValueError, "shape", lambda: packed.find([(front, half[1:])]))
+refuses("find: nothing marked", fixsplat.Error, "no pixel of a picture", lambda: packed.find([(front, 0 * half)]))
+refuses("mark: no click", ValueError, "hints", lambda: packed.mark(front, [(1, 2)]))
+refuses("mark: outside", fixsplat.Error, "outside of the picture", lambda: packed.mark(front, [(320, 2, 1)]))
 
 # ---- Masks -----------------------------------------------------------------------------------------------------------
 
