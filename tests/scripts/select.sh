@@ -50,13 +50,16 @@ check "masks" equal "$(ids two.ply $by --masks masks)" "$all"
 check "a click" equal "$(ids two.ply $by --click 65,58)" "$all"
 check "a click in another view" equal "$(ids two.ply $by --click 1:135,58)" "$all"
 check "--view" equal "$(ids two.ply $by --click 135,58 --view 1)" "$all"
-check "a box" equal "$(ids two.ply $by --around 22,15,104,98)" "$all"
+# A box may take a few Gaussians of the floor behind the ball.
+balls_of() { "$fixsplat" select two.ply $by "$@" --trim 0 --ids --quiet | head -n 800 | uniq -c | tr -s ' \n' ' '; }
+check "a box" equal "$(balls_of --around 22,15,104,98)" ' 400 1 400 0 '
+check "a box: little of the floor" [ "$("$fixsplat" select two.ply $by --around 22,15,104,98 --trim 0 --ids --quiet |
+    grep -c 1)" -lt 420 ]
 check "two objects" equal "$(ids two.ply $by --click 135,58,2 --click 65,58,1)" \
     '400 x 1, 400 x 2, 900 x 0'
 check "two clicks on one object" equal "$(ids two.ply $by --click 135,58 --click 65,58)" \
     '800 x 1, 900 x 0'
-check "--not" equal "$("$fixsplat" select two.ply $by --around 22,15,178,98 --not 135,58 --trim 0 --ids --quiet |
-    head -n 800 | uniq -c | tr -s ' \n' ' ')" ' 400 1 400 0 '
+check "--not" equal "$(balls_of --around 22,15,178,98 --not 135,58)" ' 400 1 400 0 '
 few=$(ids two.ply $by --masks masks --alone)
 check "--alone: hidden Gaussians are in no object" [ "$few" != "$all" ]
 count() { "$fixsplat" select two.ply $by --masks masks --alone --trim 0 --ids --quiet "$@" | grep -c 1; }
