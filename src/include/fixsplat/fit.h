@@ -131,6 +131,7 @@ typedef struct fxs_fit_options {
     int surfaces;                  /* 1: fits the scene for surfaces: flattens Gaussians along their shortest axis, and
                                       turns these axes towards the normals of the rendered depths. For a mesh of the
                                       scene; costs some PSNR and time. A block uses its coarse fit's setting. 0: no */
+    uint32_t reserved;             /* 0 */
 } fxs_fit_options;
 
 /* Sets the options to their initial values: those that the comments of fxs_fit_options name, and 0 in the other fields
