@@ -3,6 +3,7 @@
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/splatv.sh"
+. "$root/tests/scripts/lib/ply.sh"
 
 # balls FILE WHITE RED: two balls of 400 Gaussians, a white and a red one, if WHITE and RED are 1, above a grey floor.
 balls() {
@@ -11,20 +12,15 @@ balls() {
             for (i = 0; i < 400; i++) {
                 turn = 2.399963 * i; y = 1 - (2 * i + 1) / 400; wide = sqrt(1 - y * y)
                 p = (x + 0.8 * wide * cos(turn)) " " (0.8 * y - 0.85) " " (0.8 * wide * sin(turn))
-                line[n++] = p " " colour " 4 -2.4 -2.4 -2.4 1 0 0 0"
+                print p " " colour " 4 -2.4 -2.4 -2.4 1 0 0 0"
             }
         }
         BEGIN {
             if (white) ball(-1, "2 2 2")
             if (red) ball(1, "0.5 -1.5 -1.5")
             for (i = 0; i < 900; i++)
-                line[n++] = (0.2 * (i % 30) - 3) " 0.05 " (0.2 * int(i / 30) - 3) " -1 -1 -1 4 -2.1 -5 -2.1 1 0 0 0"
-            print "ply\nformat ascii 1.0\nelement vertex " n
-            split("x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3", names)
-            for (i = 1; i <= 14; i++) print "property float " names[i]
-            print "end_header"
-            for (i = 0; i < n; i++) print line[i]
-        }' >"$1"
+                print (0.2 * (i % 30) - 3) " 0.05 " (0.2 * int(i / 30) - 3) " -1 -1 -1 4 -2.1 -5 -2.1 1 0 0 0"
+        }' | ply "$1"
 }
 ids() { "$fixsplat" select "$@" --trim 0 --ids --quiet | uniq -c | awk '{ printf "%s%d x %d", s, $1, $2; s = ", " }'; }
 

@@ -1,4 +1,5 @@
 # Sourced by tests of walls. Makes a scene to walk in.
+. "${root:-.}/tests/scripts/lib/ply.sh"
 
 # room FILE [LINE [HALF]]: a .ply of two rooms with a door between them, x -3 to 3, z -2 to 2, the floor at y = 0 and the
 # ceiling at -2.5. LINE is one more Gaussian. HALF is half the width of the door, 0.5 by default.
@@ -10,18 +11,13 @@ room() {
                     if (door && u > -2.1 && v > -half && v < half) continue
                     p = axis == 0 ? at " " u " " v : axis == 1 ? u " " at " " v : u " " v " " at
                     s = axis == 0 ? "-4.4 -2.8 -2.8" : axis == 1 ? "-2.8 -4.4 -2.8" : "-2.8 -2.8 -4.4"
-                    line[n++] = p " 0.1 0.2 0.3 2.2 " s " 1 0 0 0"
+                    print p " 0.1 0.2 0.3 2.2 " s " 1 0 0 0"
                 }
         }
         BEGIN {
             plane(1, 0, -3, 3, -2, 2); plane(1, -2.5, -3, 3, -2, 2); plane(0, -3, -2.5, 0, -2, 2)
             plane(0, 3, -2.5, 0, -2, 2); plane(2, -2, -3, 3, -2.5, 0); plane(2, 2, -3, 3, -2.5, 0)
             plane(0, 0, -2.5, 0, -2, 2, 1)
-            if (more) line[n++] = more
-            print "ply\nformat ascii 1.0\nelement vertex " n
-            split("x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3", names)
-            for (i = 1; i <= 14; i++) print "property float " names[i]
-            print "end_header"
-            for (i = 0; i < n; i++) print line[i]
-        }' >"$1"
+            if (more) print more
+        }' | ply "$1"
 }
