@@ -23,7 +23,7 @@
 enum {
     EVIDENCE = 1024,                   /* |u| of a Gaussian that is surely seen, as a capacity */
     LINK = 256,                        /* capacity between near neighbours of one colour */
-    HINT = 32,                        /* largest |u| by colour alone */
+    HINT = 32,                         /* largest |u| by colour alone */
     SHADES = 6,                        /* shades of a colour channel in a histogram */
     HISTOGRAM = SHADES * SHADES * SHADES,
     MEMORY_DEFAULT_BITS = 31

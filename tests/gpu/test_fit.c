@@ -296,7 +296,7 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     CHECK(of_here.entries == of_there.entries && of_here.visible == of_there.visible);
     CHECK(of_here.absolute == of_there.absolute && of_here.dissimilar == of_there.dissimilar);
     if (CHECK(!peek_fit(self, &photographs[w->batch - 1].camera, &p)))
-        is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && 
+        is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) &&
                   pixels_same(s, &p, w->surfaces) && sums_same(s, &p, w->surfaces ? FXS_FIT_RED : 0) &&
                   models_same(&here, &there) &&
                   CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0])) &&

@@ -44,6 +44,18 @@ static inline real exp_of_minus(real logit)
     return exp_e(-least(most(logit, all(-80)), all(80)));
 }
 
+/* Sets s->unit, s->length and s->rotation from a Gaussian's quaternion. */
+static inline void find_rotation(shape *s, const float *at, size_t stride)
+{
+    real q[4];
+    for (int i = 0; i < 4; i++)
+        q[i] = load(at + (FXS_FIT_ROTATION + i) * (ptrdiff_t)stride);
+    s->length = 1.0f / root((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
+    for (int i = 0; i < 4; i++)
+        s->unit[i] = q[i] * s->length;
+    rotation_of(s->unit, s->rotation);
+}
+
 static inline void find_shape(shape *s, const fxs_fit_camera *camera, const float *at, size_t stride)
 {
     real w[3][3];
@@ -62,13 +74,7 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
         for (int k = 0; k < 3; k++)
             s->m[i][k] = (camera->focal[i] * s->inverse_z) * (w[i][k] - s->cut_slope[i] * w[2][k]);
     }
-    real q[4];
-    for (int i = 0; i < 4; i++)
-        q[i] = load(at + (FXS_FIT_ROTATION + i) * (ptrdiff_t)stride);
-    s->length = 1.0f / root((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
-    for (int i = 0; i < 4; i++)
-        s->unit[i] = q[i] * s->length;
-    rotation_of(s->unit, s->rotation);
+    find_rotation(s, at, stride);
     for (int j = 0; j < 3; j++) {
         s->scale[j] = exp_e(load(at + (FXS_FIT_SCALE + j) * (ptrdiff_t)stride));
         for (int i = 0; i < 2; i++) {

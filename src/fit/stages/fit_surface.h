@@ -39,13 +39,7 @@ static inline real keep_axis(const axes *a, int i, real x)
 /* Sets s->unit, s->length and s->rotation, and n to the Gaussian's shortest axis. */
 static inline void find_normal(shape *s, const axes *a, const float *at, size_t stride, real n[3])
 {
-    real q[4];
-    for (int i = 0; i < 4; i++)
-        q[i] = load(at + (FXS_FIT_ROTATION + i) * (ptrdiff_t)stride);
-    s->length = 1.0f / root((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
-    for (int i = 0; i < 4; i++)
-        s->unit[i] = q[i] * s->length;
-    rotation_of(s->unit, s->rotation);
+    find_rotation(s, at, stride);
     for (int i = 0; i < 3; i++)
         n[i] = choose(a->third, s->rotation[i][2], choose(a->second, s->rotation[i][1], s->rotation[i][0]));
 }
