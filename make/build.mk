@@ -122,11 +122,14 @@ $(B)/kernels/compute/shaders.h: $(wildcard $(SHADERS_compute))
 $(B)/kernels/%/shaders.h: tools/scripts/shaders.sh
 	@mkdir -p $(@D)
 	@sh $< $(filter-out $<,$^) >$@
-$(B)/kernels/vulkan/shaders.h: tools/scripts/vulkan_shaders.sh $(wildcard $(SHADERS_vulkan))
+$(B)/kernels/vulkan/shaders.h: $(wildcard $(SHADERS_vulkan))
+$(B)/kernels/fit/vulkan/shaders.h: $(wildcard $(SHADERS_fit_vulkan))
+$(B)/kernels/vulkan/shaders.h $(B)/kernels/fit/vulkan/shaders.h: tools/scripts/vulkan_shaders.sh
 	@mkdir -p $(@D)
 	@sh $< -c $(filter-out $<,$^) >$@
 $(B)/kernels/vulkan/vk_device.o: $(B)/kernels/vulkan/shaders.h
-$(B)/kernels/vulkan/vk_device.o: INCLUDES += -I$(@D)
+$(B)/kernels/fit/vulkan/vf_device.o: $(B)/kernels/fit/vulkan/shaders.h
+$(B)/kernels/vulkan/vk_device.o $(B)/kernels/fit/vulkan/vf_device.o: INCLUDES += -I$(@D)
 WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
 $(WITH_SHADERS): INCLUDES += -I$(@D)

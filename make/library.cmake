@@ -79,6 +79,10 @@ if(FXS_WITH_VULKAN IN_LIST FOUND)
     fixsplat_files(shaders ${SHADERS_vulkan})
     fixsplat_made(kernels/vulkan/shaders.h tools/scripts/vulkan_shaders.sh -c ${shaders})
     set_property(SOURCE kernels/vulkan/vk_device.c PROPERTY INCLUDE_DIRECTORIES ${PROJECT_BINARY_DIR}/kernels/vulkan)
+    fixsplat_files(shaders ${SHADERS_fit_vulkan})
+    fixsplat_made(kernels/fit/vulkan/shaders.h tools/scripts/vulkan_shaders.sh -c ${shaders})
+    set_property(SOURCE kernels/fit/vulkan/vf_device.c PROPERTY
+        INCLUDE_DIRECTORIES ${PROJECT_BINARY_DIR}/kernels/fit/vulkan)
 endif()
 
 function(fixsplat_cuda source)

@@ -19,7 +19,7 @@ THREADED_win32 := port/posix/pager.c port/posix/pager_url.c port/posix/pool.c
 STAGES_x86 := kernels/fit/fit_sse41.c kernels/fit/fit_avx2.c kernels/fit/fit_avx512.c kernels/pack/*_avx2.c
 STAGES_arm := kernels/fit/fit_neon.c
 SOURCES_GLES := kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c
-SOURCES_VULKAN := kernels/vulkan/*.c port/vulkan/*.c
+SOURCES_VULKAN := kernels/vulkan/*.c kernels/fit/vulkan/*.c port/vulkan/*.c
 SOURCES_CUDA := kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu
 SOURCES_EGL := port/gl/egl.c
 SOURCES_OSMESA := port/gl/osmesa.c
@@ -29,8 +29,9 @@ SOURCES_OSMESA := port/gl/osmesa.c
 SHADERS_gles := src/include/fixsplat/internal/pixel.h kernels/gl/*.vert kernels/gles/*.vert kernels/gl/*.frag kernels/gles/*.frag
 SHADERS_compute := kernels/compute/generated/*.comp kernels/compute/*.frag kernels/compute/*.glsl \
                    kernels/gl/*.vert kernels/gl/*.frag
-# tools/scripts/vulkan_shaders.sh -c turns these into kernels/vulkan/shaders.h.
+# tools/scripts/vulkan_shaders.sh -c turns these into kernels/vulkan/shaders.h and kernels/fit/vulkan/shaders.h.
 SHADERS_vulkan := kernels/vulkan/generated/*.spv
+SHADERS_fit_vulkan := kernels/fit/vulkan/generated/*.spv
 
 # Source files of the command fixsplat. The separate programs for the window and for the web server contain them too,
 # except main.c.

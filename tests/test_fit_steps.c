@@ -319,6 +319,7 @@ static const recorded fits[FITS] = {
      FXS_FIT_EXPOSURE_GAIN, 0.5, 0x11a98b14414190e7}};
 
 static int devices;                /* 0: the fit runs on the CPU, 1: on the first GPU */
+static int through_vulkan;
 
 static void set_options(const recorded *wanted, fxs_fit_options *o)
 {
@@ -337,6 +338,7 @@ static void set_options(const recorded *wanted, fxs_fit_options *o)
     o->antialiased = wanted == &fits[ANTIALIASED];
     o->sky = wanted == &fits[FEW_SKY] || wanted == &fits[SKY] ? 300 : 0;
     o->device_count = (uint32_t)devices;
+    o->vulkan = through_vulkan;
 }
 
 static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
@@ -677,7 +679,8 @@ static void test_poses_are_found(void)
 
 int main(int argc, char **argv)
 {
-    devices = argc > 1 && !strcmp(argv[1], "--cuda");
+    through_vulkan = argc > 1 && !strcmp(argv[1], "--vulkan");
+    devices = through_vulkan || (argc > 1 && !strcmp(argv[1], "--cuda"));
     RUN(test_batches_that_cannot_be);
     RUN(test_few);
 #ifndef FXS_FIT_FEW

@@ -22,7 +22,7 @@
     F(AllocateCommandBuffers) F(AllocateDescriptorSets) F(AllocateMemory) F(BeginCommandBuffer) F(BindBufferMemory) \
     F(CmdBindDescriptorSets) F(CmdBindPipeline) F(CmdCopyBuffer) F(CmdCopyBufferToImage) F(CmdCopyImageToBuffer) \
     F(CmdDispatch) F(CmdDispatchIndirect) F(CmdFillBuffer) F(CmdPipelineBarrier) F(CmdPushConstants) \
-    F(CmdResetQueryPool) F(CmdWriteTimestamp) F(CreateBuffer) \
+    F(CmdResetQueryPool) F(CmdUpdateBuffer) F(CmdWriteTimestamp) F(CreateBuffer) \
     F(CreateCommandPool) F(CreateComputePipelines) F(CreateDescriptorPool) F(CreateDescriptorSetLayout) \
     F(CreateFence) F(CreatePipelineCache) F(CreatePipelineLayout) F(CreateQueryPool) F(CreateShaderModule) \
     F(DestroyBuffer) F(DestroyCommandPool) F(DestroyDescriptorPool) F(DestroyDescriptorSetLayout) F(DestroyFence) \
@@ -114,6 +114,12 @@ struct fxs_vulkan {
     void *memory;                  /* host memory of plans */
     size_t memory_bytes;
 };
+
+/* Like fxs_vulkan_create. renders 0: without the pipelines of frames, for other work on the device. */
+int fxs_vk_create(fxs_vulkan **out, const fxs_vulkan_options *options, int renders, fxs_message *why);
+
+/* Makes a shader module of SPIR-V that tools/scripts/vulkan_shaders.sh -c has packed. */
+VkResult fxs_vk_make_module(const fxs_vulkan *v, const uint8_t *packed, size_t bytes, VkShaderModule *module);
 
 /* Returns 0 for VK_SUCCESS, or the error with its message. */
 int fxs_vk_said(VkResult result, fxs_message *why);

@@ -106,7 +106,7 @@ static size_t unpack(uint32_t *words, const uint8_t *packed, size_t bytes)
     return count * sizeof *words;
 }
 
-static VkResult make_module(const fxs_vulkan *v, const uint8_t *packed, size_t bytes, VkShaderModule *module)
+VkResult fxs_vk_make_module(const fxs_vulkan *v, const uint8_t *packed, size_t bytes, VkShaderModule *module)
 {
     const fxs_vulkan_options *o = &v->options;
     uint32_t *words = malloc(bytes * sizeof *words);       /* a word takes at least a byte */
@@ -126,7 +126,7 @@ static VkResult make_pipelines(fxs_vulkan *v)
     VkComputePipelineCreateInfo infos[FXS_VK_PROGRAMS];
     VkResult result = VK_SUCCESS;
     for (int i = 0; i < FXS_VK_PROGRAMS && !result; i++) {
-        result = make_module(v, programs[0][i].packed, programs[0][i].bytes, &modules[i]);
+        result = fxs_vk_make_module(v, programs[0][i].packed, programs[0][i].bytes, &modules[i]);
         infos[i] = (VkComputePipelineCreateInfo){
             .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = v->layout,
             .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
@@ -140,7 +140,7 @@ static VkResult make_pipelines(fxs_vulkan *v)
     return result;
 }
 
-static int make_objects(fxs_vulkan *v, fxs_message *why)
+static int make_objects(fxs_vulkan *v, int renders, fxs_message *why)
 {
     const fxs_vulkan_options *o = &v->options;
     const VkPipelineCacheCreateInfo cache = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
@@ -151,9 +151,10 @@ static int make_objects(fxs_vulkan *v, fxs_message *why)
                                           .queueFamilyIndex = o->family};
     const VkQueryPoolCreateInfo queries = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                            .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = 2 * FXS_VK_SLOTS};
-    VkResult result = make_layouts(v);
+    VkResult result = renders ? make_layouts(v) : VK_SUCCESS;
     result = result ? result : v->vk.CreatePipelineCache(o->device, &cache, o->allocator, &v->cache);
-    result = result ? result : make_pipelines(v);
+    if (!result && renders)
+        result = make_pipelines(v);
     result = result ? result : v->vk.CreateCommandPool(o->device, &pool, o->allocator, &v->commands);
     if (!result && v->timestamp_mask)
         result = v->vk.CreateQueryPool(o->device, &queries, o->allocator, &v->queries);
@@ -177,7 +178,7 @@ static void end(fxs_vulkan *v)
     free(v->memory);
 }
 
-static int begin(fxs_vulkan *v, fxs_message *why)
+static int begin(fxs_vulkan *v, int renders, fxs_message *why)
 {
     const fxs_vulkan_options *o = &v->options;
     if (!o->load || !o->instance || !o->physical || !o->device || !o->queue || !o->allocate != !o->free ||
@@ -187,25 +188,30 @@ static int begin(fxs_vulkan *v, fxs_message *why)
     error = error ? error : check_device(v, why);
     if (error)
         return error;
-    error = make_objects(v, why);
+    error = make_objects(v, renders, why);
     if (error)
         end(v);
     return error;
 }
 
-int fxs_vulkan_create(fxs_vulkan **out, const fxs_vulkan_options *options, fxs_message *why)
+int fxs_vk_create(fxs_vulkan **out, const fxs_vulkan_options *options, int renders, fxs_message *why)
 {
     fxs_vulkan *v = *out = calloc(1, sizeof *v);
     if (!v)
         return fxs_plan_say(why, FXS_ERR_MEMORY, "out of memory", "");
     memcpy(&v->options, options, options->size < sizeof *options ? options->size : sizeof *options);
     v->options.frames = v->options.frames ? v->options.frames : 2;
-    const int error = begin(v, why);
+    const int error = begin(v, renders, why);
     if (error) {
         free(v);
         *out = 0;
     }
     return error;
+}
+
+int fxs_vulkan_create(fxs_vulkan **out, const fxs_vulkan_options *options, fxs_message *why)
+{
+    return fxs_vk_create(out, options, 1, why);
 }
 
 void fxs_vulkan_destroy(fxs_vulkan *v)

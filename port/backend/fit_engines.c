@@ -1,14 +1,38 @@
-/* Chooses what runs a fit of a scene: the fitting stages for this processor's instruction sets, or CUDA. */
+/* Chooses what runs a fit of a scene: the fitting stages for this processor's instruction sets, CUDA, or Vulkan. */
 #include <fixsplat/backend.h>
 #include <fixsplat/internal/message.h>
 
 #include "src/fit/fit_internal.h"
+#include "without.h"
 #ifdef FXS_WITH_CUDA
 #include "kernels/fit/cuda/cuda_fit.h"
+#endif
+#ifdef FXS_WITH_VULKAN
+#include "kernels/fit/vulkan/vulkan_fit.h"
 #endif
 #ifdef FXS_WITH_KERNELS
 #include <fixsplat/internal/kernels.h>
 #endif
+
+static int open_cuda(fxs_fit *f, fxs_message *message)
+{
+#ifdef FXS_WITH_CUDA
+    return fxs_cuda_fit_engine(&f->engine, &f->self, &f->model, &f->options, message);
+#else
+    (void)f;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, FXS_WITHOUT_CUDA);
+#endif
+}
+
+static int open_vulkan(fxs_fit *f, fxs_message *message)
+{
+#ifdef FXS_WITH_VULKAN
+    return fxs_vulkan_fit_engine(&f->engine, &f->self, &f->model, &f->options, message);
+#else
+    (void)f;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, FXS_WITHOUT_HEADERS("libvulkan-dev"));
+#endif
+}
 
 int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
 {
@@ -17,14 +41,10 @@ int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
         f->self = f;
         return 0;
     }
-#ifdef FXS_WITH_CUDA
-    const int error = fxs_cuda_fit_engine(&f->engine, &f->self, &f->model, &f->options, message);
+    const int error = f->options.vulkan ? open_vulkan(f, message) : open_cuda(f, message);
     if (error)
         f->engine = NULL;
     return error;
-#else
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, FXS_WITHOUT_CUDA);
-#endif
 }
 
 #ifdef FXS_KERNELS_X86

@@ -109,12 +109,13 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : (unsigned)o->cutoff > FXS_CUTOFF_SQUARE                  ? "cut-off"
                         : (unsigned)o->profile > FXS_PROFILE_SMALL                 ? "profile"
                         : o->workers.count > 64                                    ? "number of threads"
-                        : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
+                        : o->device_count > (o->vulkan ? 1 : FXS_FIT_BATCH)        ? "number of devices"
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_AFFINE          ? "exposure"
                         : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
                         : (unsigned)o->antialiased > 1                             ? "antialiasing"
                         : (unsigned)o->surfaces > 1                                ? "fit of surfaces"
+                        : (unsigned)o->vulkan > 1                                  ? "interface of devices"
                         : o->sky > FXS_FIT_SKY_MOST                                ? "number of directions of a sky"
                                                                                    : NULL;
     if (wrong)

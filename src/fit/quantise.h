@@ -210,20 +210,24 @@ static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {
     real q[4], rounded[4];
+    whole scales[3], turns[4];
     for (int i = 0; i < 3; i++) {
         const ptrdiff_t at = (FXS_FIT_POSITION + i) * stride, scale = (FXS_FIT_SCALE + i) * stride,
                         colour = (FXS_FIT_COLOUR + i) * stride;
         store(to + at, quantise_evenly(load(from + at), c->low[i], c->step[i], c->inverse[i], g->position_bits, 16,
                                        &codes[FXS_FIT_POSITION + i]));
-        store(to + scale, quantise_scale(c, load(from + scale), g->scale_bits[i], i, &codes[FXS_FIT_SCALE + i]));
+        store(to + scale, quantise_scale(c, load(from + scale), g->scale_bits[i], i, &scales[i]));
         store(to + colour, quantise_evenly(load(from + colour), c->colour[i], c->colour_step[i], c->colour_inverse[i],
                                            g->colour_bits[i], 9, &codes[FXS_FIT_COLOUR + i]));
+        codes[FXS_FIT_SCALE + i] = scales[i];
     }
     for (int i = 0; i < 4; i++)
         q[i] = load(from + (FXS_FIT_ROTATION + i) * stride);
-    quantise_rotation(q, axis_bits(g, c, &codes[FXS_FIT_SCALE]), g->rotation_bits, rounded, &codes[FXS_FIT_ROTATION]);
-    for (int i = 0; i < 4; i++)
+    quantise_rotation(q, axis_bits(g, c, scales), g->rotation_bits, rounded, turns);
+    for (int i = 0; i < 4; i++) {
         store(to + (FXS_FIT_ROTATION + i) * stride, rounded[i]);
+        codes[FXS_FIT_ROTATION + i] = turns[i];
+    }
     const ptrdiff_t at = FXS_FIT_OPACITY * stride;
     store(to + at, quantise_opacity(c, load(from + at), &codes[FXS_FIT_OPACITY]));
 }

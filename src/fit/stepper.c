@@ -665,7 +665,7 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
     adam->by_flat = options->by_flat * numbers / (float)gaussians;
 }
 
-static float sum_numbers(const float *numbers, size_t step, size_t count, double divisor)
+float fxs_fit_sum(const float *numbers, size_t step, size_t count, double divisor)
 {
     double parts[GAIN_PARTS];
     for (size_t i = 0; i < GAIN_PARTS; i++)
@@ -700,7 +700,7 @@ static void sum_by_gain(fxs_fit_stepper *s)
     const float *rows = (const float *)s->rows.memory + 6 * height;
     run(s, gain_rows_job, (uint32_t)height);
     for (size_t k = 0; k < FXS_FIT_GAIN; k++)
-        s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
+        s->by_gain[s->view][k] = fxs_fit_sum(rows + k * height, 1, height, values);
 }
 
 /* Updates the exposures of a batch's photographs. Subtracting the mean over all photographs keeps the scene from taking
@@ -718,15 +718,14 @@ static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
     }
 }
 
-static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
+void fxs_fit_move_pose(const fxs_fit_poses *poses, const fxs_fit_photograph *photograph, const float *parts,
+                       size_t count, float rate)
 {
-    for (uint32_t v = 0; v < s->batch; v++) {
-        const double values = 3.0 * s->cameras[v]->width * s->cameras[v]->height;
-        float sums[FXS_FIT_POSE];
-        for (int k = 0; k < FXS_FIT_POSE; k++)
-            sums[k] = sum_numbers(by_pose_of(s, v, k), 1, part_count(s), values);
-        pose_step(&s->model->poses->of[photographs[v].number], &photographs[v].camera, sums, s->options->pose_rate);
-    }
+    const double values = 3.0 * photograph->camera.width * photograph->camera.height;
+    float sums[FXS_FIT_POSE];
+    for (size_t k = 0; k < FXS_FIT_POSE; k++)
+        sums[k] = fxs_fit_sum(parts + k * count, 1, count, values);
+    pose_step(&poses->of[photograph->number], &photograph->camera, sums, rate);
 }
 
 static uint64_t now(const fxs_fit_stepper *s)
@@ -860,16 +859,20 @@ static void reduce_mask(const fxs_fit_photograph *from, uint8_t *out)
         }
 }
 
+fxs_fit_camera fxs_fit_camera_of(const fxs_fit_model *model, const fxs_fit_photograph *photograph)
+{
+    fxs_fit_camera camera = photograph->camera;
+    if (model->poses)
+        pose_camera(&camera, &model->poses->of[photograph->number]);
+    return camera;
+}
+
 static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph, uint32_t view)
 {
-    const fxs_fit_camera *c = &photograph->camera;
+    const fxs_fit_camera *c = &s->posed[view];
     s->view = view;
+    s->posed[view] = fxs_fit_camera_of(s->model, photograph);
     s->camera = s->cameras[view] = c;
-    if (s->model->poses) {
-        s->posed[view] = *c;
-        pose_camera(&s->posed[view], &s->model->poses->of[photograph->number]);
-        s->camera = s->cameras[view] = &s->posed[view];
-    }
     s->photograph = photograph->pixels;
     s->mask = photograph->mask;
     if (s->model->gains)
@@ -1012,8 +1015,8 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     run(s, update_job, gaussian_jobs(s));
     if (model->gains && options->gain_rate > 0)
         update_gains(s, photographs);
-    if (moves_poses(s))
-        update_poses(s, photographs);
+    for (uint32_t v = 0; v < batch && moves_poses(s); v++)
+        fxs_fit_move_pose(model->poses, &photographs[v], by_pose_of(s, v, 0), part_count(s), options->pose_rate);
     report->nanoseconds[UPDATE] = now(s) - passed_back;
     report->gaussians = model->count;
     return 0;

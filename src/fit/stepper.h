@@ -78,6 +78,17 @@ int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_f
 void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
                       uint32_t batch, size_t gaussians);
 
+/* Sums numbers that are `step` floats apart, in a fixed order, and divides the sum (exposure.h). */
+float fxs_fit_sum(const float *numbers, size_t step, size_t count, double divisor);
+
+/* Returns a photograph's camera with its pose correction. */
+fxs_fit_camera fxs_fit_camera_of(const fxs_fit_model *model, const fxs_fit_photograph *photograph);
+
+/* Makes a step of a photograph's pose correction. parts: for each number of the gradient, `count` partial sums over
+   Gaussians, of FXS_FIT_PART Gaussians each. */
+void fxs_fit_move_pose(const fxs_fit_poses *poses, const fxs_fit_photograph *photograph, const float *parts,
+                       size_t count, float rate);
+
 /* Adds a photograph's loss to a progress report. rows: for each colour channel, row sums of |picture - photograph|,
    then of 1 - SSIM. */
 void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t batch, fxs_fit_report *report);

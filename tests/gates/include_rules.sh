@@ -24,6 +24,7 @@ kernels/gles    kernels/gl src/core
 kernels/compute kernels/gl src/core
 kernels/vulkan  kernels/compute src/core
 kernels/cuda    src/core
+kernels/fit/vulkan  src/fit src/base kernels/vulkan kernels/compute src/core port/vulkan
 kernels/fit     src/fit kernels/cuda
 kernels/pack    src/pack
 kernels         kernels/simd/lanes src/core

@@ -278,7 +278,7 @@ __device__ inline void add_surface_sums(const fxs_fit_adam *adam, const batch_vi
     for (uint32_t v = 0; v < views.count; v++)
         for (int k = 0; k < 3 && views.surfaces[v]; k++)
             sums[k] += views.surfaces[v][(size_t)k * m.stride + i];
-    add_surface(adam, at, SHAPE_THREADS, sums, gradient, 1);
+    add_surface(adam, at, SHAPE_THREADS, sums, gradient);
 }
 
 /* Updates all parameters of the Gaussians except spherical harmonics above degree 0. HasSurfaces: Gaussians are

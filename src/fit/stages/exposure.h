@@ -40,15 +40,15 @@ static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float f
 /* Applies an exposure to a colour: returns a channel of I M + m, with colour I, matrix M and offset m. */
 static inline float exposed(const float factors[FXS_FIT_GAIN], const float colour[3], int channel)
 {
-    const float *m = factors + channel;
-    return ((colour[0] * m[0] + colour[1] * m[3]) + colour[2] * m[6]) + m[9];
+    const int m = channel;
+    return ((colour[0] * factors[m] + colour[1] * factors[m + 3]) + colour[2] * factors[m + 6]) + factors[m + 9];
 }
 
 /* Returns the loss gradient by a channel of the rendered colour, from the gradient by the colour with exposure. */
 static inline float gradient_before(const float factors[FXS_FIT_GAIN], const float gradient[3], int channel)
 {
-    const float *m = factors + 3 * channel;
-    return (gradient[0] * m[0] + gradient[1] * m[1]) + gradient[2] * m[2];
+    const int m = 3 * channel;
+    return (gradient[0] * factors[m] + gradient[1] * factors[m + 1]) + gradient[2] * factors[m + 2];
 }
 
 /* Number of partial sums in a sum over pixels or photographs. To fix the order of addition, number i is added to part i

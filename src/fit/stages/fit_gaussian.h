@@ -23,7 +23,7 @@ typedef struct shape {
                                       dilation; 1 if not antialiased */
 } shape;
 
-static inline real dot3(const real *a, const real *b)
+static inline real dot3(const real a[3], const real b[3])
 {
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
@@ -182,8 +182,8 @@ static inline void find_look(look *l, const real offset[3], int degree, const fl
 
 /* Computes two loss gradients from the gradient by a Gaussian's colour. g: by the colour before clamping at 0. along:
    by the position, because it changes the view direction of the spherical harmonics. */
-static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
-                                   real g[3], real along[3])
+static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride,
+                                   const real sums[FXS_FIT_SUMS], real g[3], real along[3])
 {
     real w[15], by_direction[3];
     for (int c = 0; c < 3; c++) {
@@ -205,7 +205,7 @@ static inline void colour_gradient(const look *l, int degree, const float *at, s
 /* Computes the loss gradient by the matrix T, where T T^t is a Gaussian's covariance in the picture. dL/dT = 2 G T with
    G = -U^t (sum of h (u, v) (u, v)^t / 2) U. U^t U is the inverse of the covariance, and h = -alpha dL/dalpha. A
    splat's u and v are scaled by FXS_FIT_UNIT. */
-static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
+static inline void covariance_gradient(const shape *s, const real sums[FXS_FIT_SUMS], real by_t[2][3])
 {
     const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
                vy = s->vy * (1.0f / FXS_FIT_UNIT);
@@ -225,9 +225,9 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
      d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
      = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T).
    For visible splats sharp / det is above 2^-16, so nothing overflows. */
-static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])
+static inline void add_share_gradient(const shape *s, const real sums[FXS_FIT_SUMS], real by_t[2][3])
 {
-    const real *p = s->t[0], *q = s->t[1];
+    const real p[3] = {s->t[0][0], s->t[0][1], s->t[0][2]}, q[3] = {s->t[1][0], s->t[1][1], s->t[1][2]};
     const real n[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
     const real wide = (dot3(p, p) + dot3(q, q)) + FXS_FIT_DILATION, sharp = dot3(n, n);
     const real by_log = -sums[FXS_FIT_SUM] * (FXS_FIT_DILATION / (sharp + FXS_FIT_DILATION * wide));
@@ -241,7 +241,7 @@ static inline void add_share_gradient(const shape *s, const real sums[], real by
 
 static inline void rotation_gradient(const shape *s, const real r[3][3], real out[4])
 {
-    const real *q = s->unit;
+    const real q[4] = {s->unit[0], s->unit[1], s->unit[2], s->unit[3]};
     real g[4];
     g[0] = 2.0f * ((q[1] * (r[2][1] - r[1][2]) + q[2] * (r[0][2] - r[2][0])) + q[3] * (r[1][0] - r[0][1]));
     g[1] = 2.0f * (((q[2] * (r[0][1] + r[1][0]) + q[3] * (r[0][2] + r[2][0])) + q[0] * (r[2][1] - r[1][2])) -
@@ -258,7 +258,7 @@ static inline void rotation_gradient(const shape *s, const real r[3][3], real ou
 static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, const real by_t[2][3],
                                   const real by_centre[2], real gradient[FXS_FIT_SH], real by_position[3])
 {
-    real by_m[2][3], by_rotation[3][3], by_camera[3], by_inverse_z = all(0);
+    real by_m[2][3], by_rotation[3][3], by_quaternion[4], by_camera[3], by_inverse_z = all(0);
     for (int j = 0; j < 3; j++)
         gradient[FXS_FIT_SCALE + j] = by_t[0][j] * s->t[0][j] + by_t[1][j] * s->t[1][j];
     for (int i = 0; i < 2; i++) {
@@ -271,7 +271,9 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
             for (int j = 0; j < 3; j++)
                 by_rotation[k][j] = i ? by_rotation[k][j] + s->m[i][k] * by_v[j] : s->m[i][k] * by_v[j];
     }
-    rotation_gradient(s, (const real(*)[3])by_rotation, gradient + FXS_FIT_ROTATION);
+    rotation_gradient(s, (const real(*)[3])by_rotation, by_quaternion);
+    for (int i = 0; i < 4; i++)
+        gradient[FXS_FIT_ROTATION + i] = by_quaternion[i];
     for (int i = 0; i < 2; i++) {
         const real focal = all(camera->focal[i]);
         const real row[3] = {all(camera->rotation[6]), all(camera->rotation[7]), all(camera->rotation[8])};
@@ -336,12 +338,13 @@ static inline void find_pose_gradient(const fxs_fit_camera *camera, int degree, 
 {
     look l;
     real colour[3], gradient[FXS_FIT_SH], by_centre[2], by_position[3], offset[3], q[4];
-    const real *const g = gradient + FXS_FIT_ROTATION;
     find_gradient_but_sh(camera, degree, at, stride, sums, &l, colour, gradient, by_centre, by_position);
     for (int i = 0; i < 3; i++)
         offset[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride) - camera->eye[i];
     for (int i = 0; i < 4; i++)
         q[i] = load(at + (FXS_FIT_ROTATION + i) * (ptrdiff_t)stride);
+    const real g[4] = {gradient[FXS_FIT_ROTATION], gradient[FXS_FIT_ROTATION + 1], gradient[FXS_FIT_ROTATION + 2],
+                       gradient[FXS_FIT_ROTATION + 3]};
     const real turned[3] = {(g[1] * q[0] - g[0] * q[1]) + (g[3] * q[2] - g[2] * q[3]),
                             (g[2] * q[0] - g[0] * q[2]) + (g[1] * q[3] - g[3] * q[1]),
                             (g[3] * q[0] - g[0] * q[3]) + (g[2] * q[1] - g[1] * q[2])};

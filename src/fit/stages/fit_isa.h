@@ -281,10 +281,14 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
 static void add_surface_part(const fxs_fit_adam *adam, uint32_t batch, const float *at, size_t stride,
                              const float *by_surface, float *gradients)
 {
-    real sums[3] = {all(0), all(0), all(0)};
+    real sums[3] = {all(0), all(0), all(0)}, gradient[FXS_FIT_SH];
     for (uint32_t k = 0; by_surface && k < 3 * batch; k++)
         sums[k % 3] += load(by_surface + k * stride);
-    add_surface(adam, at, stride, sums, gradients, FXS_FIT_PART);
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        gradient[k] = load(gradients + k * FXS_FIT_PART);
+    add_surface(adam, at, stride, sums, gradient);
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        store(gradients + k * FXS_FIT_PART, gradient[k]);
 }
 
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,

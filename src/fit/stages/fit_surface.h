@@ -155,35 +155,29 @@ static inline void depth_gradient(const fxs_fit_camera *camera, real x, real y, 
 }
 
 /* Adds the gradients of the flattening, and of the normals or the positions. by_surface: sum of -dL/dnormal over
-   pixels, for a normal of either sign; if adam->is_depth, sum of dL/dposition. gradient: numbers of each parameter
-   `step` floats apart. */
+   pixels, for a normal of either sign; if adam->is_depth, sum of dL/dposition. */
 static inline void add_surface(const fxs_fit_adam *adam, const float *at, size_t stride, const real by_surface[3],
-                               float *gradient, ptrdiff_t step)
+                               real gradient[FXS_FIT_SH])
 {
     const axes a = axes_of(at, stride);
     const real unit = unit_at(&adam->far, at, stride);
     const real flat = keep(below(a.middle - FXS_FIT_FLAT, a.shortest), adam->by_flat * exp_e(a.shortest) / unit);
-    const real zero[3] = {all(0), all(0), all(0)};
     shape s;
     real n[3], by_rotation[3][3], by_quaternion[4];
     find_normal(&s, &a, at, stride, n);
     const real sign = choose(below(dot3(n, by_surface), all(0)), all(1), all(-1));
-    for (int i = 0; i < 3 && adam->is_depth; i++)
-        store(gradient + i * step, load(gradient + i * step) + by_surface[i]);
-    if (adam->is_depth)
-        by_surface = zero;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            by_rotation[i][k] = keep_axis(&a, k, sign * by_surface[i]);
-    rotation_gradient(&s, (const real(*)[3])by_rotation, by_quaternion);
     for (int i = 0; i < 3; i++) {
-        float *const to = gradient + (FXS_FIT_SCALE + i) * step;
-        store(to, load(to) + keep_axis(&a, i, least(flat, all(FXS_FIT_FARTHEST_GRADIENT))));
+        const real by_normal = adam->is_depth ? all(0) : by_surface[i];
+        gradient[FXS_FIT_POSITION + i] += adam->is_depth ? by_surface[i] : all(0);
+        for (int k = 0; k < 3; k++)
+            by_rotation[i][k] = keep_axis(&a, k, sign * by_normal);
     }
+    rotation_gradient(&s, (const real(*)[3])by_rotation, by_quaternion);
+    for (int i = 0; i < 3; i++)
+        gradient[FXS_FIT_SCALE + i] += keep_axis(&a, i, least(flat, all(FXS_FIT_FARTHEST_GRADIENT)));
     for (int i = 0; i < 4; i++) {
-        float *const to = gradient + (FXS_FIT_ROTATION + i) * step;
         const mask is_usable = below(absolute(by_quaternion[i]), all(FXS_FIT_FARTHEST_GRADIENT));
-        store(to, load(to) + keep(is_usable, by_quaternion[i]));
+        gradient[FXS_FIT_ROTATION + i] += keep(is_usable, by_quaternion[i]);
     }
 }
 

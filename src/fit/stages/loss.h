@@ -20,14 +20,19 @@ static inline real recorded(real a, real b)
     return choose(is_beyond_white(a, b), all(1), a);
 }
 
-static inline real window_sum(const float *at, ptrdiff_t step)
+static inline float window_weight(int i)
 {
     const float weights[FXS_FIT_WINDOW] = {0.00102838008f, 0.00759875814f, 0.0360007721f, 0.10936069f, 0.213005538f,
                                            0.266011725f, 0.213005538f, 0.10936069f, 0.0360007721f, 0.00759875814f,
                                            0.00102838008f};
-    real sum = load(at - 5 * step) * weights[0];
+    return weights[i];
+}
+
+static inline real window_sum(const float *at, ptrdiff_t step)
+{
+    real sum = load(at - 5 * step) * window_weight(0);
     for (int i = 1; i < FXS_FIT_WINDOW; i++)
-        sum += load(at + (i - 5) * step) * weights[i];
+        sum += load(at + (i - 5) * step) * window_weight(i);
     return sum;
 }
 

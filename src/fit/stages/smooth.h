@@ -30,23 +30,31 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* Raises the scales of LANES Gaussians to sqrt(0.2) `divisor` min(depth / focal length). The minimum is taken over
-   cameras that see the centre. Gaussians that no camera sees keep their scales. */
-static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
+static inline real place_along(const float *at, size_t stride, int i)
 {
-    const real farthest = all(FXS_FIT_FARTHEST_PLACE);
-    real place[3], finest = farthest;
-    for (int i = 0; i < 3; i++)
-        place[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride);
-    for (uint32_t i = 0; i < cameras->count; i++)
-        finest = finest_of(&cameras->of[i], place, finest);
-    const mask is_seen = below(finest, farthest);
+    return load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride);
+}
+
+/* Raises the scales of LANES Gaussians to sqrt(0.2) `divisor` finest, with `finest` the smallest depth / focal length of
+   the cameras that see the centre. Gaussians that no camera sees have FXS_FIT_FARTHEST_PLACE, and keep their scales. */
+static inline void raise_scales(real finest, int divisor, float *at, size_t stride)
+{
+    const mask is_seen = below(finest, all(FXS_FIT_FARTHEST_PLACE));
     const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* range: -37.6..29 */
     for (int i = 0; i < 3; i++) {
         float *to = at + (FXS_FIT_SCALE + i) * (ptrdiff_t)stride;
         const real scale = load(to);
         store(to, choose(both(is_seen, below(scale, low)), low, scale));
     }
+}
+
+static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
+{
+    const real place[3] = {place_along(at, stride, 0), place_along(at, stride, 1), place_along(at, stride, 2)};
+    real finest = all(FXS_FIT_FARTHEST_PLACE);
+    for (uint32_t i = 0; i < cameras->count; i++)
+        finest = finest_of(&cameras->of[i], place, finest);
+    raise_scales(finest, divisor, at, stride);
 }
 
 #endif

@@ -108,9 +108,9 @@ typedef struct fxs_fit_options {
     uint64_t coarse;               /* for a block (spatial part) of a larger fit: fxs_fit_coarse_number of the coarse
                                       fit that the block continues. A saved fit can only be resumed with the same
                                       number. 0: none */
-    uint32_t device_count;         /* number of NVIDIA GPUs that share the photographs of a step evenly; 0: the
-                                      processor makes the steps. The fitted scene does not depend on this number */
-    int devices[8];                /* numbers of the NVIDIA GPUs to use */
+    uint32_t device_count;         /* number of GPUs that share the photographs of a step evenly; 0: the processor makes
+                                      the steps. The fitted scene does not depend on this number */
+    int devices[8];                /* numbers of the GPUs to use: NVIDIA GPUs through CUDA, unless `vulkan` is set */
     uint64_t max_memory;           /* limit of memory on each GPU, bytes; 0: no limit */
     enum fxs_fit_exposure exposure;    /* how exposure differences are corrected, for a whole fit; a block uses the
                                           exposures of its coarse fit */
@@ -131,7 +131,9 @@ typedef struct fxs_fit_options {
     int surfaces;                  /* 1: fits the scene for surfaces: flattens Gaussians along their shortest axis, and
                                       turns these axes towards the normals of the rendered depths. For a mesh of the
                                       scene; costs some PSNR and time. A block uses its coarse fit's setting. 0: no */
-    uint32_t reserved;             /* 0 */
+    int vulkan;                    /* 1: the one device is a GPU of any maker, through Vulkan 1.1: devices[0] is its
+                                      number in the order of fxs_backend_devices. It needs workgroups of 256 threads with
+                                      32 KiB of memory and 8 storage buffers. 0: no */
 } fxs_fit_options;
 
 /* Sets the options to their initial values: those that the comments of fxs_fit_options name, and 0 in the other fields

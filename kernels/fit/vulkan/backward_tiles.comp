@@ -1,0 +1,190 @@
+// Sums the gradients of each splat of a tile over the pixels that it changes, in the order of src/fit/stages/tile.h.
+// Each block of 4x4 pixels takes 8 of its splats at a time: first a thread is a pixel, and passes the splats from near
+// to far; then two threads sum a splat over the block's pixels.
+#include "splats.glsl"
+#define SPLATS 64
+#include "tile.glsl"
+layout(local_size_x = 256) in;
+
+const uint GROUP = 8u, PAIRS = 192u;       // PAIRS: pairs of a splat and a block that fit; at least 12 splats
+shared vec2 staged[16][GROUP][16];         // of a block, a splat and a pixel: h and the blending weight
+shared uint lists[16][GROUP];
+shared uint blocks_of[SPLATS], pairs[SPLATS], slot_of[SPLATS];
+shared float gradient[3][256];
+shared float pair_sums[PAIRS][FXS_FIT_SUMS];
+shared uint here, longest;
+
+passed_pixel begin_pixel()
+{
+    const ivec2 at = tile_corner() + place_in_tile();
+    passed_pixel pixel = passed_pixel(1.0, 0.0);
+    for (int c = 0; c < 3; c++) {
+        const uint own = uint(c) * picture_size() + pixel_at(at);
+        const float found = is_inside(at) ? uintBitsToFloat(pixels[order.at_gradient + own]) : 0.0;
+        const float picture = is_inside(at) ? uintBitsToFloat(pixels[order.at_picture + own]) : 0.0;
+        gradient[c][thread()] = found;
+        pixel.behind += found * picture;
+    }
+    return pixel;
+}
+
+// Keeps the splats from entry `first` on whose pairs fit. Returns their number.
+uint keep_batch(uint first, uint needed)
+{
+    const uint entry = list_start() + first + thread();
+    const bool is_entry = thread() < SPLATS && first + thread() < needed;
+    barrier();
+    clear_words();
+    if (thread() == 0u)
+        here = longest = 0u;
+    if (thread() < SPLATS)
+        blocks_of[thread()] = is_entry ? slots[order.at_blocks + entry] : 0u;
+    if (is_entry) {
+        keep_splat(thread(), slots[order.at_list + entry]);
+        slot_of[thread()] = slots[order.at_slots + entry];
+    }
+    barrier();
+    if (is_entry) {
+        uint before = 0u;
+        for (uint i = 0u; i < thread(); i++)
+            before += uint(bitCount(blocks_of[i]));
+        pairs[thread()] = before;
+        if (before + uint(bitCount(blocks_of[thread()])) <= PAIRS) {
+            atomicMax(here, thread() + 1u);
+            put_bits(thread(), blocks_of[thread()]);
+        }
+    }
+    barrier();
+    return here;
+}
+
+uint count_of_block(uint b)
+{
+    uint count = 0u;
+    for (uint w = 0u; w < SPLATS / 32u; w++)
+        count += uint(bitCount(words[b][w]));
+    return count;
+}
+
+vec2 pass_pixel(uint place, inout passed_pixel pixel)
+{
+    const vec4 colour = colours[place];
+    float u, v, weight;
+    const float level = level_at(place, corner_of(place, int(block_of_thread()), tile_corner()), int(lane()), u, v);
+    const float of_colour = (gradient[0][thread()] * colour.y + gradient[1][thread()] * colour.z) +
+                            gradient[2][thread()] * colour.w;
+    const float h = pass_splat(takes_of(level, colour.x, pixel.transmittance), level, of_colour, pixel, weight);
+    return vec2(h, weight);
+}
+
+// The next splat of a bit set of SPLATS bits, which loses it.
+uint next_of(inout uint rest[SPLATS / 32])
+{
+    uint w = 0u;
+    while (w < SPLATS / 32u - 1u && rest[w] == 0u)
+        w++;
+    const uint place = 32u * w + uint(findLSB(rest[w]));
+    rest[w] &= rest[w] - 1u;
+    return place;
+}
+
+void find_sums(uint place, vec2 corner, uint item, int p, out float sums[FXS_FIT_SUMS])
+{
+    const uint b = block_of_thread(), at = 16u * b + uint(p);
+    const vec2 passed = staged[b][item][p];
+    float u, v;
+    level_at(place, corner, p, u, v);
+    sums_of(passed.x, passed.y, u, v, gradient[0][at], gradient[1][at], gradient[2][at], sums);
+}
+
+void add_sums(inout float sums[FXS_FIT_SUMS], float more[FXS_FIT_SUMS])
+{
+    for (int k = 0; k < FXS_FIT_SUMS; k++)
+        sums[k] += more[k];
+}
+
+// (p + p8) + (p4 + p12), with p4 the sums of pixel p + 4.
+void add_four(uint place, vec2 corner, uint item, int p, out float sums[FXS_FIT_SUMS])
+{
+    float more[FXS_FIT_SUMS], other[FXS_FIT_SUMS];
+    find_sums(place, corner, item, p, sums);
+    find_sums(place, corner, item, p + 8, more);
+    add_sums(sums, more);
+    find_sums(place, corner, item, p + 4, other);
+    find_sums(place, corner, item, p + 12, more);
+    add_sums(other, more);
+    add_sums(sums, other);
+}
+
+void add_group(uint first, uint count)
+{
+    const uint item = lane() / 2u, b = block_of_thread();
+    const int parity = int(lane() % 2u);
+    const bool is_item = first + item < count;
+    const uint place = is_item ? lists[b][item] : 0u;
+    const uint pair = pairs[place] + uint(bitCount(blocks_of[place] & ((1u << b) - 1u)));
+    float sums[FXS_FIT_SUMS], more[FXS_FIT_SUMS];
+    if (is_item) {
+        const vec2 corner = corner_of(place, int(b), tile_corner());
+        add_four(place, corner, item, parity, sums);
+        add_four(place, corner, item, parity + 2, more);
+        add_sums(sums, more);
+    }
+    for (int k = 0; k < FXS_FIT_SUMS && is_item && parity == 1; k++)
+        pair_sums[pair][k] = sums[k];
+    barrier();
+    for (int k = 0; k < FXS_FIT_SUMS && is_item && parity == 0; k++)
+        pair_sums[pair][k] = sums[k] + pair_sums[pair][k];
+}
+
+void pass_batch(inout passed_pixel pixel)
+{
+    const uint b = block_of_thread(), count = count_of_block(b);
+    uint rest[SPLATS / 32];
+    for (uint w = 0u; w < SPLATS / 32u; w++)
+        rest[w] = words[b][w];
+    if (lane() == 0u)
+        atomicMax(longest, count);
+    barrier();
+    for (uint first = 0u; first < longest; first += GROUP) {
+        for (uint j = 0u; j < GROUP && first + j < count; j++) {
+            const uint place = next_of(rest);
+            staged[b][j][lane()] = pass_pixel(place, pixel);
+            if (lane() == j)
+                lists[b][j] = place;
+        }
+        barrier();
+        add_group(first, count);
+        barrier();
+    }
+}
+
+// Adds the sums of a splat's blocks, in the order of the blocks.
+void put_sums(uint count)
+{
+    for (uint i = thread(); i < count * FXS_FIT_SUMS; i += 256u) {
+        const uint place = i / FXS_FIT_SUMS, k = i % FXS_FIT_SUMS, first = pairs[place];
+        const uint end = first + uint(bitCount(blocks_of[place]));
+        float sum = 0.0;
+        for (uint pair = first; pair < end; pair++)
+            sum += pair_sums[pair][k];
+        slots[order.at_sums + slot_of[place] * FXS_FIT_SUMS + k] = floatBitsToUint(sum);
+    }
+}
+
+void main()
+{
+    if (status.is_full != 0u)
+        return;
+    const uint needed = pixels[order.at_needed + tile_of_group()];
+    passed_pixel pixel = begin_pixel();
+    for (uint first = 0u, count; first < needed; first += count) {
+        count = keep_batch(first, needed);
+        pass_batch(pixel);
+        put_sums(count);
+    }
+    for (uint i = needed * FXS_FIT_SUMS + thread(); i < list_count() * FXS_FIT_SUMS; i += 256u) {
+        const uint slot = slots[order.at_slots + list_start() + i / FXS_FIT_SUMS];
+        slots[order.at_sums + slot * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0u;
+    }
+}

@@ -1,0 +1,219 @@
+/* Opens a device for a fit: makes the pipelines, and tests that the device computes as IEEE 754 asks. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/internal/message.h>
+#include "vf.h"
+#include "shaders.h"
+#include "src/base/random.h"
+#include "src/fit/stages/fit_lanes.h"
+
+static const struct {
+    const uint8_t *packed;
+    size_t bytes;
+} shaders[VF_COUNT] = {
+#define SHADER(name) {name##_spv, sizeof name##_spv},
+    VF_SHADERS(SHADER)
+};
+
+enum { PUSHED = 2 * sizeof(uint32_t) + sizeof(fit_rebuilt) };
+
+static VkResult make_layouts(vf_engine *e)
+{
+    fxs_vulkan *v = e->v;
+    VkDescriptorSetLayoutBinding bindings[VF_BUFFERS];
+    VkDescriptorSetLayout layouts[VF_SETS];
+    for (uint32_t i = 0; i < VF_BUFFERS; i++)
+        bindings[i] = (VkDescriptorSetLayoutBinding){i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
+                                                     VK_SHADER_STAGE_COMPUTE_BIT, 0};
+    const VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                                 .bindingCount = VF_BUFFERS, .pBindings = bindings};
+    VkResult result = v->vk.CreateDescriptorSetLayout(v->options.device, &set, 0, &e->set_layout);
+    const VkPushConstantRange push = {VK_SHADER_STAGE_COMPUTE_BIT, 0, PUSHED};
+    const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                               .setLayoutCount = 1, .pSetLayouts = &e->set_layout,
+                                               .pushConstantRangeCount = 1, .pPushConstantRanges = &push};
+    result = result ? result : v->vk.CreatePipelineLayout(v->options.device, &layout, 0, &e->layout);
+    const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VF_SETS * VF_BUFFERS};
+    const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .maxSets = VF_SETS, .poolSizeCount = 1, .pPoolSizes = &size};
+    result = result ? result : v->vk.CreateDescriptorPool(v->options.device, &pool, 0, &e->pool);
+    for (int i = 0; i < VF_SETS; i++)
+        layouts[i] = e->set_layout;
+    const VkDescriptorSetAllocateInfo sets = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                              .descriptorPool = e->pool, .descriptorSetCount = VF_SETS,
+                                              .pSetLayouts = layouts};
+    return result ? result : v->vk.AllocateDescriptorSets(v->options.device, &sets, e->sets);
+}
+
+static VkResult make_programs(vf_engine *e)
+{
+    fxs_vulkan *v = e->v;
+    VkShaderModule modules[VF_COUNT] = {0};
+    VkComputePipelineCreateInfo infos[VF_COUNT];
+    VkResult result = VK_SUCCESS;
+    for (int i = 0; i < VF_COUNT && !result; i++) {
+        result = fxs_vk_make_module(v, shaders[i].packed, shaders[i].bytes, &modules[i]);
+        infos[i] = (VkComputePipelineCreateInfo){
+            .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = e->layout,
+            .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                      .stage = VK_SHADER_STAGE_COMPUTE_BIT, .module = modules[i], .pName = "main"}};
+    }
+    if (!result)
+        result = v->vk.CreateComputePipelines(v->options.device, v->cache, VF_COUNT, infos, 0, e->programs);
+    for (int i = 0; i < VF_COUNT; i++)
+        v->vk.DestroyShaderModule(v->options.device, modules[i], 0);
+    return result;
+}
+
+static int check_limits(const vf_engine *e, fxs_message *why)
+{
+    VkPhysicalDeviceProperties2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    e->v->vk.GetPhysicalDeviceProperties2(e->v->options.physical, &all);
+    const VkPhysicalDeviceLimits *limits = &all.properties.limits;
+    const char *lacks = limits->maxComputeWorkGroupInvocations < 256 ? "workgroups of fewer than 256 threads"
+                        : limits->maxComputeSharedMemorySize < 32768 ? "less than 32 KiB of memory of a workgroup"
+                        : limits->maxPerStageDescriptorStorageBuffers < VF_BUFFERS
+                            ? "fewer than 8 storage buffers in a compute shader" : 0;
+    return lacks ? fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s cannot fit: %s", e->device.name, lacks) : 0;
+}
+
+/* The test of the arithmetic: results that a device may round otherwise, of pairs of numbers of all sizes. */
+enum { TESTED = 1024, RESULTS = 6 };
+
+static float test_number(uint64_t i)
+{
+    const uint64_t random = fxs_random(1, i, 2);
+    const uint32_t exponent = 127 - 30 + (uint32_t)(random >> 32) % 60;
+    return real_of((whole)(((uint32_t)random & 0x807fffffu) | exponent << 23));
+}
+
+static void find_results(float a, float b, float results[RESULTS])
+{
+    const float bounded = least(most(a, -80), 80);
+    results[0] = a / b;
+    results[1] = root(absolute(a));
+    results[2] = a * b + 1.0f;
+    results[3] = a - b * 0.3f;
+    results[4] = exp_e(bounded);
+    results[5] = ln(absolute(a));
+}
+
+static int compare_results(const vf_engine *e, const float *numbers, const float *results, fxs_message *why)
+{
+    for (int i = 0; i < TESTED; i++) {
+        float expected[RESULTS];
+        find_results(numbers[2 * i], numbers[2 * i + 1], expected);
+        if (memcmp(expected, results + RESULTS * i, sizeof expected))
+            return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s does not round as IEEE 754 asks: its fit would differ from "
+                               "that of other devices", e->device.name);
+    }
+    return 0;
+}
+
+static int test_arithmetic(vf_engine *e, fxs_message *why)
+{
+    float numbers[2 * TESTED], results[RESULTS * TESTED];
+    const vf_copy sent = {VF_PARAMETERS, 0, numbers, sizeof numbers};
+    const vf_copy fetched = {VF_MASTERS, 0, results, sizeof results};
+    for (uint64_t i = 0; i < 2 * TESTED; i++)
+        numbers[i] = test_number(i);
+    int error = fxs_vk_reserve(e->v, &e->blocks[VF_PARAMETERS], FXS_VK_DEVICE, sizeof numbers, why);
+    error = error ? error : fxs_vk_reserve(e->v, &e->blocks[VF_MASTERS], FXS_VK_DEVICE, sizeof results, why);
+    if (!error)
+        vf_bind(e, 0, e->blocks);
+    error = error ? error : vf_send(e, &sent, 1, why);
+    error = error ? error : fxs_vk_begin(e->v, &e->carrier, why);
+    if (error)
+        return error;
+    vf_start(e, e->carrier.commands, 0, 0, 0);
+    vf_next(e, e->carrier.commands, VF_test, TESTED / 64, 1, 1);
+    error = fxs_vk_run(e->v, &e->carrier, why);
+    error = error ? error : vf_fetch(e, &fetched, 1, why);
+    fxs_vk_retire(e->v, &e->blocks[VF_PARAMETERS]);
+    fxs_vk_retire(e->v, &e->blocks[VF_MASTERS]);
+    return error ? error : compare_results(e, numbers, results, why);
+}
+
+static int make_all(vf_engine *e, fxs_message *why)
+{
+    VkResult result = make_layouts(e);
+    result = result ? result : make_programs(e);
+    int error = fxs_vk_said(result, why);
+    error = error ? error : fxs_vk_reserve(e->v, &e->blocks[VF_ORDER], FXS_VK_DEVICE, sizeof(vf_memory), why);
+    error = error ? error : vf_clear_status(e, why);
+    return error ? error : test_arithmetic(e, why);
+}
+
+int vf_open(vf_engine *e, int number, uint64_t max_memory, fxs_message *why)
+{
+    int error = fxs_vulkan_find_device(&e->device, 0, number, why);
+    error = error ? error : fxs_vulkan_open_device(&e->device, why);
+    e->device.options.max_memory = max_memory;
+    error = error ? error : fxs_vk_create(&e->v, &e->device.options, 0, why);
+    error = error ? error : check_limits(e, why);
+    return error ? error : make_all(e, why);
+}
+
+void vf_close(vf_engine *e)
+{
+    fxs_vulkan *v = e->v;
+    if (v) {
+        v->vk.QueueWaitIdle(v->options.queue);
+        fxs_vk_drop_slot(v, &e->carrier);
+        for (int i = 0; i < VF_TURNS; i++)
+            fxs_vk_drop_slot(v, &e->turns[i].slot);
+        for (int i = 0; i < VF_BLOCKS; i++)
+            fxs_vk_retire(v, &e->blocks[i]);
+        for (int i = 0; i < VF_COUNT; i++)
+            v->vk.DestroyPipeline(v->options.device, e->programs[i], 0);
+        v->vk.DestroyDescriptorPool(v->options.device, e->pool, 0);
+        v->vk.DestroyPipelineLayout(v->options.device, e->layout, 0);
+        v->vk.DestroyDescriptorSetLayout(v->options.device, e->set_layout, 0);
+    }
+    fxs_vulkan_destroy(v);
+    fxs_vulkan_close_device(&e->device);
+}
+
+void vf_bind(const vf_engine *e, uint32_t set, fxs_vk_block *const blocks[VF_BUFFERS])
+{
+    VkDescriptorBufferInfo infos[VF_BUFFERS];
+    VkWriteDescriptorSet writes[VF_BUFFERS];
+    for (uint32_t i = 0; i < VF_BUFFERS; i++) {
+        infos[i] = (VkDescriptorBufferInfo){(blocks[i] ? blocks[i] : e->blocks[VF_ORDER])->buffer, 0, VK_WHOLE_SIZE};
+        writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstSet = e->sets[set],
+                                           .dstBinding = i, .descriptorCount = 1,
+                                           .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                           .pBufferInfo = &infos[i]};
+    }
+    e->v->vk.UpdateDescriptorSets(e->v->options.device, VF_BUFFERS, writes, 0, 0);
+}
+
+void vf_bind_step(const vf_engine *e)
+{
+    fxs_vk_block *blocks[VF_BUFFERS];
+    memcpy(blocks, e->blocks, sizeof blocks);
+    if (!e->has_masters)
+        blocks[VF_MASTERS] = e->blocks[VF_PARAMETERS];
+    vf_bind(e, 0, blocks);
+}
+
+void vf_start(const vf_engine *e, VkCommandBuffer commands, uint32_t set, uint32_t view, uint32_t is_surface)
+{
+    const fxs_vulkan *v = e->v;
+    const uint32_t pushed[2] = {view, is_surface};
+    v->vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->layout, 0, 1, &e->sets[set], 0, 0);
+    v->vk.CmdPushConstants(commands, e->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof pushed, pushed);
+}
+
+void vf_next(const vf_engine *e, VkCommandBuffer commands, int shader, uint32_t x, uint32_t y, uint32_t z)
+{
+    const fxs_vulkan *v = e->v;
+    fxs_vk_barrier(v, commands, FXS_VK_ALL, FXS_VK_ALL);
+    v->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, e->programs[shader]);
+    if (x)
+        v->vk.CmdDispatch(commands, x, y, z);
+    else
+        v->vk.CmdDispatchIndirect(commands, e->blocks[VF_ORDER]->buffer, offsetof(vf_memory, status.slot_groups));
+}

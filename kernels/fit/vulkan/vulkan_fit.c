@@ -1,0 +1,163 @@
+/* Fits Gaussians to photographs on a GPU through Vulkan: the functions of an engine. */
+#include "vulkan_fit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/internal/message.h>
+#include "vf.h"
+
+static int step(void *self, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,
+                fxs_fit_report *report, fxs_message *why)
+{
+    return vf_step(self, photographs, count, options, report, why);
+}
+
+enum { COPIES = 3 * FXS_FIT_PARAMETERS + 2 };
+
+/* Lists the copies of `planes` planes between host memory and a block. */
+static size_t list_planes(const vf_engine *e, float *host, int block, uint64_t first, uint64_t planes, vf_copy *out)
+{
+    const fxs_fit_model *m = e->model;
+    for (uint64_t k = 0; k < planes; k++)
+        out[k] = (vf_copy){block, vf_plane(e, first + k), host + k * m->stride, m->count * sizeof(float)};
+    return planes;
+}
+
+static size_t list_model(const vf_engine *e, vf_copy out[COPIES])
+{
+    const fxs_fit_model *m = e->model;
+    size_t n = list_planes(e, m->parameters, VF_PARAMETERS, 0, FXS_FIT_PARAMETERS, out);
+    n += list_planes(e, m->means, VF_MOMENTS, 0, FXS_FIT_PARAMETERS, out + n);
+    n += list_planes(e, m->squares, VF_MOMENTS, FXS_FIT_PARAMETERS, FXS_FIT_PARAMETERS, out + n);
+    out[n++] = (vf_copy){VF_GAUSSIANS, 4 * (uint64_t)e->order.at_by_centre, m->by_centre, m->count * sizeof(float)};
+    out[n++] = (vf_copy){VF_GAUSSIANS, 4 * (uint64_t)e->order.at_views, m->views, m->count * sizeof(float)};
+    return n;
+}
+
+static int send_chunks(vf_engine *e, fxs_message *why)
+{
+    const size_t chunks = (e->model->count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK;
+    const vf_copy sent = {VF_GAUSSIANS, 4 * (uint64_t)e->order.at_chunks, (void *)e->model->grid->chunks,
+                          chunks * sizeof(fxs_fit_chunk)};
+    return vf_send(e, &sent, 1, why);
+}
+
+static int send_masters(vf_engine *e, fxs_message *why)
+{
+    vf_copy copies[FXS_FIT_PARAMETERS];
+    const size_t n = list_planes(e, e->model->masters, VF_MASTERS, 0, FXS_FIT_PARAMETERS, copies);
+    const int error = vf_send(e, copies, n, why);
+    return error ? error : send_chunks(e, why);
+}
+
+static int give(void *self, fxs_message *why)
+{
+    vf_engine *e = self;
+    const fxs_fit_cameras *cameras = e->model->cameras;
+    vf_copy copies[COPIES];
+    int error = vf_finish(e, why);
+    error = error ? error : vf_make_room(e, e->model->count, why);
+    if (error)
+        return error;
+    vf_bind_step(e);
+    error = vf_send(e, copies, list_model(e, copies), why);
+    if (!error && cameras) {
+        const vf_copy sent = {VF_GAUSSIANS, 4 * (uint64_t)e->order.at_cameras, cameras->of,
+                              cameras->count * sizeof *cameras->of};
+        error = vf_send(e, &sent, 1, why);
+    }
+    return error || !e->has_masters ? error : send_masters(e, why);
+}
+
+static int fetch_masters(void *self, fxs_message *why)
+{
+    vf_engine *e = self;
+    vf_copy copies[FXS_FIT_PARAMETERS];
+    const int error = vf_finish(e, why);
+    return error ? error
+                 : vf_fetch(e, copies, list_planes(e, e->model->masters, VF_MASTERS, 0, FXS_FIT_PARAMETERS, copies),
+                            why);
+}
+
+static int fetch(void *self, fxs_message *why)
+{
+    vf_engine *e = self;
+    vf_copy copies[COPIES];
+    int error = vf_finish(e, why);
+    error = error ? error : vf_fetch(e, copies, list_model(e, copies), why);
+    return error || !e->has_masters ? error : fetch_masters(e, why);
+}
+
+static int changed(vf_engine *e, int error, fxs_message *why)
+{
+    return error ? fxs_fail_memory(why, "a fit", 0) : give(e, why);
+}
+
+static int densify(void *self, const fxs_fit_densify *how, fxs_message *why)
+{
+    vf_engine *e = self;
+    const int error = fetch(e, why);
+    return error ? error : changed(e, fxs_fit_model_densify(e->model, how), why);
+}
+
+static int relocate(void *self, const fxs_fit_relocate *how, fxs_message *why)
+{
+    vf_engine *e = self;
+    const int error = fetch(e, why);
+    return error ? error : changed(e, fxs_fit_model_relocate(e->model, how), why);
+}
+
+static int order(void *self, fxs_message *why)
+{
+    vf_engine *e = self;
+    const int error = fetch(e, why);
+    return error ? error : changed(e, fxs_fit_model_order(e->model), why);
+}
+
+static int reset_opacity(void *self, float opacity, fxs_message *why)
+{
+    vf_engine *e = self;
+    const int error = fetch(e, why);
+    if (!error)
+        fxs_fit_model_reset_opacity(e->model, opacity);
+    return error ? error : give(e, why);
+}
+
+static int quantise(void *self, fxs_message *why)
+{
+    vf_engine *e = self;
+    int error = vf_finish(e, why);
+    error = error ? error : send_chunks(e, why);
+    return error ? error : vf_quantise(e, why);
+}
+
+static void free_engine(void *self)
+{
+    if (self)
+        vf_close(self);
+    free(self);
+}
+
+static const fxs_fit_engine functions = {"vulkan", step, densify, relocate, order, reset_opacity, fetch, fetch_masters,
+                                         give, quantise, free_engine};
+
+int fxs_vulkan_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *model,
+                          const fxs_fit_options *options, fxs_message *why)
+{
+    vf_engine *e = *self = calloc(1, sizeof *e);
+    *out = &functions;
+    if (!e)
+        return fxs_fail_memory(why, "a fit", sizeof *e);
+    e->model = model;
+    e->run = options->workers.run;
+    e->workers = options->workers.pool;
+    e->batch = options->batch ? options->batch : 1;
+    e->has_surfaces = options->surfaces;
+    const int error = vf_open(e, options->devices[0], options->max_memory, why);
+    if (error) {
+        free_engine(e);
+        *self = NULL;
+    }
+    return error;
+}
