@@ -153,6 +153,9 @@ cp set/images/03.png plain/other.png
 with "$fixsplat" fit plain $steps -o b.fxs >logs/out 2>logs/err
 check "a photograph without a place is named, once" equal "$(grep other.png logs/err)" \
     "fixsplat: no place was found for 1: other.png"
+with "$fixsplat" fit plain --steps 9 -o b.fxs --quality good >logs/out 2>logs/err
+check "--quality good: says how cameras are found" grep -q '^fixsplat: --quality good: 9 steps of the recipe fast, .* Gaussians, a thorough search for the cameras$' \
+    logs/err
 PATH="$work/bin:$PATH"
 fails "cameras of other photographs" 1 "^fixsplat: a.fxs.cameras: the cameras of other photographs: remove it" \
     fit plain $steps -o a.fxs --quiet
@@ -183,6 +186,7 @@ check "photographs: all pairs" equal "$(matchers)" "exhaustive_matcher "
 rm -r calls copies.fxs.cameras
 finds --quality draft
 check "61 photographs, draft: near ones" equal "$(matchers)" "matches_importer "
+check "draft: said" grep -qx 'fixsplat: --quality draft: a quick search for the cameras' logs/err
 check "draft: first octave" equal "$(grep -o 'first_octave [-0-9]*' calls)" "first_octave 0"
 mv copies/x.png "copies/x y.png"
 rm -r calls copies.fxs.cameras

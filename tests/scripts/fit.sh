@@ -289,17 +289,19 @@ sed 's/64 48 60 60 32 24/1700 1275 1594 1594 850 637/' set/sparse/0/cameras.txt 
 cp set/sparse/0/points3D.txt large/sparse/0
 head -n 4 set/sparse/0/images.txt >large/sparse/0/images.txt
 "$fixsplat" render knot.ply --cameras large/sparse/0 --view all -o large/images/%02d.png --threads 2
-while read -r quality recipe size; do
+while read -r quality recipe size most; do
     loud fit large --steps 1 --quality $quality -o few.fxs
     check "--quality $quality: photographs of $size" grep -q "up to $size;" logs/err
     check "--quality $quality: recipe $recipe" grep -q "; 1 steps, recipe $recipe, seed 0$" logs/out
+    check "--quality $quality: says what it chose" grep -q "^fixsplat: --quality $quality: 1 steps of the recipe $recipe,\
+ photographs of at most ${size%x*} pixels, at most $most Gaussians$" logs/err
     "$fixsplat" fit set --steps 12 --quality $quality -o few.fxs >logs/out
     "$fixsplat" fit set --steps 12 --recipe $recipe -o again.fxs >logs/out
     check "--quality $quality: the scene of recipe $recipe" cmp few.fxs again.fxs
 done <<'END'
-draft fast 800x600
-good fast 1600x1200
-best mcmc 1600x1200
+draft fast 800x600 250000
+good fast 1600x1200 250000
+best mcmc 1600x1200 1000000
 END
 loud fit large --steps 1 --quality draft --resolution 300 -o few.fxs
 check "--quality draft --resolution: as it says" grep -q "up to 300x225;" logs/err
@@ -309,8 +311,16 @@ fails "--resume: another quality" 2 "--quality: few.fxs.fit was begun with anoth
     --resume few.fxs.fit --quality best
 succeeds "--resume: with its quality" fit set -o again.fxs --resume few.fxs.fit --quality draft
 check "--resume: with its quality" cmp few.fxs again.fxs
-fails "--quality and --recipe" 2 "^fixsplat: --recipe does not go with --quality: it includes a recipe$" fit set \
-    -o x.fxs --quality good --recipe fast
+"$fixsplat" fit set --steps 12 --recipe mcmc --max-gaussians 250000 -o again.fxs >logs/out
+loud fit set --steps 12 --quality draft --recipe mcmc -o few.fxs
+check "--quality draft --recipe: as they say" cmp few.fxs again.fxs
+check "--quality draft --recipe: says what it chose" equal "$(said)" "fixsplat: --quality draft: 12 steps of the recipe \
+mcmc, photographs of at most 800 pixels, at most 250000 Gaussians"
+loud fit set --steps 12 --quality best --recipe reference --max-gaussians 900 --resolution 60 -o few.fxs
+check "--quality best and all options: says what it chose" equal "$(said)" "fixsplat: --quality best: 12 steps of the \
+recipe reference, photographs of at most 60 pixels, at most 900 Gaussians"
+loud fit set --measure few.fxs --quality draft
+check "--quality and --measure: says nothing" equal "$status $(said)" "0 "
 rm -rf large few.fxs.fit
 
 # ---- Stopped and resumed ---------------------------------------------------------------------------------------------
@@ -435,7 +445,7 @@ if [ -c /dev/full ]; then
     loud fit set --steps 20 -o full.fxs
     check "a full device: said, and saved" equal "$status $(said)" \
         "1 fixsplat: full.fxs: cannot be written: No space left on device
-fixsplat: saved after 20 steps of 20; to go on: fixsplat fit --steps 20 -o full.fxs set --resume full.fxs.fit"
+fixsplat: saved after 20 steps of 20; to go on: fixsplat fit set --steps 20 -o full.fxs --resume full.fxs.fit"
     check "what is saved goes on" "$fixsplat" fit set --resume full.fxs.fit -o rest.fxs
     "$fixsplat" fit set --steps 20 -o few.fxs >/dev/full 2>logs/err
     check "a report into a full device" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"

@@ -307,6 +307,32 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
+/* Finds the option that a word of the command line gives: a letter, a name or the beginning of one. Null: none. */
+static const option_row *row_of_word(const char *word)
+{
+    const option_row *found = 0;
+    const int is_long = !strncmp(word, "--", 2);
+    const size_t length = is_long ? strcspn(word + 2, "=") : 0;
+    for (const struct row_taken *t = taken; t->row && *word == '-'; t++) {
+        const int begins = length && !strncmp(t->row->name, word + 2, length);
+        if (is_long ? begins && (!found || !t->row->name[length]) : t->row->letter && t->row->letter == word[1])
+            found = t->row;
+    }
+    return found;
+}
+
+void write_options_without(FILE *file, const char *left_out)
+{
+    for (char **word = words + 1; word < words + optind; word++) {
+        const option_row *row = row_of_word(*word);
+        const int is_whole = strncmp(*word, "--", 2) ? (*word)[1] && (*word)[2] : strchr(*word, '=') != 0;
+        const int count = row && row->value && row->value[0] != '[' && !is_whole ? 2 : 1;
+        for (int i = 0; i < count && row && !is_in(left_out, row->name); i++)
+            write_shell_word(file, word[i]);
+        word += count - 1;
+    }
+}
+
 /* Converts an option's value, if it is a file path, from the operating system's form. */
 static void take_path(const option_row *r, char *value)
 {

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 typedef struct option_row option_row;
 
@@ -100,6 +101,10 @@ int is_given(const char *name);
 
 /* Finds an option that is given and not in the list, which is separated by blanks. Returns its name; null: none. */
 const char *given_beside(const char *list);
+
+/* Writes the options of the command line with their values, as words for a shell, except the options in the list
+   `left_out`, which is separated by blanks. */
+void write_options_without(FILE *file, const char *left_out);
 
 /* A rule about options of the command line. Lists of options are separated by blanks. */
 typedef struct option_rule {

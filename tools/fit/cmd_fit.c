@@ -1,6 +1,7 @@
 /* Command-line options of `fixsplat fit`. */
 #include "cmd_fit.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,16 +9,11 @@
 #include "tools/command/programs.h"
 #include "tools/command/file_guard.h"
 #include "fit_result.h"
-#include "reconstruct.h"
 #include "tools/command/task.h"
 
 const char *const fit_recipes[] = {"reference", "mcmc", "fast", 0};
-static const char *const qualities[] = {"draft", "good", "best", 0};     /* in the order of enum fit_quality */
-static const struct {
-    enum fxs_fit_recipe recipe;
-    uint32_t steps;
-    int resolution;
-} by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
+const char *const fit_qualities[] = {"draft", "good", "best", 0};
+const fit_preset fit_presets[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 1600}, {FXS_FIT_MCMC, 30000, 1600}};
 /* What --of sets, unless an option is given itself. */
 static const char *const subjects[] = {"thing", "room", "outdoors", 0};
 static const struct {
@@ -61,10 +57,10 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"output", "OUT", OUTPUT(out), .letter = 'o', .basic = 1, .help =
      "result: .fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
-    {"quality", "NAME", CHOICE(quality, qualities), .basic = 1, .help =
-     "draft (small photographs, few steps: a quick check), good (default; 28.7 dB in 13 s at 1200x900 on an H100) or "
-     "best (four times the steps and the Gaussians). Sets the recipe, --steps and --resolution, unless the latter are "
-     "given"},
+    {"quality", "NAME", CHOICE(quality, fit_qualities), .basic = 1, .help =
+     "how good the scene gets. draft: a quick check of the photographs, reduced to 800 pixels, in a quarter of the "
+     "time. good (default): 28.7 dB in 13 s at 1200x900 on an H100. best: a little more detail (0.3 dB) in 8 times the "
+     "time. Sets --recipe, --steps, --resolution and --max-gaussians, unless given, and the search for cameras"},
     {"of", "WHAT", CHOICE_FROM(1, of, subjects), .basic = 1, .help =
      "what the photographs show, which chooses options: thing (--crop-to-subject), room (--antialiased) or outdoors "
      "(--sky, if there are points)"},
@@ -72,8 +68,8 @@ static const option_row own_rows[] = {
      "mixed: photographs of several devices or days, in no order. Chooses --exposure gain, and a lens for each "
      "photograph and all pairs if the cameras must be found"},
     {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
-     "method that adds and removes Gaussians, instead of --quality: fast (default; also draft and good), mcmc (also "
-     "best) or reference (published method, for comparison: 27.9 dB in 54 s)"},
+     "method that adds and removes Gaussians: fast (default; also draft and good), mcmc (also best) or reference "
+     "(published method, for comparison: 27.9 dB in 54 s)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "correct differences of exposure and white balance between photographs: none (default), gain (3 factors each) or "
      "affine (3x3 factors and 3 constants). Blocks use the corrections of --coarse"},
@@ -206,12 +202,45 @@ static void take_presets(fit_command *c)
         c->options.exposure = FXS_FIT_EXPOSURE_GAIN;
 }
 
+/* Prints what --quality has set, as far as other options left it. */
+static void say_quality(const fit_command *c)
+{
+    const char *name = fit_qualities[c->quality];
+    const char *search = !reconstruct_is_needed(c->in) ? ""
+                         : c->quality == QUALITY_DRAFT ? "a quick search for the cameras"
+                                                       : "a thorough search for the cameras";
+    if (!c->cameras_only)
+        note("--quality %s: %" PRIu32 " steps of the recipe %s, photographs of at most %d pixels, at most %zu Gaussians"
+             "%s%s", name, c->options.steps, fit_recipes[c->options.recipe], c->reading.resolution,
+             c->options.max_gaussians, *search ? ", " : "", search);
+    else if (*search)
+        note("--quality %s: %s", name, search);
+}
+
 static void say_presets(const fit_command *c)
 {
+    if (is_given("quality") && !c->resume && !c->measure)
+        say_quality(c);
     if (c->of)
         note("--of %s: %s", subjects[c->of - 1], by_subject[c->of - 1].options);
     if (c->photos)
         note("--photos mixed: --exposure %s, a lens for each photograph, all pairs", exposures[c->options.exposure]);
+}
+
+/* Sets steps, recipe, number of Gaussians and resolution, unless they are given: as --quality says, else as the recipe
+   does. A resumed fit has its own steps. */
+static void take_quality(fit_command *c)
+{
+    const fit_preset *preset = is_given("quality") ? &fit_presets[c->quality] : 0;
+    fxs_fit_options *o = &c->options;
+    if (preset && !is_given("recipe"))
+        o->recipe = preset->recipe;
+    if (preset && !is_given("resolution"))
+        c->reading.resolution = preset->resolution;
+    if (!is_given("steps"))
+        o->steps = c->resume ? 0 : preset ? preset->steps : fxs_fit_recipe_steps(o->recipe);
+    if (!is_given("max-gaussians"))
+        o->max_gaussians = fxs_fit_recipe_gaussians(preset ? preset->recipe : o->recipe);
 }
 
 static int finish_options(fit_command *c)
@@ -222,15 +251,7 @@ static int finish_options(fit_command *c)
     int status = choose_backend(&c->frame, 0, &backend, &how);
     if (!status)
         status = set_devices(c, backend);
-    const int has_quality = is_given("quality");
-    if (has_quality)
-        o->recipe = by_quality[c->quality].recipe;
-    if (has_quality && !is_given("resolution"))
-        c->reading.resolution = by_quality[c->quality].resolution;
-    if (!is_given("steps"))
-        o->steps = c->resume ? 0 : has_quality ? by_quality[c->quality].steps : fxs_fit_recipe_steps(o->recipe);
-    if (!is_given("max-gaussians"))
-        o->max_gaussians = fxs_fit_recipe_gaussians(o->recipe);
+    take_quality(c);
     o->sh_degree = c->frame.render.sh_degree;
     o->cutoff = c->frame.render.cutoff;
     o->profile = c->frame.load.profile;
@@ -245,10 +266,7 @@ static int finish_options(fit_command *c)
 }
 
 static const option_rule rules[] = {
-    {"recipe", "quality", 0, "it includes a recipe"},
-    {"output recipe exposure refine-poses antialiased surfaces sky steps batch block coarse max-gaussians seed "
-     "crop-to-subject cameras-only write-cameras save-every metrics-every preview log resume of photos", "measure", 0,
-     "nothing is fitted"},
+    {FIT_NOT_MEASURED, "measure", 0, "nothing is fitted"},
     {"of photos", "block", 0, "a block follows its --coarse fit"},
     {"coarse", 0, "block", "I/N"},
     {"port", 0, "preview", 0},
@@ -305,12 +323,9 @@ static int read_options(fit_command *c, int argc, char **argv)
         return EXIT_USAGE;
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
-    c->argv = argv;
-    c->in = argv[optind];
+    c->in = c->photographs = argv[optind];
     take_presets(c);
     const int status = check_options(c);
-    if (!status)
-        say_presets(c);
     return status ? status : finish_options(c);
 }
 
@@ -355,6 +370,8 @@ int fit_run(int argc, char **argv, const fit_watcher *watcher)
         return run_separate(&server_program, "--preview", argv);
     c.watcher = c.preview ? watcher : 0;
     status = status ? status : check_outputs(&c);
+    if (!status)
+        say_presets(&c);
     if (!status && c.watcher)
         status = c.watcher->open(c.out, c.port);
     if (!status) {
@@ -364,7 +381,7 @@ int fit_run(int argc, char **argv, const fit_watcher *watcher)
     }
     fit_log_close(&log);
     free(c.saved);
-    free(c.found);
+    free(c.found.folder);
     return status;
 }
 

@@ -4,6 +4,7 @@
 
 #include "src/fit/blocks.h"
 #include "fit_progress.h"
+#include "reconstruct.h"
 
 typedef struct fit_command {
     frame_options frame;
@@ -11,7 +12,8 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
     fit_log *log;
-    char *found;                    /* folder of cameras found by structure from motion, or null */
+    const char *photographs;        /* PHOTOS as given; `in` becomes the folder of cameras that were found */
+    reconstruction found;           /* cameras found by structure from motion; all 0: they were known */
     uint32_t frames;
     int quality, of, photos;        /* of, photos: row of their tables, from 1; 0: not given */
     int cameras_only, crops;
@@ -27,8 +29,23 @@ typedef struct fit_command {
     uint64_t port;
     const fit_watcher *watcher;     /* callbacks that show the running fit; null: no preview */
     int json;
-    char **argv;
 } fit_command;
+
+/* Options of a fit, which --measure refuses. */
+#define FIT_NOT_MEASURED \
+    "output recipe exposure refine-poses antialiased surfaces sky steps batch block coarse max-gaussians seed " \
+    "crop-to-subject cameras-only write-cameras save-every metrics-every preview log resume of photos"
+
+/* What --quality sets. */
+typedef struct fit_preset {
+    enum fxs_fit_recipe recipe;     /* its default is the largest number of Gaussians */
+    uint32_t steps;
+    int resolution;
+} fit_preset;
+
+/* In the order of enum fit_quality. */
+extern const fit_preset fit_presets[];
+extern const char *const fit_qualities[];
 
 extern const char *const fit_recipes[];
 
@@ -47,6 +64,10 @@ void fit_say_photos(const fit_command *c, const fxs_photos *photos, size_t begin
 
 /* Runs the remaining steps of a fit. A signal saves the fit and ends the program. */
 int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *progress);
+
+/* Writes `fixsplat fit`, PHOTOS `in`, and this command's options except those in the list `left_out`, as words for a
+   shell. */
+void fit_write_command(FILE *file, const char *in, const char *left_out);
 
 /* Saves the fit in OUT.fit, and prints `why` and the command that resumes the fit. */
 int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why);

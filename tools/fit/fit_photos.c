@@ -11,7 +11,6 @@
 #include "tools/command/file_guard.h"
 #include "film_frames.h"
 #include "fit_result.h"
-#include "reconstruct.h"
 
 static void say_sizes(const fxs_photos *photos, size_t begins)
 {
@@ -28,8 +27,8 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
 static void say_left_out(void *argument, const char *why)
 {
     const fit_command *c = argument;
-    const size_t length = c->found ? strlen(c->found) : 0;
-    if (!length || strncmp(why, c->found, length) || strncmp(why + length, "/images: ", 9))
+    const size_t length = c->found.folder ? strlen(c->found.folder) : 0;
+    if (!length || strncmp(why, c->found.folder, length) || strncmp(why + length, "/images: ", 9))
         note("left out: %s", why);
 }
 
@@ -268,7 +267,7 @@ static int find_cameras(fit_command *c)
     const int status = reconstruct(&how, &c->found);
     if (status)
         return status;
-    c->in = c->found;
+    c->in = c->found.folder;
     if (c->reading.masks && *c->reading.masks)
         c->reading.masks = 0;      /* masks in the reconstructed folder replace the masks of the options */
     c->reading.invert_masks = 0;

@@ -16,19 +16,24 @@ static int save(const fit_command *c, fxs_fit *fit)
     return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
 }
 
+void fit_write_command(FILE *file, const char *in, const char *left_out)
+{
+    char name[4096];
+    snprintf(name, sizeof name, "%s%s", *in == '-' ? "./" : "", in);
+    fputs("fixsplat fit", file);
+    write_shell_word(file, name);
+    write_options_without(file, left_out);
+}
+
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps)
 {
     if (is_quiet())
         return;
     progress_end();
-    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat fit", why, step, steps);
-    for (char **word = c->argv + 1; *word; word++)   /* without argv[0], which may be a path instead of the command's
-                                                        name */
-        write_shell_word(stderr, *word);
-    if (!c->saves_itself) {
-        fputs(" --resume", stderr);
-        write_shell_word(stderr, c->saved);
-    }
+    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: ", why, step, steps);
+    fit_write_command(stderr, c->photographs, "resume");
+    fputs(" --resume", stderr);
+    write_shell_word(stderr, c->saved);
     fputc('\n', stderr);
 }
 

@@ -492,7 +492,8 @@ static int has_camera(const char *name, const fxs_view *views, long count)
     return 0;
 }
 
-static void say_missing(const work *w, const fxs_view *views, long count)
+/* Returns the number of photographs without a camera. */
+static size_t say_missing(const work *w, const fxs_view *views, long count)
 {
     char text[400] = "";
     size_t missing = 0, used = 0;
@@ -509,9 +510,10 @@ static void say_missing(const work *w, const fxs_view *views, long count)
         note("%s", w->is_film ? "a slower film, without blur, or more --frames, would place more"
                               : "more photographs would place more: sharp, a step apart, each overlapping most of the "
                                 "one before");
+    return missing;
 }
 
-static int report(work *w)
+static int report(work *w, reconstruction *found)
 {
     char model[TASK_PATH];
     fxs_view *views = 0;
@@ -527,7 +529,8 @@ static int report(work *w)
              w->options->in, count, w->photos.count, w->points, w->error);
     else
         note("%s: cameras of %ld of %zu photographs", w->options->in, count, w->photos.count);
-    say_missing(w, views, count);
+    found->placed = (size_t)count;
+    found->unplaced = say_missing(w, views, count);
     free(views);
     return 0;
 }
@@ -639,24 +642,25 @@ static int open_folder(work *w)
     return w->t.log ? 0 : fail(EXIT_FAILED, "%s: %s", w->log_name, strerror(errno));
 }
 
-int reconstruct(const reconstruct_options *options, char **folder)
+int reconstruct(const reconstruct_options *options, reconstruction *found)
 {
     static work w;
-    char found[TASK_PATH];
+    char cameras[TASK_PATH];
     memset(&w, 0, sizeof w);
+    memset(found, 0, sizeof *found);
     w.options = options;
     w.is_film = film_is_named(options->in);
     fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP loads Qt even if it opens no window */
     int status = open_folder(&w);
-    join_path(found, w.folder, "sparse/0");
-    const int are_placed = !status && is_folder(found);
+    join_path(cameras, w.folder, "sparse/0");
+    const int are_placed = !status && is_folder(cameras);
     status = status ? status : take_photographs(&w, are_placed);
     if (!are_placed)
         status = status ? status : find_cameras(&w);
-    status = status ? status : report(&w);
-    *folder = status ? 0 : strdup(w.folder);
+    status = status ? status : report(&w, found);
+    found->folder = status ? 0 : strdup(w.folder);
     if (w.t.log)
         fclose(w.t.log);
     photographs_free(&w.photos);
-    return status || *folder ? status : no_memory();
+    return status || found->folder ? status : no_memory();
 }

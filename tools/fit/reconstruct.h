@@ -2,6 +2,7 @@
 #ifndef RECONSTRUCT_H
 #define RECONSTRUCT_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 enum fit_quality { QUALITY_DRAFT, QUALITY_GOOD, QUALITY_BEST };
@@ -18,6 +19,11 @@ typedef struct reconstruct_options {
     int mixed;                     /* 1: photographs of several devices: a lens for each, and all pairs are matched */
 } reconstruct_options;
 
+typedef struct reconstruction {
+    char *folder;                  /* the folder OUT.cameras; the caller frees it */
+    size_t placed, unplaced;       /* numbers of photographs with a camera, and without one */
+} reconstruction;
+
 /* True if cameras must be reconstructed: the input is a film, or a folder without cameras. */
 int reconstruct_is_needed(const char *in);
 
@@ -25,7 +31,7 @@ int reconstruct_is_needed(const char *in);
 int reconstruct_is_photographs(const char *folder);
 
 /* Makes the folder OUT.cameras in COLMAP's layout (images, masks, sparse/0). An unfinished OUT.cameras of the same
-   photographs is continued; a finished one is used. The caller frees *folder. */
-int reconstruct(const reconstruct_options *options, char **folder);
+   photographs is continued; a finished one is used. */
+int reconstruct(const reconstruct_options *options, reconstruction *found);
 
 #endif
