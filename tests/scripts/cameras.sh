@@ -153,7 +153,18 @@ cp set/images/03.png plain/other.png
 with "$fixsplat" fit plain $steps -o b.fxs >logs/out 2>logs/err
 check "a photograph without a place is named, once" equal "$(grep other.png logs/err)" \
     "fixsplat: no place was found for 1: other.png"
+cp -r plain half
+for i in 20 21 22 23 24 25 26 27; do cp set/images/03.png half/$i.png; done
+with "$fixsplat" fit half --steps 9 -o half.fxs >logs/out 2>logs/err
+check "many photographs without a place: said at the end" grep -qx \
+    'No place was found for 9 of 21 photographs: take more, a step apart, that join them to the others.' logs/out
+check "the next fit is one of the photographs, not of the cameras" grep -qx \
+    'again, and better:            fixsplat fit half -o half.fxs --quality good' logs/out
+with "$fixsplat" fit half --steps 9 -o half.fxs --json >logs/out 2>logs/err
+check "many photographs without a place: --json" grep -q '"advice": \["places", ' logs/out
 with "$fixsplat" fit plain --steps 9 -o b.fxs --quality good >logs/out 2>logs/err
+check "one photograph without a place: not said at the end" equal "$(grep -c '^Broken' logs/out) $(
+    grep -c '^No place' logs/out)" "1 0"
 check "--quality good: says how cameras are found" grep -q '^fixsplat: --quality good: 9 steps of the recipe fast, .* Gaussians, a thorough search for the cameras$' \
     logs/err
 PATH="$work/bin:$PATH"

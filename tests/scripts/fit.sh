@@ -37,7 +37,7 @@ check "fit: begins with a view that is chosen in the scene" equal "$("$fixsplat"
     "$("$fixsplat" render whole.fxs --auto-up --size 64x36 --hash)"
 succeeds "fit: --json" $fit -o again.fxs --json --threads 2
 check "fit: --json: keys" keys logs/out scene gaussians bytes profile recipe steps seed seconds fitted held_out skipped \
-    measured photographs.views photographs.psnr photographs.ssim photographs.affine_psnr
+    measured photographs.views photographs.psnr photographs.ssim photographs.affine_psnr verdict advice
 check "fit: at least 18.5 dB from where nothing was fitted" [ "$(psnr)" -ge 1850 ]
 fitted=$(psnr)
 "$fixsplat" fit set --steps 1 -o first.fxs --json >logs/out
@@ -59,59 +59,165 @@ check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
-# ---- Messages --------------------------------------------------------------------------------------------------------
+# ---- The verdict -----------------------------------------------------------------------------------------------------
 
+# verdict ARGUMENT...: fits, and prints the lines behind the table of photographs, with N for numbers of dB.
+verdict() {
+    loud fit "$@"
+    sed '1,/^worst /d; s/[0-9][0-9.]* dB/N dB/; s/[0-9][0-9.]* where/N where/' logs/out
+}
 ends() {
     name=$1 lines=$2
     shift 2
-    loud fit "$@"
-    check "$name" equal "$(sed '1,/^worst /d; s/[0-9][0-9.]* dB/N dB/; s/[0-9][0-9.]* where/N where/' logs/out)" "$lines"
+    check "$name" equal "$(verdict "$@")" "$lines"
 }
-around="The cameras look at one thing: --crop-to-subject leaves out what lies around it."
-next="$around
-to look at it:                fixsplat view it.fxs
-a folder for any web server:  fixsplat publish it.fxs site
-that thing alone:             fixsplat convert it.fxs it-cropped.fxs --sphere 0,0,0,5.2"
-more="Where it was fitted it is not much better: more --steps or sharper photographs would help."
-ends "below 20 dB" "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
-$more
-$next" set --steps 1 -o it.fxs
-ends "below 25 dB" "Fair: from new places all is there, but blurred or spotted (N dB; N where it was fitted).
-$more
-$next" set --steps 620 --recipe reference -o it.fxs
+quick() { echo "This was a quick fit of $1 steps: --quality good makes 8000, which show finer detail."; }
+look="to look at it:                fixsplat view it.fxs"
+again="again, and better:            fixsplat fit set"
+publish="a folder for any web server:  fixsplat publish it.fxs site"
+subject="the subject alone:            fixsplat convert it.fxs it-cropped.fxs --sphere 0,0,0,5.2"
+ends "below 20 dB" "Broken: from new places it does not look like the photographs (N dB; N where it was fitted).
+$(quick 1)
+$look
+$again -o it.fxs --quality good
+$publish
+$subject" set --steps 1 -o it.fxs
+ends "below 25 dB" "Blurred or spotted: from new places all is there, but without detail (N dB; N where it was fitted).
+$(quick 620)
+$look
+$again --seed 0 -oit.fxs --quality good
+$publish
+$subject" set --steps=620 --seed 0 --reci reference -oit.fxs
 check "it is the mean, to a tenth" equal "$(awk '/^mean / { print substr($2, 1, 4) }' logs/out)" \
-    "$(sed -n 's/^Fair.*(\([0-9.]*\) dB.*/\1/p' logs/out)"
+    "$(sed -n 's/^Blurred.*(\([0-9.]*\) dB.*/\1/p' logs/out)"
 ends "below 30 dB, and much better where it was fitted" \
-    "Good: from new places it looks like a photograph with less detail (N dB; N where it was fitted).
-Places between the photographs are much worse than theirs: more photographs would help.
-$next" set --steps 1500 --recipe reference --hold-out 2 -o it.fxs
+    "A little soft: from new places it looks like a photograph with less detail (N dB; N where it was fitted).
+Places between the photographs are much worse, with haze or floating spots: more photographs would help.
+$(quick 1500)
+$look
+$again --hold-out 2 -o it.fxs --quality good
+$publish" set --steps 1500 --recipe reference --hold-out 2 -o it.fxs
 ends "--hold-out 0" "Nothing was held out, so how it looks from new places is not known (N dB where it was fitted).
-$around
+$(quick 9)
 to look at it:                fixsplat view 'it'\\''s.ply'
+$again --hold-out 0 -o 'it'\\''s.ply' --quality good
 a folder for any web server:  fixsplat publish 'it'\\''s.ply' site
-that thing alone:             fixsplat convert 'it'\\''s.ply' 'it'\\''s-cropped.ply' --sphere 0,0,0,5.2" set --steps 9 --hold-out 0 -o "it's.ply"
-ends ".fit: what is next is the fit itself" \
-    "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
-$more" set --steps 9 -o it.fit
+the subject alone:            fixsplat convert 'it'\\''s.ply' 'it'\\''s-cropped.ply' --sphere 0,0,0,5.2" set --steps 9 --hold-out 0 -o "it's.ply"
+ends ".fit: next is its scene" \
+    "Broken: from new places it does not look like the photographs (N dB; N where it was fitted).
+$(quick 9)
+its scene:                    fixsplat fit set --steps 9 --resume it.fit -o it.fxs
+$again -o it.fit --quality good" set --steps 9 -o it.fit
+eval "$(sed -n 's/^its scene: *fixsplat/"$fixsplat"/p' logs/out)" >logs/out
+"$fixsplat" fit set --steps 9 -o again.fxs >logs/out
+check ".fit: its scene, by the command that is named" cmp it.fxs again.fxs
+ends "a resumed fit: no command with other options" \
+    "Broken: from new places it does not look like the photographs (N dB; N where it was fitted).
+$(quick 9)
+$look
+$publish
+$subject" set --resume it.fit -o it.fxs
+cp -r set blind && mkdir blind/masks
+"$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 -o blind/masks/00.png
+cp blind/masks/00.png blind/masks/08.png
+ends "masks that leave nothing to measure" \
+    "No pixel of the photographs that were measured counts, so how it looks is not known.
+$look
+$publish
+$subject" blind --steps 9 -o it.fxs
+cp -r set -- -set
+ends "photographs whose name begins with -" \
+    "Broken: from new places it does not look like the photographs (N dB; N where it was fitted).
+$(quick 9)
+$look
+again, and better:            fixsplat fit ./-set -o it.fxs --quality good
+$publish
+$subject" --steps 9 -o it.fxs -- -set
 loud fit set --steps 9 -o it.fxs --json
 check "--json: no words" equal "$(wc -l <logs/out | tr -d ' ')" 1
+check "--json: the verdict" grep -q '"verdict": "broken", "advice": \["quick"\], ' logs/out
+loud fit set --steps 9 -o it.fxs --json --hold-out 0
+check "--json: nothing held out" grep -q '"verdict": null, "advice": \["quick"\], ' logs/out
 run fit set --steps 9 -o it.fxs
 check "--quiet: no words" grep -q "^worst " logs/out
 check "--quiet: no words behind it" equal "$(sed '1,/^worst /d' logs/out)" ""
-if have perl; then
-    cp -r set dark
-    sed 's/0\([08]\).png/0\1.ppm/' set/sparse/0/images.txt >dark/sparse/0/images.txt
-    for i in 0 8; do
-        "$fixsplat" render knot.ply --cameras set/sparse/0 --view $i -o bright.ppm
+
+# Forty photographs of the knot, close to each other, and sets with a fault. 00, 08, 16, 24 and 32 are held out.
+mkdir many && (cd many && make_photographs 40) || exit 1
+mv many/set near
+number='{ n = substr($0, length($0) - 5, 2) + 0 }'
+cp -r near far
+awk "$number"' /png$/ && n > 7 && n < 17 && n != 12 { getline; next } { print }' near/sparse/0/images.txt \
+    >far/sparse/0/images.txt
+cp -r near other
+cp near/images/20.png other/images/16.png
+# darken SET NUMBER...: copies the set, with half the brightness in these photographs.
+darken() {
+    cp -r near $1
+    set=$1
+    shift
+    for i; do
+        "$fixsplat" render knot.ply --cameras near/sparse/0 --view $((${i#0})) -o bright.ppm
         perl -0777 -pe 'BEGIN { binmode STDIN; binmode STDOUT } s/^(P6\s+\d+\s+\d+\s+\d+\s)(.*)/$1 . pack("C*", map { $_ \/ 2 } unpack("C*", $2))/se' \
-            <bright.ppm >dark/images/0$i.ppm
+            <bright.ppm >$set/images/$i.ppm
+        sed "s/$i.png/$i.ppm/" $set/sparse/0/images.txt >images.txt && mv images.txt $set/sparse/0/images.txt
     done
-    loud fit dark --steps 620 -o it.fxs
-    check "other exposures" grep -q '^The photographs differ in exposure or white balance: --exposure gain may help.$' logs/out
+}
+if have perl; then
+    darken dark 16
+    darken darks 00 08 16 24 32
 else
-    skip "other exposures" "no perl here"
+    skip "dark photographs" "no perl here"
 fi
-rm -f it.* "it's.ply"
+ends "at least 30 dB, and all steps" "Sharp: from new places it is hard to tell from a photograph (N dB; N where it was fitted).
+$look
+$publish
+$subject" near --resolution 16 --steps 8000 -o it.fxs
+ends "--exposure: colours are matched" \
+    "A little soft: from new places it looks like a photograph with less detail (N dB with matched colours; N where it was fitted).
+--quality best shows a little more detail, in about 8 times the time.
+$look
+again, and better:            fixsplat fit near --resolution 16 --max-gaussians 40 --exposure gain -o it.fxs --quality best
+$publish
+$subject" near --resolution 16 --steps 8000 --max-gaussians 40 --exposure gain -o it.fxs
+findings=places     # cameras.sh
+while IFS='|' read -r finding sentence arguments; do
+    case $arguments in dark*) have perl || continue ;; esac
+    verdict $arguments -o it.fxs >verdict
+    check "$finding: $sentence" grep -Fqx -e "$sentence" verdict
+    "$fixsplat" fit $arguments -o it.fxs --json >logs/out
+    check "$finding: --json" grep -Eq "\"advice\": \\[[^]]*\"$finding\"[],]" logs/out
+    findings="$findings $finding"
+done <<'END'
+exposure|The photographs differ in brightness or tint, which leaves haze: --exposure gain evens them out.|darks --steps 620 --resolution 32
+worst|16.ppm came out far worse than the others (N dB): it is brighter, darker or of another tint.|dark --steps 620 --resolution 32
+worst|12.png came out far worse than the others (N dB): no photograph was fitted near its place.|far --steps 620 --resolution 32
+worst|16.png came out far worse than the others (N dB): is it blurred, or does it show something that moved?|other --steps 620 --resolution 32
+gaps|Places between the photographs are much worse, with haze or floating spots: more photographs would help.|set --steps 8000 --resolution 16
+quick|This was a quick fit of 7999 steps: --quality good makes 8000, which show finer detail.|near --steps 7999 --resolution 16
+unsharp|Where it was fitted it is not much better: sharper photographs of things that keep still would help.|near --steps 8000 --resolution 16 --max-gaussians 20 --sh-degree 0
+best|--quality best shows a little more detail, in about 8 times the time.|near --steps 8000 --resolution 16 --max-gaussians 40 --sh-degree 0
+END
+check "each finding was found" equal "$(echo $findings | tr ' ' '\n' | sort -u)" \
+    "$(sed -n 's/^    {"\([a-z]*\)", [a-z_]*, say_.*/\1/p' "$root/tools/fit/fit_verdict.c" | sort)"
+ends "the best quality: no better one" \
+    "A little soft: from new places it looks like a photograph with less detail (N dB; N where it was fitted).
+$look
+$publish
+$subject" near --resolution 16 --steps 30000 --max-gaussians 40 --sh-degree 0 -o it.fxs
+verdict other --resolution 32 --steps 620 --threads 2 -o it.fxs >verdict
+check "at most six lines" equal "$(wc -l <verdict | tr -d ' ')" 6
+next_of() { sed -n "s/^$1: *fixsplat/\"\$fixsplat\"/p" verdict; }
+eval "$(next_of 'the photographs beside it')" >logs/out
+check "the photographs, by the command that is named" equal "$(ls pictures | tr '\n' ' ')" \
+    "0000_00.png 0001_08.png 0002_16.png 0003_24.png 0004_32.png "
+check "the photographs, as measured before" grep -q '^ *2 16.png  *32x24 ' logs/out
+eval "$(next_of 'again, and better')" >logs/out
+check "again, by the command that is named" grep -q '; 8000 steps, recipe fast, seed 0$' logs/out
+verdict other --resolution 32 --steps 620 -o it.fxs --compare pictures >verdict
+check "with --compare: no command for it" equal "$(grep -c '^16.png came out' verdict) $(
+    next_of 'the photographs beside it')" "1 "
+rm -rf it.* "it's.ply" near far other dark darks many pictures blind ./-set
 
 # ---- Crop to the subject ---------------------------------------------------------------------------------------------
 
@@ -121,7 +227,7 @@ awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * 
 count_of() { sed -n 's/^[a-z]*\.[a-z]*: \([0-9]*\) Gaussians, .*/\1/p' logs/out; }
 loud fit around --steps 30 -o it.fxs
 measured=$(sed -n '/^ *[0-9]* 0/p; /^mean/p' logs/out) all=$(count_of)
-eval "$(sed -n 's/^that thing alone: *fixsplat/"$fixsplat"/p' logs/out)"
+eval "$(sed -n 's/^the subject alone: *fixsplat/"$fixsplat"/p' logs/out)"
 cut=$("$fixsplat" info it-cropped.fxs | awk '/^Gaussians/ { print $2 + 0 }')
 check "the crop that is named at the end leaves out what is beyond" [ $cut -lt $((all - 50)) -a $cut -gt 100 ]
 loud fit around --steps 30 -o cropped.fxs --crop-to-subject

@@ -25,6 +25,10 @@ cp logs/out said.short
 run fit set -o two.fxs $short --threads 5 --cpu c --json
 check "5 threads, plain C: the same file" cmp short.fxs two.fxs
 check "--json: moments" equal "$(grep -o '"moved": ' logs/out | wc -l | tr -d ' ')" 4
+(unset FIXSPLAT_QUIET && "$fixsplat" fit set -o two.fxs $short) >logs/out 2>logs/err
+check "the verdict" equal "$(sed '1,/^ *worst /d; s/^[BS][^(]*([0-9.]* dB)/Words (N dB)/' logs/out)" "Words (N dB).
+to look at it:                fixsplat view two.fxs
+a folder for any web server:  fixsplat publish two.fxs site"
 "$fixsplat" render one.fxs --cameras set/transforms.json --view 0 --hash >first
 "$fixsplat" render one.fxs --cameras set/transforms.json --view 0 --hash --time 0.13 >last
 check "it moves" [ "$(cat first)" != "$(cat last)" ]

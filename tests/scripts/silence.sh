@@ -354,7 +354,9 @@ by_design='threads cpu backend skip-bad'
 elsewhere='max-gaussians:coarse invert-masks:block invert-masks:coarse quality:measure alpha:masks masks:until-colmap
     quality:until-colmap photos:until-colmap refine-poses:all'
 more= path=/nowhere notes='^fixsplat: '
-mask='s/"(seconds|project|bin|blend|loss|back|update)": [0-9.]+//g'
+# Lines that repeat the options do not count.
+mask='s/"(seconds|project|bin|blend|loss|back|update)": [0-9.]+//g
+    /^(again, and better|the photographs beside it|its scene): /d'
 try fit
 
 # ---- view --web ------------------------------------------------------------------------------------------------------

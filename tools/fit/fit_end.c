@@ -1,64 +1,11 @@
 /* Ends `fixsplat fit`: crops, writes and measures the scene, and prints tables, JSON or a verdict. */
-#include <fixsplat/internal/fit_more.h>
-
-#include "cmd_fit.h"
+#include "fit_verdict.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "src/base/os_calls.h"
 #include "fit_result.h"
-
-/* Verdicts on a fitted scene, each with the least mean PSNR in dB of held-out (not fitted) photographs. */
-static const struct {
-    double least;
-    const char *words;
-} verdicts[] = {
-    {30, "Very good: from new places it is hard to tell from a photograph"},
-    {25, "Good: from new places it looks like a photograph with less detail"},
-    {20, "Fair: from new places all is there, but blurred or spotted"},
-    {-INFINITY, "Poor: from new places it does not look like the photographs"}
-};
-
-/* Differences of PSNR in dB above which a printed sentence names the cause of errors. */
-enum { OVERFITTED = 5, EXPOSED = 2 };
-
-#define LEAST_OF_EXPOSED 22        /* least PSNR in dB, after an affine map of colours, for which exposure is named as
-                                      the cause */
-
-static const char *words_for(double psnr)
-{
-    int i = 0;
-    while (psnr < verdicts[i].least)
-        i++;
-    return verdicts[i].words;
-}
-
-/* Prints how good the fitted scene is, and what would improve it. `fitted`: mean PSNR in dB of photographs used in the
-   fit; 0: no photograph was held out. */
-static void print_sentences(const quality *measured, double fitted, int has_exposures)
-{
-    char psnr[32], other[32];
-    if (isinf(measured->psnr) && isnan(measured->ssim)) {
-        puts("No pixel of the photographs that were measured counts, so how it looks is not known.");
-        return;
-    }
-    fxs_metrics_psnr(psnr, measured->psnr, "any");
-    if (fitted > 0)
-        printf("%s (%.4s dB; %.4s where it was fitted).\n", words_for(measured->psnr), psnr,
-               fxs_metrics_psnr(other, fitted, "any"));
-    else
-        printf("Nothing was held out, so how it looks from new places is not known (%.4s dB where it was fitted).\n",
-               psnr);
-    if (!has_exposures && measured->affine_psnr - measured->psnr > EXPOSED && measured->affine_psnr > LEAST_OF_EXPOSED)
-        puts("The photographs differ in exposure or white balance: --exposure gain may help.");
-    else if (measured->psnr < verdicts[0].least && fitted - measured->psnr > OVERFITTED)
-        puts("Places between the photographs are much worse than theirs: more photographs would help.");
-    else if (measured->psnr < verdicts[1].least && fitted > 0)
-        puts("Where it was fitted it is not much better: more --steps or sharper photographs would help.");
-}
 
 static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r)
 {
@@ -73,45 +20,6 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
-static void print_crop(const char *out, const fxs_fit_subject *s)
-{
-    char cropped[4096];
-    const char *ending = strrchr(out, '.');
-    snprintf(cropped, sizeof cropped, "%.*s-cropped%s", (int)(ending - out), out, ending);
-    printf("%-29s fixsplat convert", "that thing alone:");
-    write_shell_word(stdout, out);
-    write_shell_word(stdout, cropped);
-    printf(" --sphere ");
-    for (int i = 0; i < 3; i++)
-        printf("%.4g,", fabs(s->middle[i]) < 1e-4 * s->radius ? 0 : s->middle[i]);
-    printf("%.4g\n", s->radius);
-}
-
-static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
-                         const quality *measured)
-{
-    static const char *const next[][3] = {{"to look at it:", "fixsplat view", ""},
-                                          {"a folder for any web server:", "fixsplat publish", " site"}};
-    double fitted;
-    const int status = result_measure_fitted(&fitted, scene, photos, &c->frame);
-    if (status)
-        return status;
-    fxs_fit_subject subject;
-    fxs_message why;
-    const int has_subject = !c->crops && !ends_with(c->out, ".fit") && !fxs_fit_find_subject(fit, &subject, &why);
-    print_sentences(measured, fitted, fxs_fit_options_of(fit)->exposure != FXS_FIT_EXPOSURE_NONE);
-    if (has_subject)
-        puts("The cameras look at one thing: --crop-to-subject leaves out what lies around it.");
-    for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
-        printf("%-29s %s", next[i][0], next[i][1]);
-        write_shell_word(stdout, c->out);
-        puts(next[i][2]);
-    }
-    if (has_subject)
-        print_crop(c->out, &subject);
-    return 0;
-}
-
 static void print_json_stages(const fit_progress *p)
 {
     static const char *const names[FIT_STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
@@ -122,8 +30,9 @@ static void print_json_stages(const fit_progress *p)
     printf("}");
 }
 
+/* `verdict` may be null. */
 static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r,
-                       const fit_progress *p)
+                       const fit_progress *p, const fit_verdict *verdict)
 {
     const fxs_fit_options *o = fxs_fit_options_of(fit);
     printf("{\"scene\": ");
@@ -134,6 +43,8 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
            fit_recipes[o->recipe], fxs_fit_steps(fit), o->seed, fit_progress_seconds(p), photos->fit_count,
            photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
     quality_print_json(&r->quality);
+    if (verdict)
+        fit_verdict_print_json(verdict);
     printf(", \"stages_ms\": ");
     print_json_stages(p);
     puts("}");
@@ -142,11 +53,16 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
 static int print(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                  const fit_result *result, const fit_progress *p)
 {
+    fit_verdict verdict;
+    const int is_judged = !c->blocks && (c->json || !is_quiet());
+    const int status = is_judged ? fit_verdict_find(&verdict, c, fit, photos, scene, &result->quality) : 0;
     if (c->json)
-        print_json(c, fit, photos, result, p);
+        print_json(c, fit, photos, result, p, is_judged && !status ? &verdict : 0);
     else
         print_text(c, fit, photos, result);
-    return c->json || c->blocks || is_quiet() ? 0 : print_verdict(c, fit, photos, scene, &result->quality);
+    if (is_judged && !status && !c->json)
+        fit_verdict_print_text(&verdict);
+    return status;
 }
 
 void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)

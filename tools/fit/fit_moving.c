@@ -1,6 +1,6 @@
 /* Runs `fixsplat fit --moving`: fits the first moment as a still scene, then each next moment from the last one. At the
    end all moments are refined together, and packed as one scene that moves. */
-#include "cmd_fit.h"
+#include "fit_verdict.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -373,6 +373,10 @@ static void print_text(const moving_fit *m)
     printf("    mean  %6.6s  %6.4f\n", fxs_metrics_psnr(psnr, mean, "equal"), ssim);
     printf("   worst  %6.6s  at %.3f\n", fxs_metrics_psnr(psnr, m->results[worst].quality.psnr, "equal"),
            (double)worst / m->rate);
+    if (!is_quiet()) {
+        const fit_verdict verdict = fit_verdict_of_moving(m->c, mean, m->held_out > 0);
+        fit_verdict_print_text(&verdict);
+    }
 }
 
 static void print_json(const moving_fit *m)

@@ -272,19 +272,19 @@ int result_measure(quality *q, world *scene, const fxs_photos *photos, const fra
     return status;
 }
 
-int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame)
+int result_measure_fitted(double psnr[2], world *scene, const fxs_photos *photos, const frame_options *frame)
 {
     const size_t count = photos->held_out_count < photos->fit_count ? photos->held_out_count : photos->fit_count;
     fxs_fit_photo *chosen = malloc((count + 1) * sizeof *chosen);
     const fxs_photos some = {.held_out = chosen, .held_out_count = count};
     quality q = {0};
-    *psnr = 0;
     for (size_t i = 0; i < count && chosen; i++)
         chosen[i] = photos->fit[i * photos->fit_count / count];
     const int status = !chosen ? fail(EXIT_FAILED, "out of memory")
                        : count ? result_measure(&q, scene, &some, frame, 0)
                                : 0;
-    *psnr = q.psnr;
+    psnr[0] = q.psnr;
+    psnr[1] = q.affine_psnr;
     quality_free(&q);
     free(chosen);
     return status;

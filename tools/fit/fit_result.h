@@ -39,8 +39,9 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare);
    call quality_free even after a failure. `compare` (may be null) is a folder for comparison pictures. */
 int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare);
 
-/* Computes the mean PSNR in dB of fitted photographs, for as many as were held out; 0: none was held out. */
-int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame);
+/* Computes the mean PSNR in dB of fitted photographs, and that after an affine map of colours, for as many photographs
+   as were held out; 0: none was held out. */
+int result_measure_fitted(double psnr[2], world *scene, const fxs_photos *photos, const frame_options *frame);
 
 void result_free(fit_result *result);
 
