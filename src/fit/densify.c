@@ -94,6 +94,8 @@ void fxs_fit_model_reset_opacity(fxs_fit_model *m, float opacity)
     const float most = logit_of(opacity);
     for (size_t i = 0; i < m->count; i++)
         plane(m, FXS_FIT_OPACITY)[i] = fminf(plane(m, FXS_FIT_OPACITY)[i], most);
+    if (m->origins)
+        return;
     memset(m->means + FXS_FIT_OPACITY * m->stride, 0, m->stride * sizeof *m->means);
     memset(m->squares + FXS_FIT_OPACITY * m->stride, 0, m->stride * sizeof *m->squares);
 }

@@ -25,12 +25,18 @@ void fxs_fit_model_free(fxs_fit_model *m)
     fxs_aligned_free(m->by_centre);
     fxs_aligned_free(m->views);
     fxs_aligned_free(m->masters);
+    free(m->origins);
     memset(m, 0, sizeof *m);
 }
 
 static size_t stride_of(size_t count)
 {
     return (count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP;
+}
+
+static size_t plane_count(const fxs_fit_model *m)
+{
+    return m->origins ? FXS_FIT_COLOUR : FXS_FIT_PARAMETERS;
 }
 
 static void clear_rest(const fxs_fit_model *m, float *planes, size_t count)
@@ -44,7 +50,7 @@ static void fill_rest(fxs_fit_model *m)
 {
     float *const blocks[] = {m->parameters, m->means, m->squares, m->by_centre, m->views};
     for (int i = 0; i < 5; i++)
-        clear_rest(m, blocks[i], i < 3 ? FXS_FIT_PARAMETERS : 1);
+        clear_rest(m, blocks[i], i < 3 ? plane_count(m) : 1);
     for (size_t i = m->count; i < m->stride; i++) {
         for (int k = 0; k < 3; k++)
             plane(m, FXS_FIT_SCALE + k)[i] = -FXS_FIT_FARTHEST;
@@ -65,6 +71,23 @@ int fxs_fit_model_room(fxs_fit_model *m, size_t count)
         fxs_fit_model_free(m);
         return FXS_ERR_MEMORY;
     }
+    fill_rest(m);
+    return 0;
+}
+
+int fxs_fit_model_part(fxs_fit_model *m, size_t count)
+{
+    memset(m, 0, sizeof *m);
+    m->count = count;
+    m->stride = stride_of(count);
+    m->origins = malloc((count ? count : 1) * sizeof *m->origins);
+    if (!m->origins || !(m->parameters = planes_of(m->stride, plane_count(m))) ||
+        !(m->by_centre = planes_of(m->stride, 1)) || !(m->views = planes_of(m->stride, 1))) {
+        fxs_fit_model_free(m);
+        return FXS_ERR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++)
+        m->origins[i] = (fxs_fit_origin){(uint32_t)i, FXS_FIT_KEPT};
     fill_rest(m);
     return 0;
 }
@@ -133,19 +156,19 @@ void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
         memcpy((char *)out + k * sizeof(float), &m->parameters[k * m->stride + i], sizeof(float));
 }
 
-static int set_stride(float **planes, size_t old, size_t stride)
+static int set_stride(float **planes, size_t count, size_t old, size_t stride)
 {
-    if (stride == old)
+    if (stride == old || !*planes)
         return 0;
     if (stride < old) {
-        for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+        for (size_t k = 0; k < count; k++)
             memmove(*planes + k * stride, *planes + k * old, stride * sizeof **planes);
         return 0;
     }
-    float *made = planes_of(stride, FXS_FIT_PARAMETERS);
+    float *made = planes_of(stride, count);
     if (!made)
         return FXS_ERR_MEMORY;
-    for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+    for (size_t k = 0; k < count; k++)
         memcpy(made + k * stride, *planes + k * old, old * sizeof **planes);
     fxs_aligned_free(*planes);
     *planes = made;
@@ -156,9 +179,9 @@ static int make_room(fxs_fit_model *m, size_t stride)
 {
     float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
     for (int i = 0; i < 3; i++)
-        if (set_stride(blocks[i], m->stride, stride)) {
+        if (set_stride(blocks[i], plane_count(m), m->stride, stride)) {
             while (i--)
-                set_stride(blocks[i], stride, m->stride);
+                set_stride(blocks[i], plane_count(m), stride, m->stride);
             return FXS_ERR_MEMORY;
         }
     m->stride = stride;
@@ -167,9 +190,9 @@ static int make_room(fxs_fit_model *m, size_t stride)
 
 static void narrow(fxs_fit_model *m, size_t stride)
 {
-    set_stride(&m->parameters, m->stride, stride);
-    set_stride(&m->means, m->stride, stride);
-    set_stride(&m->squares, m->stride, stride);
+    float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
+    for (int i = 0; i < 3; i++)
+        set_stride(blocks[i], plane_count(m), m->stride, stride);
     m->stride = stride;
 }
 
@@ -184,8 +207,8 @@ typedef struct gathering {
 static void gather(const gathering *g, float *planes, int moments, float *spare, uint32_t job)
 {
     const fxs_fit_origin *const origins = g->origins;
-    const size_t stride = g->model->stride;
-    for (float *p = planes + job * stride; p < planes + FXS_FIT_PARAMETERS * stride; p += GATHER_JOBS * stride) {
+    const size_t stride = g->model->stride, end = planes ? plane_count(g->model) * stride : 0;
+    for (float *p = planes + job * stride; p < planes + end; p += GATHER_JOBS * stride) {
         for (size_t i = 0; i < g->count; i++)
             spare[i] = moments && origins[i].kind != FXS_FIT_KEPT ? 0 : p[origins[i].source];
         memcpy(p, spare, stride * sizeof *p);
@@ -201,11 +224,24 @@ static void gather_job(void *argument, uint32_t job)
     gather(g, g->model->squares, 1, spare, job);
 }
 
+/* Returns the origins of the Gaussians of a part after a change. */
+static fxs_fit_origin *origins_after(const fxs_fit_model *m, const fxs_fit_origin *origins, size_t count)
+{
+    fxs_fit_origin *made = malloc(count * sizeof *made);
+    for (size_t i = 0; made && i < count; i++) {
+        const fxs_fit_origin before = m->origins[origins[i].source];
+        made[i] = (fxs_fit_origin){before.source, origins[i].kind == FXS_FIT_KEPT ? before.kind : FXS_FIT_CLONE};
+    }
+    return made;
+}
+
 int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_t count, fxs_run_fn *run, void *pool)
 {
     const size_t stride = stride_of(count), widest = stride > m->stride ? stride : m->stride;
     float *by_centre = planes_of(stride, 1), *views = planes_of(stride, 1), *spare = planes_of(widest, GATHER_JOBS);
-    if (!by_centre || !views || !spare || make_room(m, widest)) {
+    fxs_fit_origin *after = m->origins ? origins_after(m, origins, count) : NULL;
+    if (!by_centre || !views || !spare || !after != !m->origins || make_room(m, widest)) {
+        free(after);
         fxs_aligned_free(by_centre);
         fxs_aligned_free(views);
         fxs_aligned_free(spare);
@@ -220,6 +256,8 @@ int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_
     m->by_centre = by_centre;
     m->views = views;
     m->count = count;
+    free(m->origins);
+    m->origins = after;
     fill_rest(m);
     return 0;
 }

@@ -32,6 +32,10 @@ typedef struct fxs_fit_origin {
                                       start with 0 */
 } fxs_fit_origin;
 
+/* Allocates a part of a model of `count` Gaussians: the planes before FXS_FIT_COLOUR, without moments. The functions
+   below change it like the whole model, and its origins say how the rest changes. fxs_fit_model_free frees it. */
+int fxs_fit_model_part(fxs_fit_model *part, size_t count);
+
 /* Replaces the Gaussians by copies of the Gaussians that `origins` names. After an error the model is unchanged. */
 int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count, fxs_run_fn *run,
                           void *pool);

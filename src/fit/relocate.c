@@ -38,6 +38,14 @@ static void share_all(fxs_fit_model *m, const draws *d, size_t count)
         }
 }
 
+static void move(fxs_fit_model *m, size_t i, size_t source)
+{
+    for (int k = 0; k < (m->origins ? FXS_FIT_COLOUR : FXS_FIT_PARAMETERS); k++)
+        plane(m, k)[i] = plane(m, k)[source];
+    if (m->origins)
+        m->origins[i].source = m->origins[source].source;
+}
+
 static void move_dead(fxs_fit_model *m, const fxs_fit_relocate *r, draws *d)
 {
     d->count = 0;
@@ -53,8 +61,7 @@ static void move_dead(fxs_fit_model *m, const fxs_fit_relocate *r, draws *d)
     share_all(m, d, m->count);
     for (size_t i = 0, dead = 0; i < m->count; i++)
         if (d->times[i] == DEAD) {
-            for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
-                plane(m, k)[i] = plane(m, k)[d->sources[dead]];
+            move(m, i, d->sources[dead]);
             forget(m, i);
             dead++;
         }

@@ -665,7 +665,7 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
     adam->by_flat = options->by_flat * numbers / (float)gaussians;
 }
 
-float fxs_fit_sum(const float *numbers, size_t step, size_t count, double divisor)
+static float sum_numbers(const float *numbers, size_t step, size_t count, double divisor)
 {
     double parts[GAIN_PARTS];
     for (size_t i = 0; i < GAIN_PARTS; i++)
@@ -693,24 +693,27 @@ static void gain_rows_job(void *argument, uint32_t row)
     }
 }
 
-static void sum_by_gain(fxs_fit_stepper *s)
+void fxs_fit_sum_gains(const float *rows, const fxs_fit_camera *camera, float by_gain[FXS_FIT_GAIN])
 {
-    const double values = 3.0 * s->camera->width * s->camera->height;
-    const size_t height = (size_t)s->camera->height;
-    const float *rows = (const float *)s->rows.memory + 6 * height;
-    run(s, gain_rows_job, (uint32_t)height);
+    const double values = 3.0 * camera->width * camera->height;
+    const size_t height = (size_t)camera->height;
     for (size_t k = 0; k < FXS_FIT_GAIN; k++)
-        s->by_gain[s->view][k] = fxs_fit_sum(rows + k * height, 1, height, values);
+        by_gain[k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* Updates the exposures of a batch's photographs. Subtracting the mean over all photographs keeps the scene from taking
-   up a common tint. */
-static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
+static void sum_by_gain(fxs_fit_stepper *s)
 {
-    const fxs_fit_gains *gains = s->model->gains;
-    for (uint32_t v = 0; v < s->batch; v++)
-        gain_step(&gains->of[photographs[v].number], gains->is_affine, s->by_gain[v], s->options->gain_rate,
-                  s->options->gain_decay);
+    run(s, gain_rows_job, (uint32_t)s->camera->height);
+    fxs_fit_sum_gains((const float *)s->rows.memory + 6 * s->camera->height, s->camera, s->by_gain[s->view]);
+}
+
+/* Subtracting the mean over all photographs keeps the scene from taking up a common tint. */
+void fxs_fit_move_gains(const fxs_fit_gains *gains, const fxs_fit_photograph *photographs, uint32_t batch,
+                        float (*by_gain)[FXS_FIT_GAIN], const fxs_fit_step_options *options)
+{
+    for (uint32_t v = 0; v < batch; v++)
+        gain_step(&gains->of[photographs[v].number], gains->is_affine, by_gain[v], options->gain_rate,
+                  options->gain_decay);
     for (int k = 0; k < gain_numbers(gains->is_affine); k++) {
         const float excess = gain_mean(gains, k) - gain_neutral(gains->is_affine, k);
         for (uint32_t i = 0; i < gains->count; i++)
@@ -724,7 +727,7 @@ void fxs_fit_move_pose(const fxs_fit_poses *poses, const fxs_fit_photograph *pho
     const double values = 3.0 * photograph->camera.width * photograph->camera.height;
     float sums[FXS_FIT_POSE];
     for (size_t k = 0; k < FXS_FIT_POSE; k++)
-        sums[k] = fxs_fit_sum(parts + k * count, 1, count, values);
+        sums[k] = sum_numbers(parts + k * count, 1, count, values);
     pose_step(&poses->of[photograph->number], &photograph->camera, sums, rate);
 }
 
@@ -867,6 +870,15 @@ fxs_fit_camera fxs_fit_camera_of(const fxs_fit_model *model, const fxs_fit_photo
     return camera;
 }
 
+void fxs_fit_factors_of(const fxs_fit_model *model, const fxs_fit_photograph *photograph, float factors[FXS_FIT_GAIN])
+{
+    const fxs_fit_gains *gains = model->gains;
+    for (int k = 0; k < FXS_FIT_GAIN && !gains; k++)
+        factors[k] = gain_neutral(1, k);
+    if (gains)
+        gain_factors(&gains->of[photograph->number], gains->is_affine, factors);
+}
+
 static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph, uint32_t view)
 {
     const fxs_fit_camera *c = &s->posed[view];
@@ -875,8 +887,7 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     s->camera = s->cameras[view] = c;
     s->photograph = photograph->pixels;
     s->mask = photograph->mask;
-    if (s->model->gains)
-        gain_factors(&s->model->gains->of[photograph->number], s->model->gains->is_affine, s->factors);
+    fxs_fit_factors_of(s->model, photograph, s->factors);
     if (photograph->divisor > 1) {
         if (!room(&s->reduced, 3 * (size_t)c->width * (size_t)c->height))
             return FXS_ERR_MEMORY;
@@ -1014,7 +1025,7 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     fxs_fit_set_adam(&s->adam, options, photographs, batch, model->count);
     run(s, update_job, gaussian_jobs(s));
     if (model->gains && options->gain_rate > 0)
-        update_gains(s, photographs);
+        fxs_fit_move_gains(model->gains, photographs, batch, s->by_gain, options);
     for (uint32_t v = 0; v < batch && moves_poses(s); v++)
         fxs_fit_move_pose(model->poses, &photographs[v], by_pose_of(s, v, 0), part_count(s), options->pose_rate);
     report->nanoseconds[UPDATE] = now(s) - passed_back;

@@ -34,6 +34,7 @@ typedef struct fxs_fit_model {
     fxs_fit_gains *gains;          /* exposures of the photographs; null: not fitted */
     fxs_fit_poses *poses;          /* pose corrections of the cameras; null: not fitted */
     const fxs_fit_cameras *cameras;    /* cameras that limit the scales of Gaussians from below; null: no limit */
+    struct fxs_fit_origin *origins;    /* null, or where the Gaussians of a part come from (model.h) */
 } fxs_fit_model;
 
 typedef struct fxs_fit_step_options {
@@ -78,8 +79,16 @@ int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_f
 void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
                       uint32_t batch, size_t gaussians);
 
-/* Sums numbers that are `step` floats apart, in a fixed order, and divides the sum (exposure.h). */
-float fxs_fit_sum(const float *numbers, size_t step, size_t count, double divisor);
+/* Sums the gradient by a photograph's exposure over the rows of its picture. rows: for each number of an exposure, row
+   sums of the terms of gain_gradient (exposure.h). */
+void fxs_fit_sum_gains(const float *rows, const fxs_fit_camera *camera, float by_gain[FXS_FIT_GAIN]);
+
+/* Updates the exposures of a batch's photographs. */
+void fxs_fit_move_gains(const fxs_fit_gains *gains, const fxs_fit_photograph *photographs, uint32_t batch,
+                        float (*by_gain)[FXS_FIT_GAIN], const fxs_fit_step_options *options);
+
+/* Sets the factors of a photograph's exposure; without exposures, to those that change no colour. */
+void fxs_fit_factors_of(const fxs_fit_model *model, const fxs_fit_photograph *photograph, float factors[FXS_FIT_GAIN]);
 
 /* Returns a photograph's camera with its pose correction. */
 fxs_fit_camera fxs_fit_camera_of(const fxs_fit_model *model, const fxs_fit_photograph *photograph);

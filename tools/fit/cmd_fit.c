@@ -152,11 +152,11 @@ static const option_row own_rows[] = {
     {"resume", "FILE", TEXT(resume), .help =
      "continue a saved fit, with the same PHOTOS and options of photographs. The options of the fit come from FILE, "
      "except --steps. The result is the same, byte for byte, as of an uninterrupted fit"},
-    {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda"), .basic = 1, .help =
-     "where the steps run: cpu (default) or cuda; the scene does not depend on it"},
+    {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda", "vulkan"), .basic = 1, .help =
+     "where the steps run: cpu (default), cuda (NVIDIA GPUs) or vulkan (any GPU); the scene does not depend on it"},
     {"device", "LIST", take_devices, FIELD(frame_options, frame), .help =
      "GPUs of --backend cuda: numbers from 0, separated by commas, or all (default 0). They share the photographs of a "
-     "batch"},
+     "batch. For --backend vulkan: one number"},
     {"max-memory", "SIZE", BYTES(frame.max_memory), .help =
      "limit of the memory used on each GPU, bytes, also as 512M, 2G (default: none)"},
     {"threads", "N", take_threads, FIELD(frame_options, frame), 1, 64, .help =
@@ -174,16 +174,19 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     int devices[DEVICES_MOST];
     const char *of_devices = is_given("device") ? "device" : is_given("max-memory") ? "max-memory" : 0;
     if (strcmp(backend->name, "cpu") && !(backend->can & FXS_CAN_DEVICES))
-        return fail(EXIT_USAGE, "fit: --backend %s: expected cpu or cuda", backend->name);
+        return fail(EXIT_USAGE, "fit: --backend %s: expected cpu, cuda or vulkan", backend->name);
     if (!(backend->can & FXS_CAN_DEVICES))
-        return of_devices ? fail(EXIT_USAGE, "--%s is for --backend cuda, not for %s", of_devices, backend->name) : 0;
+        return of_devices ? fail(EXIT_USAGE, "--%s is for --backend cuda or vulkan, not for %s", of_devices, backend->name) : 0;
     const int count = choose_devices(&c->frame, devices);
     for (int i = 0; i < count && i < 8; i++)
         o->devices[i] = devices[i];
     o->device_count = (uint32_t)count;
     o->max_memory = c->frame.max_memory;
+    o->vulkan = !strcmp(backend->name, "vulkan");
     if (count < 1)
         return EXIT_FAILED;
+    if (o->vulkan && count > 1)
+        return fail(EXIT_USAGE, "fit: --backend vulkan takes one device");
     if (count > 8 || (o->batch && o->batch % o->device_count))
         return fail(EXIT_USAGE, "fit: --batch %u is not a multiple of the %d devices",
                     (unsigned)(o->batch ? o->batch : 8), count);

@@ -17,14 +17,18 @@ shared uint here, longest;
 passed_pixel begin_pixel()
 {
     const ivec2 at = tile_corner() + place_in_tile();
+    const bool has_exposure = order.has_exposure != 0 && is_surface == 0u;
+    const float factors[FXS_FIT_GAIN] = order.photographs[view].factors;
     passed_pixel pixel = passed_pixel(1.0, 0.0);
-    for (int c = 0; c < 3; c++) {
+    float found[3] = float[3](0.0, 0.0, 0.0);
+    for (int c = 0; c < 3 && is_inside(at); c++) {
         const uint own = uint(c) * picture_size() + pixel_at(at);
-        const float found = is_inside(at) ? uintBitsToFloat(pixels[order.at_gradient + own]) : 0.0;
-        const float picture = is_inside(at) ? uintBitsToFloat(pixels[order.at_picture + own]) : 0.0;
-        gradient[c][thread()] = found;
-        pixel.behind += found * picture;
+        found[c] = uintBitsToFloat(pixels[order.at_gradient + own]);
+        pixel.behind += found[c] * (uintBitsToFloat(pixels[order.at_picture + own]) -
+                                    (has_exposure ? factors[9 + c] : 0.0));
     }
+    for (int c = 0; c < 3; c++)
+        gradient[c][thread()] = has_exposure ? gradient_before(factors, found, c) : found[c];
     return pixel;
 }
 

@@ -65,9 +65,12 @@ void put_depth(vec4 pixel, ivec2 at)
 
 void put_pixel(vec4 pixel, ivec2 at)
 {
+    float colour[3];
+    for (int c = 0; c < 3; c++)
+        colour[c] = pixel[c] + pixel.w * order.background[c];
     for (int c = 0; c < 3; c++) {
-        const float colour = pixel[c] + pixel.w * order.background[c];
-        pixels[order.at_picture + uint(c) * picture_size() + pixel_at(at)] = floatBitsToUint(colour);
+        const float own = order.has_exposure != 0 ? exposed(order.photographs[view].factors, colour, c) : colour[c];
+        pixels[order.at_picture + uint(c) * picture_size() + pixel_at(at)] = floatBitsToUint(own);
     }
 }
 

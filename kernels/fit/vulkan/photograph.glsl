@@ -4,5 +4,5 @@ float level_of(uint at, uint channel) { return divide(float(byte_at(order.photog
 bool counts(uint at) { return order.photographs[view].at_mask == 0xffffffffu || byte_at(order.photographs[view].at_mask, at) != 0u; }
 
 // If exposures are fitted, white in a photograph counts as saturated.
-bool is_clipped(float a, float level) { return false; }
-float seen_as(float a, float level) { return a; }
+bool is_clipped(float a, float level) { return order.has_exposure != 0 && is_beyond_white(a, level) != 0; }
+float seen_as(float a, float level) { return order.has_exposure != 0 ? recorded(a, level) : a; }

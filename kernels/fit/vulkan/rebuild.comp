@@ -9,6 +9,7 @@ void main()
         return;
     const uint source = gaussians[i];
     const bool is_dropped = rebuilt.has_moments != 0u && source >= 0x80000000u;
-    masters[gl_WorkGroupID.y * rebuilt.to_stride + i] =
-        is_dropped ? 0.0 : parameters[gl_WorkGroupID.y * rebuilt.from_stride + (source & 0x7fffffffu)];
+    const uint from = (rebuilt.from_plane + gl_WorkGroupID.y) * rebuilt.from_stride + (source & 0x7fffffffu);
+    const uint to = (rebuilt.to_plane + gl_WorkGroupID.y) * rebuilt.to_stride + i;
+    masters[to] = is_dropped ? 0.0 : parameters[from];
 }

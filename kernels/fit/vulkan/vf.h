@@ -15,7 +15,7 @@
 
 #define VF_SHADERS(F) \
     F(project) F(add_parts) F(scan_parts) F(put_bases) F(cover) F(cover_large) F(start_lists) F(fill_lists) \
-    F(sort_lists) F(blend_tiles) F(reduce) F(find_derivatives) F(find_gradient) F(report_rows) \
+    F(sort_lists) F(blend_tiles) F(reduce) F(find_derivatives) F(find_gradient) F(report_rows) F(sum_gain_rows) \
     F(backward_tiles) F(gather_view) F(sum_pose_parts) F(plane_splats) F(compare_depths) F(update_shapes) F(update_sh) F(add_noise) F(smooth_scales) F(quantise_shapes) F(quantise_sh) F(rebuild) F(test)
 #define VF_NUMBER(name) VF_##name,
 enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
@@ -23,7 +23,7 @@ enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
 enum { VF_BUFFERS = 8, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_SLOT_WORDS = 15 };
 
 /* The blocks in the order of the shaders' bindings. */
-enum { VF_ORDER, VF_PARAMETERS, VF_MOMENTS, VF_MASTERS, VF_GAUSSIANS, VF_SLOTS, VF_PIXELS, VF_PHOTOGRAPH, VF_SPARE,
+enum { VF_ORDER, VF_PARAMETERS, VF_MOMENTS, VF_MASTERS, VF_GAUSSIANS, VF_SLOTS, VF_PIXELS, VF_PHOTOGRAPH, VF_SOURCES,
        VF_BLOCKS };
 
 typedef struct vf_memory {
@@ -88,12 +88,21 @@ int vf_fetch(vf_engine *e, const vf_copy *copies, size_t count, fxs_message *why
 /* Sets the status to 0. */
 int vf_clear_status(vf_engine *e, fxs_message *why);
 
-/* Makes room for `count` Gaussians, drops what the blocks held, and sets the places of the order. */
+/* vf_make_room makes room for `count` Gaussians, and sets the places of the order. A block that is too small is
+   replaced, and drops its data. */
+int vf_reserve(vf_engine *e, int block, uint64_t words, fxs_message *why);
+uint32_t vf_stride_for(const vf_engine *e, size_t count);
 int vf_make_room(vf_engine *e, size_t count, fxs_message *why);
 int vf_make_slots(vf_engine *e, uint64_t capacity, fxs_message *why);
 
+/* Sends the cameras that limit scales, if there are any. */
+int vf_send_cameras(vf_engine *e, fxs_message *why);
+
 /* The plane `plane` of a block of planes: bytes from its start. */
 uint64_t vf_plane(const vf_engine *e, uint64_t plane);
+
+/* Copies the Gaussians on the device as the origins of a part say, and then the planes of the part. */
+int vf_rebuild(vf_engine *e, const fxs_fit_model *part, fxs_message *why);
 
 /* vf_step starts a step; vf_finish completes all steps. vf_quantise quantises the exact parameters. */
 int vf_step(vf_engine *e, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,

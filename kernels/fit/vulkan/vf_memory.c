@@ -47,7 +47,7 @@ static uint64_t cut_slots(vf_engine *e, uint64_t capacity)
     return words;
 }
 
-static int reserve(vf_engine *e, int block, uint64_t words, fxs_message *why)
+int vf_reserve(vf_engine *e, int block, uint64_t words, fxs_message *why)
 {
     if (4 * words <= e->v->rooms.most)
         return fxs_vk_reserve(e->v, &e->blocks[block], FXS_VK_DEVICE, 4 * words, why);
@@ -61,7 +61,7 @@ int vf_make_slots(vf_engine *e, uint64_t capacity, fxs_message *why)
     if (capacity <= e->capacity)
         return 0;
     e->capacity = 0;
-    const int error = reserve(e, VF_SLOTS, cut_slots(e, capacity), why);
+    const int error = vf_reserve(e, VF_SLOTS, cut_slots(e, capacity), why);
     e->capacity = error ? 0 : (uint32_t)capacity;
     return error;
 }
@@ -71,22 +71,37 @@ uint64_t vf_plane(const vf_engine *e, uint64_t plane)
     return plane * e->stride * sizeof(float);
 }
 
-int vf_make_room(vf_engine *e, size_t count, fxs_message *why)
+uint32_t vf_stride_for(const vf_engine *e, size_t count)
 {
     const uint64_t least = (count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK * FXS_FIT_CHUNK;
     const uint64_t wide = e->stride ? least + least / 8 / FXS_FIT_CHUNK * FXS_FIT_CHUNK : least;
-    const uint64_t stride = least <= e->stride ? e->stride : wide;
-    if (stride > UINT32_MAX / (2 * FXS_FIT_PARAMETERS))
+    return least <= e->stride ? e->stride : (uint32_t)wide;
+}
+
+int vf_send_cameras(vf_engine *e, fxs_message *why)
+{
+    const fxs_fit_cameras *cameras = e->model->cameras;
+    if (!cameras)
+        return 0;
+    const vf_copy sent = {VF_GAUSSIANS, 4 * (uint64_t)e->order.at_cameras, cameras->of,
+                          cameras->count * sizeof *cameras->of};
+    return vf_send(e, &sent, 1, why);
+}
+
+int vf_make_room(vf_engine *e, size_t count, fxs_message *why)
+{
+    if (count > UINT32_MAX / (4 * FXS_FIT_PARAMETERS))
         return fxs_fail_as(FXS_ERR_MEMORY, why, "more Gaussians than a device takes");
+    const uint32_t stride = vf_stride_for(e, count);
     e->has_masters = e->model->masters != NULL;
     e->stride = 0;
-    int error = reserve(e, VF_PARAMETERS, FXS_FIT_PARAMETERS * stride, why);
-    error = error ? error : reserve(e, VF_MOMENTS, 2 * FXS_FIT_PARAMETERS * stride, why);
+    int error = vf_reserve(e, VF_PARAMETERS, FXS_FIT_PARAMETERS * (uint64_t)stride, why);
+    error = error ? error : vf_reserve(e, VF_MOMENTS, 2 * FXS_FIT_PARAMETERS * (uint64_t)stride, why);
     if (!error && e->has_masters)
-        error = reserve(e, VF_MASTERS, FXS_FIT_PARAMETERS * stride, why);
-    error = error ? error : reserve(e, VF_GAUSSIANS, cut_gaussians(e, stride), why);
-    error = error ? error : vf_make_slots(e, 4 * stride, why);
-    e->stride = error ? 0 : (uint32_t)stride;
+        error = vf_reserve(e, VF_MASTERS, FXS_FIT_PARAMETERS * (uint64_t)stride, why);
+    error = error ? error : vf_reserve(e, VF_GAUSSIANS, cut_gaussians(e, stride), why);
+    error = error ? error : vf_make_slots(e, 4 * (uint64_t)stride, why);
+    e->stride = error ? 0 : stride;
     return error;
 }
 

@@ -39,6 +39,16 @@ static int moves_poses(const vf_engine *e, const vf_turn *t)
     return e->model->poses && t->options.pose_rate > 0;
 }
 
+static int moves_gains(const vf_engine *e, const vf_turn *t)
+{
+    return e->model->gains && t->options.gain_rate > 0;
+}
+
+static uint64_t gain_bytes(const vf_engine *e, const vf_turn *t, uint32_t view)
+{
+    return moves_gains(e, t) ? FXS_FIT_GAIN * (uint64_t)t->photographs[view].camera.height * sizeof(float) : 0;
+}
+
 static size_t part_count(const vf_engine *e)
 {
     return groups(e->model->count, FXS_FIT_PART);
@@ -76,6 +86,7 @@ static uint64_t cut_pixels(const vf_engine *e, fit_order *o, const vf_turn *t)
     o->at_dissimilar = (uint32_t)taken(&words, 3 * size);
     o->at_gradient = (uint32_t)taken(&words, 3 * size);
     o->at_rows = (uint32_t)taken(&words, 6 * height);
+    o->at_gain_rows = (uint32_t)taken(&words, FXS_FIT_GAIN * height);
     o->at_pose_parts = (uint32_t)taken(&words, pose_bytes(e, t) / sizeof(float));
     o->at_starts = (uint32_t)taken(&words, tiles + 1);
     o->at_next = (uint32_t)taken(&words, tiles);
@@ -88,18 +99,24 @@ static uint64_t rows_bytes(const vf_turn *t, uint32_t view)
     return t->has_report ? 6 * (uint64_t)t->photographs[view].camera.height * sizeof(float) : 0;
 }
 
-/* Returns where the rows of a view's report lie behind the status, with the parts of its pose's gradient behind. */
+/* Return where the rows of a view's report lie behind the status, and behind them the rows for its exposure and the
+   parts of its pose's gradient. */
 static uint64_t rows_at(const vf_engine *e, const vf_turn *t, uint32_t view)
 {
     uint64_t at = sizeof(fit_status);
     for (uint32_t v = 0; v < view; v++)
-        at += rows_bytes(t, v) + pose_bytes(e, t);
+        at += rows_bytes(t, v) + gain_bytes(e, t, v) + pose_bytes(e, t);
     return at;
+}
+
+static uint64_t gains_at(const vf_engine *e, const vf_turn *t, uint32_t view)
+{
+    return rows_at(e, t, view) + rows_bytes(t, view);
 }
 
 static uint64_t poses_at(const vf_engine *e, const vf_turn *t, uint32_t view)
 {
-    return rows_at(e, t, view) + rows_bytes(t, view);
+    return gains_at(e, t, view) + gain_bytes(e, t, view);
 }
 
 static uint64_t photograph_words(const vf_turn *t)
@@ -157,7 +174,7 @@ static void copy_bytes(const vf_engine *e, void *to, const uint8_t *from, size_t
         memcpy(to, from, bytes);
 }
 
-/* Copies the photographs of a step to the device, through the turn's block, and sets their places. */
+/* Copies the photographs of a step to the device, through the turn's block, and sets their places and exposures. */
 static void send_photographs(const vf_engine *e, vf_turn *t, fit_order *o)
 {
     uint8_t *to = t->slot.up->memory.mapped;
@@ -171,7 +188,8 @@ static void send_photographs(const vf_engine *e, vf_turn *t, fit_order *o)
             copy_bytes(e, to + 4 * at.full_mask, p->mask, size);
         o->photographs[v] = (fit_photograph){
             (uint32_t)at.own, p->mask ? (uint32_t)at.mask : UINT32_MAX, (uint32_t)at.full, (uint32_t)at.full_mask,
-            p->width, p->divisor};
+            p->width, p->divisor, {0}};
+        fxs_fit_factors_of(e->model, p, o->photographs[v].factors);
         const VkBufferCopy region = {4 * at.full, 4 * at.full,
                                      4 * (p->divisor > 1 ? at.own - at.full : at.end - at.full)};
         e->v->vk.CmdCopyBuffer(t->slot.commands, t->slot.up->buffer, e->blocks[VF_PHOTOGRAPH]->buffer, 1, &region);
@@ -192,6 +210,8 @@ static void fill_order(const vf_engine *e, const vf_turn *t, fit_order *o)
     o->surface_weight = 3 * options->by_surface;
     o->degree = options->sh_degree;
     o->smooths = options->smooths;
+    o->has_exposure = e->model->gains != NULL;
+    o->is_affine = e->model->gains && e->model->gains->is_affine;
     o->count = (uint32_t)e->model->count;
     o->stride = e->stride;
     o->batch = t->count;
@@ -254,6 +274,10 @@ static void record_view(const vf_engine *e, vf_turn *t, const fit_order *o, uint
     if (t->has_report) {
         vf_next(e, commands, VF_report_rows, groups(3 * (uint64_t)c->height * 16, 256), 1, 1);
         fetch_pixels(e, t, o->at_rows, rows_at(e, t, view), rows_bytes(t, view));
+    }
+    if (moves_gains(e, t)) {
+        vf_next(e, commands, VF_sum_gain_rows, groups(FXS_FIT_GAIN * (uint64_t)c->height * 16, 256), 1, 1);
+        fetch_pixels(e, t, o->at_gain_rows, gains_at(e, t, view), gain_bytes(e, t, view));
     }
     vf_next(e, commands, VF_backward_tiles, x, y, 1);
     vf_next(e, commands, VF_gather_view, groups_at_most(FXS_FIT_SUMS * (uint64_t)e->model->count, 256), 1, 1);
@@ -418,6 +442,14 @@ static void fill_report(const vf_engine *e, const vf_turn *t, fxs_fit_report *re
     report->visible = status->visible;
 }
 
+static void move_gains(const vf_engine *e, const vf_turn *t)
+{
+    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];
+    for (uint32_t v = 0; v < t->count; v++)
+        fxs_fit_sum_gains(numbers_at(t, gains_at(e, t, v)), &t->photographs[v].camera, by_gain[v]);
+    fxs_fit_move_gains(e->model->gains, t->photographs, t->count, by_gain, &t->options);
+}
+
 int vf_step(vf_engine *e, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,
             fxs_fit_report *report, fxs_message *why)
 {
@@ -433,9 +465,11 @@ int vf_step(vf_engine *e, const fxs_fit_photograph *photographs, uint32_t count,
     if (error)
         return error;
     e->pending++;
-    if (!report && !moves_poses(e, t))
+    if (!report && !moves_poses(e, t) && !moves_gains(e, t))
         return 0;
     error = vf_finish(e, why);
+    if (!error && moves_gains(e, t))
+        move_gains(e, t);
     for (uint32_t v = 0; v < count && !error && moves_poses(e, t); v++)
         fxs_fit_move_pose(e->model->poses, &photographs[v], numbers_at(t, poses_at(e, t, v)), part_count(e),
                           options->pose_rate);

@@ -54,7 +54,6 @@ static int send_masters(vf_engine *e, fxs_message *why)
 static int give(void *self, fxs_message *why)
 {
     vf_engine *e = self;
-    const fxs_fit_cameras *cameras = e->model->cameras;
     vf_copy copies[COPIES];
     int error = vf_finish(e, why);
     error = error ? error : vf_make_room(e, e->model->count, why);
@@ -62,11 +61,7 @@ static int give(void *self, fxs_message *why)
         return error;
     vf_bind_step(e);
     error = vf_send(e, copies, list_model(e, copies), why);
-    if (!error && cameras) {
-        const vf_copy sent = {VF_GAUSSIANS, 4 * (uint64_t)e->order.at_cameras, cameras->of,
-                              cameras->count * sizeof *cameras->of};
-        error = vf_send(e, &sent, 1, why);
-    }
+    error = error ? error : vf_send_cameras(e, why);
     return error || !e->has_masters ? error : send_masters(e, why);
 }
 
@@ -85,34 +80,71 @@ static int fetch(void *self, fxs_message *why)
     vf_engine *e = self;
     vf_copy copies[COPIES];
     int error = vf_finish(e, why);
+    if (!error && fxs_fit_model_resize(e->model, e->model->count))
+        error = fxs_fail_memory(why, "a fit", 0);
     error = error ? error : vf_fetch(e, copies, list_model(e, copies), why);
     return error || !e->has_masters ? error : fetch_masters(e, why);
 }
 
-static int changed(vf_engine *e, int error, fxs_message *why)
+static int fetch_part(vf_engine *e, fxs_fit_model *part, fxs_message *why)
 {
-    return error ? fxs_fail_memory(why, "a fit", 0) : give(e, why);
+    vf_copy copies[FXS_FIT_COLOUR + 2];
+    const uint64_t bytes = e->model->count * sizeof(float);
+    if (fxs_fit_model_part(part, e->model->count))
+        return fxs_fail_memory(why, "a fit", FXS_FIT_COLOUR * bytes);
+    for (uint64_t k = 0; k < FXS_FIT_COLOUR; k++)
+        copies[k] = (vf_copy){VF_PARAMETERS, vf_plane(e, k), part->parameters + k * part->stride, bytes};
+    copies[FXS_FIT_COLOUR] = (vf_copy){VF_GAUSSIANS, 4 * (uint64_t)e->order.at_by_centre, part->by_centre, bytes};
+    copies[FXS_FIT_COLOUR + 1] = (vf_copy){VF_GAUSSIANS, 4 * (uint64_t)e->order.at_views, part->views, bytes};
+    return vf_fetch(e, copies, FXS_FIT_COLOUR + 2, why);
+}
+
+typedef int change_fn(fxs_fit_model *part, const void *how);
+
+/* Changes a part of the model on the host, and then the model on the device likewise. */
+static int change(vf_engine *e, change_fn *changes, const void *how, fxs_message *why)
+{
+    fxs_fit_model part = {0};
+    int error = vf_finish(e, why);
+    error = error ? error : fetch_part(e, &part, why);
+    if (!error && changes(&part, how))
+        error = fxs_fail_memory(why, "a fit", 0);
+    if (!error)
+        e->model->count = part.count;
+    error = error ? error : vf_rebuild(e, &part, why);
+    fxs_fit_model_free(&part);
+    return error;
+}
+
+static int densify_part(fxs_fit_model *part, const void *how)
+{
+    return fxs_fit_model_densify(part, how);
+}
+
+static int relocate_part(fxs_fit_model *part, const void *how)
+{
+    return fxs_fit_model_relocate(part, how);
+}
+
+static int order_part(fxs_fit_model *part, const void *how)
+{
+    (void)how;
+    return fxs_fit_model_order(part);
 }
 
 static int densify(void *self, const fxs_fit_densify *how, fxs_message *why)
 {
-    vf_engine *e = self;
-    const int error = fetch(e, why);
-    return error ? error : changed(e, fxs_fit_model_densify(e->model, how), why);
+    return change(self, densify_part, how, why);
 }
 
 static int relocate(void *self, const fxs_fit_relocate *how, fxs_message *why)
 {
-    vf_engine *e = self;
-    const int error = fetch(e, why);
-    return error ? error : changed(e, fxs_fit_model_relocate(e->model, how), why);
+    return change(self, relocate_part, how, why);
 }
 
 static int order(void *self, fxs_message *why)
 {
-    vf_engine *e = self;
-    const int error = fetch(e, why);
-    return error ? error : changed(e, fxs_fit_model_order(e->model), why);
+    return change(self, order_part, NULL, why);
 }
 
 static int reset_opacity(void *self, float opacity, fxs_message *why)

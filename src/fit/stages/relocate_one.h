@@ -73,6 +73,10 @@ static inline void share(fxs_fit_model *m, size_t i, uint32_t times)
 
 static inline void forget(fxs_fit_model *m, size_t i)
 {
+    if (m->origins) {
+        m->origins[i].kind = FXS_FIT_CLONE;
+        return;
+    }
     for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
         m->means[k * m->stride + i] = m->squares[k * m->stride + i] = 0;
 }
