@@ -127,7 +127,7 @@ files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
             if (folder ~ /^tools/)
                 ok = $3 ~ /^(src|port|tools)\/[a-z\/_]*\.h$/ && $3 !~ /_internal\.h$/
             else
-                ok = may(i, $3) && !(folder ~ /^port/ && $3 ~ /^kernels\/.*\// && $3 !~ /\/(gl_functions|plan|cuda_fit)\.h$/)
+                ok = may(i, $3) && !(folder ~ /^port/ && $3 ~ /^kernels\/.*\// && $3 !~ /\/(gl_functions|plan|cuda_fit|vulkan_fit)\.h$/)
             if (!ok) says("includes \"" $3 "\"")
         }
     }' >"${TMPDIR:-/tmp}/include_rules.$$"

@@ -176,7 +176,8 @@ static int set_devices(fit_command *c, const fxs_backend *backend)
     if (strcmp(backend->name, "cpu") && !(backend->can & FXS_CAN_DEVICES))
         return fail(EXIT_USAGE, "fit: --backend %s: expected cpu, cuda or vulkan", backend->name);
     if (!(backend->can & FXS_CAN_DEVICES))
-        return of_devices ? fail(EXIT_USAGE, "--%s is for --backend cuda or vulkan, not for %s", of_devices, backend->name) : 0;
+        return of_devices ? fail(EXIT_USAGE, "--%s is for --backend cuda or vulkan, not for %s", of_devices,
+                                 backend->name) : 0;
     const int count = choose_devices(&c->frame, devices);
     for (int i = 0; i < count && i < 8; i++)
         o->devices[i] = devices[i];

@@ -13,7 +13,7 @@ import { needed, stageFunctions } from "./stage_functions.mjs";
 const room = "kernels/fit/vulkan", stages = "src/fit/stages";
 const headers = ["fit_stage.h", "fit_lanes.h", "fit_gaussian.h", "fit_pixel.h", "span.h", "fit_project.h", "adam.h",
                  "noise.h", "smooth.h", "fit_surface.h", "loss.h", "exposure.h", "pose.h"].map((name) => `${stages}/${name}`)
-    .concat("src/fit/quantise.h", `${room}/order.h`);
+    .concat("src/fit/quantise.h", `${room}/fit_order.h`);
 
 const OP_DECORATE = 71, NO_CONTRACTION = 42;
 const FLOAT_OPERATIONS = new Set([127, 129, 131, 133, 136]);   // FNegate, FAdd, FSub, FMul, FDiv

@@ -2,21 +2,22 @@
  *
  * A step is recorded into the command buffer of a turn and submitted; the host waits for it when its turn comes again.
  * If the lists of a step outgrow their memory, that step and all later ones change nothing; they are then made again
- * with more memory. The host decides which Gaussians are added, moved or removed, with the functions of src/fit, and the
- * device copies the Gaussians accordingly. */
+ * with more memory. The host decides which Gaussians are added, moved or removed, with the functions of src/fit, and
+ * the device copies the Gaussians accordingly. */
 #ifndef FXS_VF_H
 #define FXS_VF_H
 
 #include <fixsplat/fit.h>
 #include "kernels/vulkan/vk.h"
-#include "order.h"
+#include "fit_order.h"
 #include "port/vulkan/vulkan_device.h"
 #include "src/fit/engine.h"
 
 #define VF_SHADERS(F) \
-    F(project) F(add_parts) F(scan_parts) F(put_bases) F(cover) F(cover_large) F(start_lists) F(fill_lists) \
-    F(sort_lists) F(blend_tiles) F(reduce) F(find_derivatives) F(find_gradient) F(report_rows) F(sum_gain_rows) \
-    F(backward_tiles) F(gather_view) F(sum_pose_parts) F(plane_splats) F(compare_depths) F(update_shapes) F(update_sh) F(add_noise) F(smooth_scales) F(quantise_shapes) F(quantise_sh) F(rebuild) F(test)
+    F(project) F(add_parts) F(scan_parts) F(put_bases) F(cover) F(cover_large) F(place_lists) F(append_slots) \
+    F(sort_lists) F(blend_splats) F(reduce) F(find_derivatives) F(find_gradient) F(report_rows) F(sum_gain_rows) \
+    F(backward_tiles) F(gather_view) F(sum_pose_parts) F(plane_splats) F(compare_depths) F(update_shapes) \
+    F(update_sh) F(add_noise) F(smooth_scales) F(quantise_shapes) F(quantise_sh) F(rebuild) F(test)
 #define VF_NUMBER(name) VF_##name,
 enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
 

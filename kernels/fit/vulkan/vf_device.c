@@ -106,8 +106,8 @@ static int compare_results(const vf_engine *e, const float *numbers, const float
         float expected[RESULTS];
         find_results(numbers[2 * i], numbers[2 * i + 1], expected);
         if (memcmp(expected, results + RESULTS * i, sizeof expected))
-            return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s does not round as IEEE 754 asks: its fit would differ from "
-                               "that of other devices", e->device.name);
+            return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s does not round as IEEE 754 asks: its fit would differ "
+                               "from that of other devices", e->device.name);
     }
     return 0;
 }

@@ -232,8 +232,8 @@ static void record_lists(const vf_engine *e, VkCommandBuffer commands, uint32_t 
     vf_next(e, commands, VF_put_bases, groups(count + 1, 2048), 1, 1);
     vf_next(e, commands, VF_cover, groups(count, 128), 1, 1);
     vf_next(e, commands, VF_cover_large, 128, 1, 1);
-    vf_next(e, commands, VF_start_lists, 1, 1, 1);
-    vf_next(e, commands, VF_fill_lists, 0, 1, 1);
+    vf_next(e, commands, VF_place_lists, 1, 1, 1);
+    vf_next(e, commands, VF_append_slots, 0, 1, 1);
     vf_next(e, commands, VF_sort_lists, tiles_x, tiles_y, 1);
 }
 
@@ -253,7 +253,7 @@ static void record_surface(const vf_engine *e, const vf_turn *t, const fit_order
     const uint32_t x = (uint32_t)c->tiles_x, y = (uint32_t)c->tiles_y;
     vf_start(e, commands, 0, view, 1);
     vf_next(e, commands, VF_plane_splats, groups(e->model->count, 128), 1, 1);
-    vf_next(e, commands, VF_blend_tiles, x, y, 1);
+    vf_next(e, commands, VF_blend_splats, x, y, 1);
     vf_next(e, commands, VF_compare_depths, groups((uint64_t)c->width * (uint64_t)c->height, 256), 1, 1);
     vf_next(e, commands, VF_backward_tiles, x, y, 1);
     vf_next(e, commands, VF_gather_view, groups_at_most(FXS_FIT_SUMS * (uint64_t)e->model->count, 256), 1, 1);
@@ -266,7 +266,7 @@ static void record_view(const vf_engine *e, vf_turn *t, const fit_order *o, uint
     const uint32_t x = (uint32_t)c->tiles_x, y = (uint32_t)c->tiles_y;
     vf_start(e, commands, 0, view, 0);
     record_lists(e, commands, x, y);
-    vf_next(e, commands, VF_blend_tiles, x, y, 1);
+    vf_next(e, commands, VF_blend_splats, x, y, 1);
     if (t->photographs[view].divisor > 1)
         vf_next(e, commands, VF_reduce, groups(3 * (uint64_t)c->width * (uint64_t)c->height, 4 * 256), 1, 1);
     vf_next(e, commands, VF_find_derivatives, x, y, 3);

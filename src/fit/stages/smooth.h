@@ -35,8 +35,9 @@ static inline real place_along(const float *at, size_t stride, int i)
     return load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride);
 }
 
-/* Raises the scales of LANES Gaussians to sqrt(0.2) `divisor` finest, with `finest` the smallest depth / focal length of
-   the cameras that see the centre. Gaussians that no camera sees have FXS_FIT_FARTHEST_PLACE, and keep their scales. */
+/* Raises the scales of LANES Gaussians to sqrt(0.2) `divisor` finest, with `finest` the smallest depth / focal length
+   of the cameras that see the centre. Gaussians that no camera sees have FXS_FIT_FARTHEST_PLACE, and keep their
+   scales. */
 static inline void raise_scales(real finest, int divisor, float *at, size_t stride)
 {
     const mask is_seen = below(finest, all(FXS_FIT_FARTHEST_PLACE));

@@ -131,9 +131,9 @@ typedef struct fxs_fit_options {
     int surfaces;                  /* 1: fits the scene for surfaces: flattens Gaussians along their shortest axis, and
                                       turns these axes towards the normals of the rendered depths. For a mesh of the
                                       scene; costs some PSNR and time. A block uses its coarse fit's setting. 0: no */
-    int vulkan;                    /* 1: the one device is a GPU of any maker, through Vulkan 1.1: devices[0] is its
-                                      number in the order of fxs_backend_devices. It needs workgroups of 256 threads with
-                                      32 KiB of memory and 8 storage buffers. 0: no */
+    int vulkan;                    /* 1: the one device is a GPU of any maker, through Vulkan 1.1. devices[0] is its
+                                      number among Vulkan's devices, discrete GPUs first. It needs workgroups of 256
+                                      threads with 32 KiB of memory, and 8 storage buffers. 0: no */
 } fxs_fit_options;
 
 /* Sets the options to their initial values: those that the comments of fxs_fit_options name, and 0 in the other fields

@@ -1,6 +1,6 @@
 /* What the shaders of a fitting step get besides the Gaussians, and what they say. Only 32-bit numbers, so that C and
- * GLSL (std430) lay it out alike; tools/scripts/fit_shaders.mjs translates this header to GLSL. Numbers at_... are places
- * in the buffers `gaussians`, `slots`, `pixels` and `photograph`, in words of 32 bits. */
+ * GLSL (std430) lay it out alike; tools/scripts/fit_shaders.mjs translates this header to GLSL. Numbers at_... are
+ * places in the buffers `gaussians`, `slots`, `pixels` and `photograph`, in words of 32 bits. */
 #ifndef FXS_FIT_ORDER_H
 #define FXS_FIT_ORDER_H
 
@@ -40,7 +40,8 @@ typedef struct fit_order {
     uint32_t at_splats, at_bases, at_parts, at_large, at_by_centre, at_views, at_chunks, at_cameras;
     uint32_t at_planes, view_numbers;      /* planes of the first view's sums; numbers from view to view */
     uint32_t at_splat_of, at_tiles, at_keys, at_slots, at_list, at_blocks, at_sums;
-    uint32_t at_picture, at_derivatives, at_dissimilar, at_gradient, at_rows, at_gain_rows, at_pose_parts, at_starts, at_next, at_needed;
+    uint32_t at_picture, at_derivatives, at_dissimilar, at_gradient, at_rows, at_gain_rows, at_pose_parts;
+    uint32_t at_starts, at_next, at_needed;
 } fit_order;
 
 /* Arguments of the shader `rebuild`. */
