@@ -2,7 +2,8 @@
    as on a lost device or without memory. A failing call that waits still waits, so that nothing is pending; others do
    nothing. The layer prints and counts the messages of the validation layer. test_vulkan sets fxs_failing; a command
    is told by FXS_FAIL_AT (number of the call, from 0), FXS_FAIL_WITH (a VkResult), FXS_FAIL_EVER (set: all later calls
-   fail too) and FXS_FAIL_LOG (file for the number of calls). All devices of a process must have one driver. */
+   fail too), FXS_FAIL_LOG (file for the number of calls) and FXS_FAIL_SHADERS (set: no shader runs). All devices of a
+   process must have one driver. */
 #include "failing_layer.h"
 
 #include <stdio.h>
@@ -195,6 +196,12 @@ static void VKAPI_PTR failing_CmdPipelineBarrier(VkCommandBuffer c, VkPipelineSt
     real.CmdPipelineBarrier(c, from, to, flags, n, m, buffers, b, images, i);
 }
 
+static void VKAPI_PTR failing_CmdDispatch(VkCommandBuffer c, uint32_t x, uint32_t y, uint32_t z)
+{
+    if (!getenv("FXS_FAIL_SHADERS"))
+        real.CmdDispatch(c, x, y, z);
+}
+
 typedef struct row {
     const char *name;
     PFN_vkVoidFunction function;
@@ -218,7 +225,7 @@ EXPORT PFN_vkVoidFunction VKAPI_PTR fxs_failing_of_device(VkDevice device, const
         ROW(MapMemory), ROW(QueueSubmit), ROW(QueueWaitIdle), ROW(ResetFences), ROW(WaitForFences),
         ROW(AllocateMemory), ROW(CreateBuffer), ROW(CreateCommandPool), ROW(CreateDescriptorPool),
         ROW(CreateDescriptorSetLayout), ROW(CreateFence), ROW(CreatePipelineCache), ROW(CreatePipelineLayout),
-        ROW(CreateQueryPool), ROW(CreateShaderModule), ROW(CmdPipelineBarrier)};
+        ROW(CreateQueryPool), ROW(CreateShaderModule), ROW(CmdDispatch), ROW(CmdPipelineBarrier)};
     const PFN_vkVoidFunction own = row_of(rows, sizeof rows / sizeof *rows, name);
     return own ? own : next_of_device(device, name);
 }

@@ -1,5 +1,11 @@
 // Arithmetic that Vulkan does not promise: division and square root of floats, rounded to nearest as in IEEE 754. A
-// first guess by the device's operation is corrected in integers. Results below 2^-126 become 0, as any device may do.
+// first guess by the device's operation is corrected: with fused multiply-adds where the device has them (Markstein
+// 1990), else in integers. Results below 2^-126 become 0, as any device may do.
+layout(constant_id = 0) const bool HAS_FMA = false;
+
+// True for a number of 2^-60..2^60, whose products and remainders neither overflow nor lose bits.
+bool is_ordinary(float x) { return (floatBitsToUint(x) >> 23 & 255u) - 67u < 121u; }
+
 bool truth(bool x) { return x; }
 bool truth(int x) { return x != 0; }
 bool truth(uint x) { return x != 0u; }
@@ -21,6 +27,13 @@ float made(uint sign, uint mantissa, int exponent)
 // off by a few units. There are no ties: no quotient lies halfway between two floats.
 float divide(float a, float b)
 {
+    if (HAS_FMA && is_ordinary(a) && is_ordinary(b)) {
+        float inverse = 1.0 / b;
+        inverse = fma(fma(-b, inverse, 1.0), inverse, inverse);
+        float quotient = a * inverse;
+        quotient = fma(fma(-b, quotient, a), inverse, quotient);
+        return fma(fma(-b, quotient, a), inverse, quotient);
+    }
     const uint x = floatBitsToUint(a), y = floatBitsToUint(b), sign = (x ^ y) & 0x80000000u;
     const int of_x = int(x >> 23 & 255u), of_y = int(y >> 23 & 255u);
     if (of_x == 0 || of_y == 0 || of_x == 255 || of_y == 255) {
@@ -46,6 +59,14 @@ float divide(float a, float b)
 // The square root of x: the root r of a mantissa of 47 or 48 bits has 24 bits, and the remainder is that minus r^2.
 float sqrtf(float x)
 {
+    if (HAS_FMA && x > 0.0 && is_ordinary(x)) {
+        const float inverse = inversesqrt(x);
+        float found = x * inverse, half_inverse = 0.5 * inverse;
+        const float left = fma(-half_inverse, found, 0.5);
+        found = fma(found, left, found);
+        half_inverse = fma(half_inverse, left, half_inverse);
+        return fma(fma(-found, found, x), half_inverse, found);
+    }
     const uint bits = floatBitsToUint(x);
     const int of_x = int(bits >> 23 & 255u);
     if (of_x == 0)

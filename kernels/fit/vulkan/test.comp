@@ -5,10 +5,11 @@ void main()
 {
     const uint i = gl_GlobalInvocationID.x;
     const float a = parameters[2u * i], b = parameters[2u * i + 1u];
-    masters[6u * i] = divide(a, b);
-    masters[6u * i + 1u] = sqrtf(absolute(a));
-    masters[6u * i + 2u] = a * b + 1.0;
-    masters[6u * i + 3u] = a - b * 0.3;
-    masters[6u * i + 4u] = exp_e(least(most(a, -80.0), 80.0));
-    masters[6u * i + 5u] = ln(absolute(a));
+    masters[7u * i] = divide(a, b);
+    masters[7u * i + 1u] = sqrtf(absolute(a));
+    masters[7u * i + 2u] = a * b + 1.0;
+    masters[7u * i + 3u] = a - b * 0.3;
+    masters[7u * i + 4u] = exp_e(least(most(a, -80.0), 80.0));
+    masters[7u * i + 5u] = ln(absolute(a));
+    masters[7u * i + 6u] = fma(a, b, -(a * b));
 }

@@ -47,21 +47,27 @@ static VkResult make_layouts(vf_engine *e)
     return result ? result : v->vk.AllocateDescriptorSets(v->options.device, &sets, e->sets);
 }
 
-static VkResult make_programs(vf_engine *e)
+/* Makes the shaders first..end. */
+static VkResult make_programs(vf_engine *e, int first, int end, int has_fma)
 {
     fxs_vulkan *v = e->v;
+    const VkBool32 constant = has_fma != 0;
+    const VkSpecializationMapEntry entry = {0, 0, sizeof constant};
+    const VkSpecializationInfo constants = {1, &entry, sizeof constant, &constant};
     VkShaderModule modules[VF_COUNT] = {0};
     VkComputePipelineCreateInfo infos[VF_COUNT];
     VkResult result = VK_SUCCESS;
-    for (int i = 0; i < VF_COUNT && !result; i++) {
+    for (int i = first; i < end && !result; i++) {
         result = fxs_vk_make_module(v, shaders[i].packed, shaders[i].bytes, &modules[i]);
         infos[i] = (VkComputePipelineCreateInfo){
             .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = e->layout,
             .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                      .stage = VK_SHADER_STAGE_COMPUTE_BIT, .module = modules[i], .pName = "main"}};
+                      .stage = VK_SHADER_STAGE_COMPUTE_BIT, .module = modules[i], .pName = "main",
+                      .pSpecializationInfo = &constants}};
     }
     if (!result)
-        result = v->vk.CreateComputePipelines(v->options.device, v->cache, VF_COUNT, infos, 0, e->programs);
+        result = v->vk.CreateComputePipelines(v->options.device, v->cache, (uint32_t)(end - first), infos + first, 0,
+                                              e->programs + first);
     for (int i = 0; i < VF_COUNT; i++)
         v->vk.DestroyShaderModule(v->options.device, modules[i], 0);
     return result;
@@ -79,8 +85,9 @@ static int check_limits(const vf_engine *e, fxs_message *why)
     return lacks ? fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s cannot fit: %s", e->device.name, lacks) : 0;
 }
 
-/* The test of the arithmetic: results that a device may round otherwise, of pairs of numbers of all sizes. */
-enum { TESTED = 1024, RESULTS = 6 };
+/* The test of the arithmetic: results that a device may round otherwise, of pairs of numbers of all sizes. The last
+   result tells whether the device's fma is fused; it need not be. */
+enum { TESTED = 1024, RESULTS = 7, FMA = RESULTS - 1 };
 
 static float test_number(uint64_t i)
 {
@@ -98,21 +105,24 @@ static void find_results(float a, float b, float results[RESULTS])
     results[3] = a - b * 0.3f;
     results[4] = exp_e(bounded);
     results[5] = ln(absolute(a));
+    results[FMA] = (float)((double)a * (double)b - (double)(a * b));
 }
 
-static int compare_results(const vf_engine *e, const float *numbers, const float *results, fxs_message *why)
+/* Returns whether all results are right, and whether all of fma are. */
+static int are_right(const float *numbers, const float *results, int *is_fused)
 {
-    for (int i = 0; i < TESTED; i++) {
+    int are_equal = 1;
+    *is_fused = 1;
+    for (int i = 0; i < TESTED; i++, results += RESULTS) {
         float expected[RESULTS];
         find_results(numbers[2 * i], numbers[2 * i + 1], expected);
-        if (memcmp(expected, results + RESULTS * i, sizeof expected))
-            return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s does not round as IEEE 754 asks: its fit would differ "
-                               "from that of other devices", e->device.name);
+        are_equal &= !memcmp(expected, results, FMA * sizeof *expected);
+        *is_fused &= !memcmp(expected + FMA, results + FMA, sizeof *expected);
     }
-    return 0;
+    return are_equal;
 }
 
-static int test_arithmetic(vf_engine *e, fxs_message *why)
+static int test_arithmetic(vf_engine *e, int *is_right, int *is_fused, fxs_message *why)
 {
     float numbers[2 * TESTED], results[RESULTS * TESTED];
     const vf_copy sent = {VF_PARAMETERS, 0, numbers, sizeof numbers};
@@ -133,17 +143,38 @@ static int test_arithmetic(vf_engine *e, fxs_message *why)
     error = error ? error : vf_fetch(e, &fetched, 1, why);
     fxs_vk_retire(e->v, &e->blocks[VF_PARAMETERS]);
     fxs_vk_retire(e->v, &e->blocks[VF_MASTERS]);
-    return error ? error : compare_results(e, numbers, results, why);
+    *is_right = !error && are_right(numbers, results, is_fused);
+    return error;
+}
+
+static int try_arithmetic(vf_engine *e, int has_fma, int *is_right, int *is_fused, fxs_message *why)
+{
+    const int error = fxs_vk_said(make_programs(e, VF_test, VF_test + 1, has_fma), why);
+    return error ? error : test_arithmetic(e, is_right, is_fused, why);
+}
+
+/* Tests the arithmetic, with fused multiply-adds if the device has them. If they do not help, tests it without. */
+static int choose_arithmetic(vf_engine *e, int *has_fma, fxs_message *why)
+{
+    int is_right, is_fused;
+    int error = try_arithmetic(e, 0, &is_right, has_fma, why);
+    if (!error && is_right && *has_fma) {
+        e->v->vk.DestroyPipeline(e->v->options.device, e->programs[VF_test], 0);
+        e->programs[VF_test] = VK_NULL_HANDLE;
+        error = try_arithmetic(e, 1, has_fma, &is_fused, why);
+    }
+    return error || is_right ? error
+                             : fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s does not round as IEEE 754 asks: its fit "
+                                           "would differ from that of other devices", e->device.name);
 }
 
 static int make_all(vf_engine *e, fxs_message *why)
 {
-    VkResult result = make_layouts(e);
-    result = result ? result : make_programs(e);
-    int error = fxs_vk_said(result, why);
+    int has_fma = 0, error = fxs_vk_said(make_layouts(e), why);
     error = error ? error : fxs_vk_reserve(e->v, &e->blocks[VF_ORDER], FXS_VK_DEVICE, sizeof(vf_memory), why);
     error = error ? error : vf_clear_status(e, why);
-    return error ? error : test_arithmetic(e, why);
+    error = error ? error : choose_arithmetic(e, &has_fma, why);
+    return error ? error : fxs_vk_said(make_programs(e, 0, VF_test, has_fma), why);
 }
 
 int vf_open(vf_engine *e, int number, uint64_t max_memory, fxs_message *why)
