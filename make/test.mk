@@ -43,7 +43,7 @@ $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objec
                    $(B)/commands/link
 	$(call link)
 
-# A layer of Vulkan with its manifest, for test_vulkan and vulkan_fails.sh.
+# A layer of Vulkan with its manifest, for test_vulkan, vulkan_fails.sh and fit_vulkan.sh.
 LAYER := $(B)/tests/layer/libfailing_layer.so
 $(B)/tests/test_vulkan: $(if $(filter VULKAN,$(FOUND)),$(LAYER))
 $(LAYER): tests/failing_layer.c tests/failing_layer.h kernels/vulkan/vk.h $(B)/commands/compile

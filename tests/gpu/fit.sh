@@ -39,7 +39,9 @@ say "every buffer of a step against the processor"
 "$B/tests/gpu/test_fit" || failed="$failed test_fit"
 
 say "whole fits by each recipe and profile"
-"$B/tests/test_fit_steps" --cuda || failed="$failed test_fit_steps"
+for gpu in cuda vulkan; do
+    "$B/tests/test_fit_steps" --$gpu || failed="$failed test_fit_steps-$gpu"
+done
 
 say "compute-sanitizer"
 for tool in memcheck racecheck; do

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Checks that the GLSL shaders in kernels/compute/generated match their WGSL sources, that the SPIR-V in
-# kernels/vulkan/generated and of the window's panels matches its GLSL, and that the WGSL compiles in Chromium.
+# kernels/vulkan/generated, in kernels/fit/vulkan/generated and of the window's panels matches its GLSL, and that the
+# WGSL compiles in Chromium.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 modules=${NODE_MODULES:-$B/page/node_modules}
@@ -14,10 +15,10 @@ same_text() {
     done
 }
 
+# same_spirv MADE STORED COMMAND
 same_spirv() {
-    for file in "$work"/*.spv kernels/vulkan/generated/*.spv; do
-        cmp -s "$work/${file##*/}" "kernels/vulkan/generated/${file##*/}" ||
-            { echo "${file##*/} is old: sh tools/scripts/vulkan_shaders.sh kernels/vulkan/generated"; return 1; }
+    for file in "$1"/*.spv "$2"/*.spv; do
+        cmp -s "$1/${file##*/}" "$2/${file##*/}" || { echo "${file##*/} is old: $3 $2"; return 1; }
         spirv-val --target-env vulkan1.1 "$file" || return 1
     done
 }
@@ -29,10 +30,19 @@ same_panels() {
 
 if have glslangValidator && have spirv-opt; then
     check "the SPIR-V is made" sh tools/scripts/vulkan_shaders.sh "$work"
-    check "kernels/vulkan/generated has it" same_spirv
+    check "kernels/vulkan/generated has it" same_spirv "$work" kernels/vulkan/generated \
+        "sh tools/scripts/vulkan_shaders.sh"
     check "panel_shaders.h has that of the panels" same_panels
 else
     skip "SPIR-V" "not here: glslangValidator or spirv-opt (make setup test)"
+fi
+if have node && have glslangValidator && have spirv-opt; then
+    mkdir "$work/fit"
+    check "the SPIR-V of a fit is made" node tools/scripts/fit_shaders.mjs "$work/fit"
+    check "kernels/fit/vulkan/generated has it" same_spirv "$work/fit" kernels/fit/vulkan/generated \
+        "node tools/scripts/fit_shaders.mjs"
+else
+    skip "SPIR-V of a fit" "not here: node, glslangValidator or spirv-opt (make setup test)"
 fi
 if ! have node || [ ! -d "$modules/naga-wasm" ]; then
     skip "compute shaders" "not here: node or naga-wasm (make setup test)"
