@@ -51,7 +51,6 @@ int vf_reserve(vf_engine *e, int block, uint64_t words, fxs_message *why)
 {
     if (4 * words <= e->v->rooms.most)
         return fxs_vk_reserve(e->v, &e->blocks[block], FXS_VK_DEVICE, 4 * words, why);
-    why->bytes_needed = 4 * words;
     return fxs_fail_as(FXS_ERR_MEMORY, why, "%s takes no buffer of %llu MiB", e->device.name,
                        (unsigned long long)(4 * words >> 20));
 }

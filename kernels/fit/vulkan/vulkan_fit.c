@@ -150,10 +150,21 @@ static int order(void *self, fxs_message *why)
 static int reset_opacity(void *self, float opacity, fxs_message *why)
 {
     vf_engine *e = self;
-    const int error = fetch(e, why);
-    if (!error)
-        fxs_fit_model_reset_opacity(e->model, opacity);
-    return error ? error : give(e, why);
+    fxs_fit_model part = {0};
+    int error = vf_finish(e, why);
+    error = error ? error : fetch_part(e, &part, why);
+    if (!error) {
+        const uint64_t bytes = part.count * sizeof(float);
+        float *const none = memset(part.views, 0, bytes);
+        const vf_copy copies[3] = {
+            {VF_PARAMETERS, vf_plane(e, FXS_FIT_OPACITY), part.parameters + FXS_FIT_OPACITY * part.stride, bytes},
+            {VF_MOMENTS, vf_plane(e, FXS_FIT_OPACITY), none, bytes},
+            {VF_MOMENTS, vf_plane(e, FXS_FIT_PARAMETERS + FXS_FIT_OPACITY), none, bytes}};
+        fxs_fit_model_reset_opacity(&part, opacity);
+        error = vf_send(e, copies, 3, why);
+    }
+    fxs_fit_model_free(&part);
+    return error;
 }
 
 static int quantise(void *self, fxs_message *why)
