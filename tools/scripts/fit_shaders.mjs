@@ -15,7 +15,7 @@ const headers = ["fit_stage.h", "fit_lanes.h", "fit_gaussian.h", "fit_pixel.h", 
                  "noise.h", "smooth.h", "fit_surface.h", "loss.h", "exposure.h", "pose.h"].map((name) => `${stages}/${name}`)
     .concat("src/fit/quantise.h", `${room}/fit_order.h`);
 
-const OP_DECORATE = 71, NO_CONTRACTION = 42;
+const OP_NAME = 5, OP_FUNCTION = 54, OP_DECORATE = 71, NO_CONTRACTION = 42, DONT_INLINE = 2;
 const FLOAT_OPERATIONS = new Set([127, 129, 131, 133, 136]);   // FNegate, FAdd, FSub, FMul, FDiv
 const TYPE_OPERATIONS = new Set([19, 20, 21, 22]);             // the first instructions behind the decorations
 
@@ -26,11 +26,25 @@ function visit(words, seen)
         seen(words[at] & 0xffff, at);
 }
 
-function withoutContraction(words)
+// This shader divides in its innermost loop.
+const INLINED = "backward_tiles.comp";
+
+// True for the name (from word `at` on) of a function of which there is only one copy, as each takes a kilobyte.
+function isWhole(words, at)
 {
-    const added = [];
+    const bytes = new Uint8Array(words.buffer, words.byteOffset + 4 * at, 12);
+    return /^(?:divide\(f1;|sqrtf\()/.test(String.fromCharCode(...bytes));
+}
+
+function withoutContraction(words, isInlined)
+{
+    const added = [], whole = new Set();
     let end = 0;
     visit(words, (code, at) => {
+        if (code === OP_NAME && !isInlined && isWhole(words, at + 2))
+            whole.add(words[at + 1]);
+        if (code === OP_FUNCTION && whole.has(words[at + 2]))
+            words[at + 3] |= DONT_INLINE;
         if (FLOAT_OPERATIONS.has(code))
             added.push(3 << 16 | OP_DECORATE, words[at + 2], NO_CONTRACTION);
         end ||= TYPE_OPERATIONS.has(code) ? at : 0;
@@ -78,10 +92,10 @@ const work = mkdtempSync(join(tmpdir(), "shaders-"));
 try {
     for (const file of readdirSync(room).filter((name) => name.endsWith(".comp"))) {
         writeFileSync(`${work}/${file}`, shaderText(file));
-        run("glslangValidator", ["-V", "--target-env", "vulkan1.1", "-g0", "-o", `${work}/first`, `${work}/${file}`]);
+        run("glslangValidator", ["-V", "--target-env", "vulkan1.1", "-o", `${work}/first`, `${work}/${file}`]);
         const bytes = readFileSync(`${work}/first`);
         const words = new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
-        writeFileSync(`${work}/second`, withoutContraction(words));
+        writeFileSync(`${work}/second`, withoutContraction(words, file === INLINED));
         run("spirv-opt", ["-O", "--strip-debug", "--compact-ids", `${work}/second`, "-o",
                           `${folder}/${file.replace(".comp", ".spv")}`]);
     }
