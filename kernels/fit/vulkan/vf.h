@@ -21,7 +21,8 @@
 #define VF_NUMBER(name) VF_##name,
 enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
 
-enum { VF_BUFFERS = 8, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_SLOT_WORDS = 15 };
+enum { VF_BUFFERS = 8, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_SLOT_WORDS = 15,
+       VF_STAGES = 6 };
 
 /* The blocks in the order of the shaders' bindings. */
 enum { VF_ORDER, VF_PARAMETERS, VF_MOMENTS, VF_MASTERS, VF_GAUSSIANS, VF_SLOTS, VF_PIXELS, VF_PHOTOGRAPH, VF_SOURCES,
@@ -48,6 +49,7 @@ typedef struct vf_engine {
     VkPipelineLayout layout;
     VkDescriptorPool pool;
     VkDescriptorSet sets[VF_SETS];
+    VkQueryPool queries;           /* times of a step with a report; null: the queue has no timestamps */
     VkPipeline programs[VF_COUNT];
     fxs_vk_block *blocks[VF_BLOCKS];
     fxs_vk_slot carrier;           /* of transfers that the host waits for */

@@ -44,7 +44,11 @@ static VkResult make_layouts(vf_engine *e)
     const VkDescriptorSetAllocateInfo sets = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                               .descriptorPool = e->pool, .descriptorSetCount = VF_SETS,
                                               .pSetLayouts = layouts};
-    return result ? result : v->vk.AllocateDescriptorSets(v->options.device, &sets, e->sets);
+    result = result ? result : v->vk.AllocateDescriptorSets(v->options.device, &sets, e->sets);
+    const VkQueryPoolCreateInfo queries = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                           .queryType = VK_QUERY_TYPE_TIMESTAMP, .queryCount = VF_STAGES + 1};
+    return result || !v->timestamp_mask ? result
+                                        : v->vk.CreateQueryPool(v->options.device, &queries, 0, &e->queries);
 }
 
 /* Makes the shaders first..end. */
@@ -199,6 +203,7 @@ void vf_close(vf_engine *e)
             fxs_vk_retire(v, &e->blocks[i]);
         for (int i = 0; i < VF_COUNT; i++)
             v->vk.DestroyPipeline(v->options.device, e->programs[i], 0);
+        v->vk.DestroyQueryPool(v->options.device, e->queries, 0);
         v->vk.DestroyDescriptorPool(v->options.device, e->pool, 0);
         v->vk.DestroyPipelineLayout(v->options.device, e->layout, 0);
         v->vk.DestroyDescriptorSetLayout(v->options.device, e->set_layout, 0);

@@ -223,10 +223,18 @@ static uint32_t groups_at_most(uint64_t threads, uint32_t of_group)
     return wanted < 65535 ? wanted : 65535;
 }
 
+enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
+
+/* Notes the time when a stage begins, in the last view of a step with a report; VF_STAGES: when the step ends. */
+static void mark(const vf_engine *e, const vf_turn *t, uint32_t view, uint32_t stage)
+{
+    if (t->has_report && e->queries && view + 1 == t->count)
+        e->v->vk.CmdWriteTimestamp(t->slot.commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, e->queries, stage);
+}
+
 static void record_lists(const vf_engine *e, VkCommandBuffer commands, uint32_t tiles_x, uint32_t tiles_y)
 {
     const uint64_t count = e->model->count;
-    vf_next(e, commands, VF_project, groups(count + 1, 128), 1, 1);
     vf_next(e, commands, VF_add_parts, groups(count + 1, 2048), 1, 1);
     vf_next(e, commands, VF_scan_parts, 1, 1, 1);
     vf_next(e, commands, VF_put_bases, groups(count + 1, 2048), 1, 1);
@@ -265,8 +273,13 @@ static void record_view(const vf_engine *e, vf_turn *t, const fit_order *o, uint
     const fxs_fit_camera *c = &o->cameras[view];
     const uint32_t x = (uint32_t)c->tiles_x, y = (uint32_t)c->tiles_y;
     vf_start(e, commands, 0, view, 0);
+    mark(e, t, view, PROJECT);
+    vf_next(e, commands, VF_project, groups((uint64_t)o->count + 1, 128), 1, 1);
+    mark(e, t, view, BIN);
     record_lists(e, commands, x, y);
+    mark(e, t, view, BLEND);
     vf_next(e, commands, VF_blend_splats, x, y, 1);
+    mark(e, t, view, LOSS);
     if (t->photographs[view].divisor > 1)
         vf_next(e, commands, VF_reduce, groups(3 * (uint64_t)c->width * (uint64_t)c->height, 4 * 256), 1, 1);
     vf_next(e, commands, VF_find_derivatives, x, y, 3);
@@ -279,7 +292,9 @@ static void record_view(const vf_engine *e, vf_turn *t, const fit_order *o, uint
         vf_next(e, commands, VF_sum_gain_rows, groups(FXS_FIT_GAIN * (uint64_t)c->height * 16, 256), 1, 1);
         fetch_pixels(e, t, o->at_gain_rows, gains_at(e, t, view), gain_bytes(e, t, view));
     }
+    mark(e, t, view, BACK);
     vf_next(e, commands, VF_backward_tiles, x, y, 1);
+    mark(e, t, view, UPDATE);
     vf_next(e, commands, VF_gather_view, groups_at_most(FXS_FIT_SUMS * (uint64_t)e->model->count, 256), 1, 1);
     if (moves_poses(e, t)) {
         vf_next(e, commands, VF_sum_pose_parts, (uint32_t)part_count(e), 1, 1);
@@ -323,9 +338,12 @@ static void record(const vf_engine *e, vf_turn *t, fit_order *o)
     v->vk.CmdUpdateBuffer(commands, memory, offsetof(vf_memory, order), sizeof *o, o);
     if (t->has_report)
         v->vk.CmdFillBuffer(commands, memory, offsetof(fit_status, visible), 2 * sizeof(uint32_t), 0);
+    if (t->has_report && e->queries)
+        v->vk.CmdResetQueryPool(commands, e->queries, 0, VF_STAGES + 1);
     for (uint32_t view = 0; view < t->count; view++)
         record_view(e, t, o, view);
     record_update(e, t, o);
+    mark(e, t, t->count - 1, VF_STAGES);
     fxs_vk_barrier(v, commands, FXS_VK_ALL, FXS_VK_ALL);
     v->vk.CmdCopyBuffer(commands, memory, t->slot.down->buffer, 1, &status);
     fxs_vk_barrier(v, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT);
@@ -432,6 +450,18 @@ static const float *numbers_at(const vf_turn *t, uint64_t bytes)
     return (const float *)t->slot.down->memory.mapped + bytes / sizeof(float);
 }
 
+static void fill_times(const vf_engine *e, fxs_fit_report *report)
+{
+    const fxs_vulkan *v = e->v;
+    uint64_t times[VF_STAGES + 1];
+    if (!e->queries || v->vk.GetQueryPoolResults(v->options.device, e->queries, 0, VF_STAGES + 1, sizeof times, times,
+                                                 sizeof *times, VK_QUERY_RESULT_64_BIT))
+        return;
+    for (int i = 0; i < VF_STAGES; i++)
+        report->nanoseconds[i] =
+            (uint64_t)((double)((times[i + 1] - times[i]) & v->timestamp_mask) * v->timestamp_nanoseconds);
+}
+
 static void fill_report(const vf_engine *e, const vf_turn *t, fxs_fit_report *report)
 {
     const fit_status *status = t->slot.down->memory.mapped;
@@ -440,6 +470,7 @@ static void fill_report(const vf_engine *e, const vf_turn *t, fxs_fit_report *re
         fxs_fit_add_loss(numbers_at(t, rows_at(e, t, v)), &t->photographs[v].camera, t->count, report);
     report->entries = status->entries;
     report->visible = status->visible;
+    fill_times(e, report);
 }
 
 static void move_gains(const vf_engine *e, const vf_turn *t)
