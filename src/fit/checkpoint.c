@@ -27,6 +27,7 @@ typedef struct archive {
     const char *fault;             /* the first error while reading or writing; afterwards words read as 0 and nothing
                                       is written */
     int error;
+    uint32_t repeats;              /* 1: the fit has repeated steps of its recipe */
     size_t at, end;
     uint8_t buffer[1 << 16];
 } archive;
@@ -113,20 +114,21 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 
 /* Returns the version number of a saved fit's file. It also encodes newer options, so that an older fixsplat can read a
    fit without them. */
-static uint32_t version_of(const fxs_fit_options *o)
+static uint32_t version_of(const fxs_fit_options *o, uint32_t repeats)
 {
     return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
-           12 * (uint32_t)(o->sky > 0) + 24 * (uint32_t)o->surfaces;
+           12 * (uint32_t)(o->sky > 0) + 24 * (uint32_t)o->surfaces + 48 * repeats;
 }
 
-static int take_version(fxs_fit_options *o, uint32_t version)
+static int take_version(archive *a, fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
     o->refine_poses = (int)((version - VERSION) / 3 % 2);
     o->antialiased = (int)((version - VERSION) / 6 % 2);
     o->sky = (version - VERSION) / 12 % 2;
     o->surfaces = (int)((version - VERSION) / 24 % 2);
-    return version == version_of(o);
+    a->repeats = (version - VERSION) / 48 % 2;
+    return version == version_of(o, a->repeats);
 }
 
 static uint64_t fingerprint(const fxs_fit *f)
@@ -332,6 +334,11 @@ static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     walk_profile(a, f);
     walk_gains(a, f, coarse);
     walk_poses(a, f, coarse);
+    if (a->repeats) {
+        f->repeated = within(a, f->repeated, 1, f->step);
+        f->reached = within(a, f->reached, 0, f->step);
+        f->most = within(a, f->most, 0, FXS_MAX_COUNT);
+    }
 }
 
 static void walk_end(archive *a)
@@ -347,7 +354,8 @@ static void walk_end(archive *a)
 
 static void write_all(archive *a, fxs_fit *f)
 {
-    uint32_t magic = MAGIC, version = version_of(&f->options);
+    a->repeats = f->repeated > 0;
+    uint32_t magic = MAGIC, version = version_of(&f->options, a->repeats);
     uint64_t photographs = fingerprint(f);
     number(a, &magic);
     number(a, &version);
@@ -398,7 +406,7 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     number(a, &version);
     if (magic != MAGIC)
         return fxs_fail(message, "%s: not a saved fit", path);
-    if (!a->fault && !take_version(options, version))
+    if (!a->fault && !take_version(a, options, version))
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: a fit that another version saved", path);
     walk_options(a, options);
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;

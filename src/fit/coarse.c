@@ -5,8 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/internal/fit_more.h>
 #include <fixsplat/internal/message.h>
 #include "src/base/random.h"
+#include "src/base/try_internal.h"
 
 uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera)
 {
@@ -79,6 +81,40 @@ uint64_t fxs_fit_coarse_number(const fxs_fit_coarse *coarse)
     return coarse->number;
 }
 
+static int sort_photos(const fxs_fit_coarse *coarse, const char *path, fxs_fit_photo *photos, size_t count,
+                       fxs_fit_photo *sorted, fxs_message *message)
+{
+    size_t known = 0, behind = coarse->camera_count;
+    for (size_t i = 0; i < count; i++) {
+        fxs_fit_camera camera;
+        fxs_fit_set_camera(&camera, &photos[i].view);
+        const fxs_fit_coarse_camera *found = find_camera(coarse, &camera);
+        const size_t at = found ? found->number : behind++;
+        if (at < count && !sorted[at].pixels)
+            sorted[at] = photos[i];
+        known += found != NULL;
+    }
+    if (known != coarse->camera_count || behind != count)
+        return fxs_fail(message, "%s: a fit of %zu photographs, of which %zu are here", path, coarse->camera_count,
+                        known);
+    memcpy(photos, sorted, count * sizeof *photos);
+    return 0;
+}
+
+int fxs_fit_saved_order(const char *path, fxs_fit_photo *photos, size_t photo_count, size_t *count,
+                        fxs_message *message)
+{
+    fxs_fit_coarse *coarse;
+    FXS_TRY(fxs_fit_coarse_read(&coarse, path, message));
+    fxs_fit_photo *sorted = calloc(photo_count + 1, sizeof *sorted);
+    const int error = sorted ? sort_photos(coarse, path, photos, photo_count, sorted, message)
+                             : fxs_fail_memory(message, path, photo_count * sizeof *sorted);
+    *count = coarse->camera_count;
+    free(sorted);
+    fxs_fit_coarse_free(coarse);
+    return error;
+}
+
 int fxs_fit_coarse_check(const fxs_fit_coarse *coarse, const fxs_view_list *views, int skip_bad, fxs_message *message)
 {
     size_t known = 0;
@@ -139,7 +175,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     all.surfaces = coarse->fit->options.surfaces;
     all.sky = coarse->fit->options.sky;
     *fit = NULL;
-    if (options->steps <= coarse->fit->step)
+    if (options->steps <= coarse->fit->step - coarse->fit->repeated)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has made %u steps, and a block goes on from "
                            "there: %u steps are too few", (unsigned)coarse->fit->step, (unsigned)options->steps);
     if (options->recipe != coarse->fit->options.recipe)
@@ -150,6 +186,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
         error = fxs_fail_memory(message, "a fit", block->gaussian_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     if (!error) {
         (*fit)->step = coarse->fit->step;
+        (*fit)->repeated = coarse->fit->repeated;
         (*fit)->extent = coarse->fit->extent;
         (*fit)->far = coarse->fit->far;
         take_photographs(*fit, coarse);

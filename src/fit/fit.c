@@ -72,12 +72,10 @@ static int is_before(const fxs_view *view, const double place[3])
     return depth > 0;
 }
 
-static int check_points(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
-                        size_t point_count, fxs_message *message)
+int fxs_fit_check_points(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                         size_t point_count, fxs_message *message)
 {
     int are_seen = 0;
-    if (!point_count)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs points to begin with");
     for (size_t i = 0; i < point_count; i++) {
         const float *p = points[i].position;
         const double place[3] = {(double)p[0], (double)p[1], (double)p[2]};
@@ -126,7 +124,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
     return 0;
 }
 
-static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message)
+int fxs_fit_check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message)
 {
     fxs_camera camera;
     fxs_message why;
@@ -196,12 +194,27 @@ static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size
     return seen ? (float)((double)seen / sum) : 0;
 }
 
-static void begin_poses(fxs_fit *f, const fxs_fit_point *points, size_t count)
+void fxs_fit_begin_poses(fxs_fit *f, size_t first, const fxs_fit_point *points, size_t count)
 {
-    for (size_t i = 0; i < f->count; i++) {
+    for (size_t i = first; i < f->count; i++) {
         const float depth = depth_of(&f->photographs[i].camera, points, count);
+        f->poses.of[i] = (fxs_fit_pose){0};
         f->poses.of[i].depth = depth > 0 && depth < FXS_FIT_FARTHEST_PLACE ? depth : f->extent;
     }
+}
+
+void fxs_fit_set_photograph(fxs_fit *f, size_t i, const fxs_fit_photo *photo)
+{
+    fxs_fit_photograph *p = &f->photographs[i];
+    *p = (fxs_fit_photograph){.pixels = photo->pixels, .width = photo->view.width, .height = photo->view.height,
+                              .divisor = 1, .number = (uint32_t)i, .mask = photo->mask};
+    fxs_fit_set_camera(&p->camera, &photo->view);
+    p->camera.is_square = f->options.cutoff == FXS_CUTOFF_SQUARE;
+    p->camera.is_antialiased = f->options.antialiased;
+    f->cameras.of[i] = p->camera;
+    f->gains.of[i] = (fxs_fit_gain){0};
+    for (int k = 0; k < FXS_FIT_GAIN; k++)
+        f->gains.of[i].at[k] = gain_neutral(f->gains.is_affine, k);
 }
 
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
@@ -209,7 +222,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
 {
     *fit = NULL;
     if (check_arithmetic(message) || check_options(options, message) ||
-        check_photographs(photos, photo_count, message))
+        fxs_fit_check_photographs(photos, photo_count, message))
         return FXS_ERR_ARGUMENT;
     fxs_fit *f = calloc(1, sizeof *f);
     if (f) {
@@ -234,20 +247,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         fxs_fit_destroy(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
-    for (size_t i = 0; i < photo_count; i++) {
-        f->photographs[i].pixels = photos[i].pixels;
-        f->photographs[i].mask = photos[i].mask;
-        f->photographs[i].width = photos[i].view.width;
-        f->photographs[i].height = photos[i].view.height;
-        f->photographs[i].divisor = 1;
-        f->photographs[i].number = (uint32_t)i;
-        for (int k = 0; k < FXS_FIT_GAIN; k++)
-            f->gains.of[i].at[k] = gain_neutral(f->gains.is_affine, k);
-        fxs_fit_set_camera(&f->photographs[i].camera, &photos[i].view);
-        f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
-        f->photographs[i].camera.is_antialiased = options->antialiased;
-        f->cameras.of[i] = f->photographs[i].camera;
-    }
+    for (size_t i = 0; i < photo_count; i++)
+        fxs_fit_set_photograph(f, i, &photos[i]);
     const int error = fxs_fit_choose_engine(f, message);
     if (error)
         fxs_fit_destroy(f);
@@ -304,7 +305,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
     if (!error && options->sky && options->blocks)
         error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "the sky of a block is that of its coarse fit");
     if (!error)
-        error = check_points(photos, photo_count, points, point_count, message);
+        error = point_count ? fxs_fit_check_points(photos, photo_count, points, point_count, message)
+                            : fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs points to begin with");
     if (!error)
         (*fit)->extent = options->extent > 0 ? options->extent
                                              : fxs_fit_extent(photos, photo_count, points, point_count);
@@ -314,7 +316,7 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         begin_gains(*fit, photos);
     if (!error) {
         if (options->refine_poses)
-            begin_poses(*fit, points, point_count);
+            fxs_fit_begin_poses(*fit, 0, points, point_count);
         error = fxs_fit_hand_over(*fit, message);
     }
     if (error) {
@@ -433,7 +435,8 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
 {
     const fxs_fit_densify densify = {0.0002f, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
                                      f->far};
-    const fxs_fit_relocate relocate = {0.005f, f->options.max_gaussians, f->options.seed, f->step};
+    const int repeats = f->repeated && f->step - f->repeated <= f->reached && f->most < f->options.max_gaussians;
+    const fxs_fit_relocate relocate = {0.005f, repeats ? f->most : f->options.max_gaussians, f->options.seed, f->step};
     int error = plan->densify ? f->engine->densify(f->self, &densify, message) : 0;
     if (!error && plan->relocate)
         error = f->engine->relocate(f->self, &relocate, message);
@@ -456,7 +459,8 @@ static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *pl
     for (uint32_t v = 0; v < f->options.batch; v++) {
         batch[v] = *choose_photograph(f, (uint64_t)f->step * f->options.batch + v);
         const fxs_fit_camera *c = &batch[v].camera;
-        fxs_fit_plan_step(&f->options, f->extent, f->step + 1, c->width < c->height ? c->width : c->height, plan);
+        fxs_fit_plan_step(&f->options, f->extent, f->step - f->repeated + 1,
+                          c->width < c->height ? c->width : c->height, plan);
         if (plan->divisor > 1)
             reduce(&batch[v], plan->divisor);
     }

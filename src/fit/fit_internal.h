@@ -24,6 +24,9 @@ struct fxs_fit {
     fxs_fit_far far;
     size_t sky_count;              /* number of initial Gaussians that form the sky; 0 in a resumed fit */
     uint32_t step;
+    uint32_t repeated;             /* number of steps that repeated a part of the recipe, which is at step - repeated */
+    uint32_t reached;              /* number of the recipe's steps that were made at the last repeat */
+    uint32_t most;                 /* largest number of Gaussians in repeated steps */
     int is_moving;                 /* 1: the first moment of a moving scene, whose codes are not fitted */
     struct fxs_fit_moving *moving; /* state of moving.c; null: before the end of the first moment */
 };
@@ -33,6 +36,18 @@ void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_view *view);
 
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
+
+int fxs_fit_check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message);
+
+/* Checks that all points are in range, and that a camera sees one. */
+int fxs_fit_check_points(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                         size_t point_count, fxs_message *message);
+
+/* Sets photograph i of a fit, with its camera and a neutral exposure. */
+void fxs_fit_set_photograph(fxs_fit *fit, size_t i, const fxs_fit_photo *photo);
+
+/* Sets the poses of photographs from `first` on to those given; their depths come from the points. */
+void fxs_fit_begin_poses(fxs_fit *fit, size_t first, const fxs_fit_point *points, size_t count);
 
 int fxs_fit_hand_over(fxs_fit *fit, fxs_message *message);
 

@@ -49,10 +49,11 @@ static int end(fxs_fit *f, fxs_message *message)
 int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
 {
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;
+    const uint32_t step = f->step - f->repeated;
     const fxs_pack_options options = pack_options(f);
-    const int is_within = f->step >= first && f->step < f->options.steps, has_begun = f->profile.chunks != NULL;
-    const int begins = is_within && !has_begun && f->model.count && !f->is_moving, ends = has_begun && f->step < first;
-    const int codes = is_within && has_begun && (f->step - first) % every == 0;
+    const int is_within = step >= first && step < f->options.steps, has_begun = f->profile.chunks != NULL;
+    const int begins = is_within && !has_begun && f->model.count && !f->is_moving, ends = has_begun && step < first;
+    const int codes = is_within && has_begun && (step - first) % every == 0;
     if (ends)
         return end(f, message);
     if (!begins && !codes)

@@ -262,6 +262,40 @@ int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_
     return 0;
 }
 
+/* Sets squares[i] to the mean squared distance of a Gaussian or, behind them, of a point from the three nearest. */
+static int find_squares(const fxs_fit_model *m, const fxs_fit_point *points, size_t count, float *squares)
+{
+    const size_t all = m->count + count;
+    float *places = malloc(3 * all * sizeof *places);
+    const float *const axes[3] = {places, places + all, places + 2 * all};
+    for (size_t k = 0; k < 3 && places; k++)
+        for (size_t i = 0; i < all; i++)
+            places[k * all + i] = i < m->count ? plane(m, FXS_FIT_POSITION + (int)k)[i]
+                                               : points[i - m->count].position[k];
+    const int error = places ? fxs_nearest_squares(axes, 1, all, squares) : FXS_ERR_MEMORY;
+    free(places);
+    return error;
+}
+
+int fxs_fit_model_add(fxs_fit_model *m, const fxs_fit_point *points, size_t count, float opacity, float factor)
+{
+    const size_t first = m->count, all = first + count;
+    float *squares = malloc(all * sizeof *squares);
+    fxs_fit_origin *origins = malloc(all * sizeof *origins);
+    int error = squares && origins ? find_squares(m, points, count, squares) : FXS_ERR_MEMORY;
+    for (size_t i = 0; i < all && !error; i++)
+        origins[i] = i < first ? (fxs_fit_origin){(uint32_t)i, FXS_FIT_KEPT} : (fxs_fit_origin){0, FXS_FIT_CLONE};
+    error = error ? error : fxs_fit_model_rebuild(m, origins, all, fxs_run_here, NULL);
+    for (size_t i = first; i < all && !error; i++) {
+        for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
+            plane(m, k)[i] = 0;
+        set_point(m, i, &points[i - first], 0.5f * ln(fmaxf(squares[i], 1e-7f)) + ln(factor), logit_of(opacity));
+    }
+    free(squares);
+    free(origins);
+    return error;
+}
+
 typedef struct place {
     uint32_t code, index;
 } place;

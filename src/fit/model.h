@@ -18,6 +18,10 @@ int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 /* Creates a Gaussian at each point. Its sigma is the root mean square of the distances to the three nearest points. */
 int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity);
 
+/* Adds a Gaussian at each point. Its sigma is `factor` times the root mean square of the distances to the three nearest
+   Gaussians, old and new. After an error the model is unchanged. */
+int fxs_fit_model_add(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity, float factor);
+
 void fxs_fit_model_widen(fxs_fit_model *model, float factor);
 
 void fxs_fit_model_set_sigma(fxs_fit_model *model, size_t first, float sigma);

@@ -114,9 +114,20 @@ static uint32_t from_1_to(uint32_t most, uint32_t x)
     return x < 1 ? 1 : x < most ? x : most;
 }
 
+static uint32_t relocation_interval(const fxs_fit_options *options)
+{
+    return from_1_to(100, options->steps / 80);
+}
+
+static int is_relocated(const fxs_fit_options *options, uint32_t step)
+{
+    const uint32_t interval = relocation_interval(options);
+    return is_every(step, interval, 3 * interval, options->steps / 5 * 4);
+}
+
 static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
 {
-    const uint32_t steps = options->steps, interval = from_1_to(100, steps / 80);
+    const uint32_t steps = options->steps;
     set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.05f, 0.00025f);
     plan->sh_degree = (int)(step / from_1_to(1000, steps / 16));
     plan->divisor = step <= steps / 10 ? 4 : step <= steps / 10 * 3 ? 2 : 1;
@@ -124,9 +135,18 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
         plan->divisor /= 2;
     plan->by_opacity = plan->by_scale = 0.01f;
     plan->noise = 5e5f * plan->rate[FXS_FIT_POSITION];
-    plan->relocate = is_every(step, interval, 3 * interval, steps / 5 * 4);
+    plan->relocate = is_relocated(options, step);
     set_photograph_rates(options, step, steps, plan);
-    plan->order = plan->relocate && step % (5 * interval) == 0;
+    plan->order = plan->relocate && step % (5 * relocation_interval(options)) == 0;
+}
+
+double fxs_fit_growth(const fxs_fit_options *options, uint32_t step)
+{
+    const uint32_t interval = relocation_interval(options);
+    double factor = 1;
+    for (uint32_t at = interval; at <= step && options->recipe != FXS_FIT_REFERENCE; at += interval)
+        factor *= is_relocated(options, at) ? 1.05 : 1;
+    return factor;
 }
 
 /* Returns true if scales are raised to their lower limit in this step. That happens in step 1, as Gaussians smaller

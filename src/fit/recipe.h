@@ -27,6 +27,10 @@ typedef struct fxs_fit_plan {
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan);
 
+/* Returns the factor by which the recipe's first `step` steps raise the number of Gaussians, if max_gaussians allows:
+   1.05 to the number of relocations; 1 for the recipe reference. */
+double fxs_fit_growth(const fxs_fit_options *options, uint32_t step);
+
 /* Return the initial opacity of a recipe, and the initial scale relative to the distance of neighbouring points. */
 float fxs_fit_first_opacity(enum fxs_fit_recipe recipe);
 float fxs_fit_first_scale(enum fxs_fit_recipe recipe);

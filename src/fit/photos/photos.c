@@ -184,7 +184,7 @@ static int random_of_list(fxs_photo_points *p, const fxs_photo_list *list, uint6
 int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, uint64_t seed, fxs_fit_point **points,
                              size_t *point_count, fxs_message *message)
 {
-    fxs_photo_points p = {NULL, 0, 0};
+    fxs_photo_points p = {0};
     box cameras = empty_box;
     for (size_t i = 0; i < photo_count; i++)
         take_camera(&cameras, &photos[i].view);
@@ -221,7 +221,7 @@ static int check_points(const fxs_photos *photos, const fxs_view_list *views, co
 int fxs_photos_points(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
                       fxs_message *message)
 {
-    fxs_photo_points p = {NULL, 0, 0};
+    fxs_photo_points p = {0};
     int error = 0;
     if (*list->points)
         error = list->fit.format == FXS_CAMERAS_OF_COLMAP    ? fxs_photo_points_colmap(&p, list->points, message) :
@@ -266,6 +266,37 @@ int fxs_photos_read(const char *path, const fxs_photos_options *given, fxs_photo
         error = fxs_photos_pixels(&list, options, photos, message);
     if (!error && photos->fit_count)
         error = fxs_photos_points(&list, options, photos, message);
+    fxs_photo_list_free(&list);
+    if (error)
+        fxs_photos_free(photos);
+    return error;
+}
+
+static int keep_wanted(fxs_photo_list *list, fxs_photo_wanted_fn *wanted, void *argument, fxs_message *message)
+{
+    fxs_view_list *views = &list->fit;
+    uint8_t *kept = calloc(views->count + 1, 1);
+    if (!kept)
+        return fxs_fail_memory(message, list->cameras, views->count);
+    for (size_t i = 0; i < views->count; i++)
+        kept[i] = wanted(argument, views->views[i].view.name) != 0;
+    fxs_photo_list_keep(views, kept);
+    free(kept);
+    return 0;
+}
+
+int fxs_photos_read_some(const char *path, const fxs_photos_options *given, fxs_photo_wanted_fn *wanted,
+                         void *argument, fxs_photos *photos, fxs_message *message)
+{
+    fxs_photo_list list;
+    fxs_photos_options options;
+    memset(photos, 0, sizeof *photos);
+    fxs_photos_options_init(&options);
+    FXS_TRY(FXS_OPTIONS_READ(fxs_photos_options, &options, given, message));
+    FXS_TRY(fxs_photo_list_find(&list, path, 0, message));
+    int error = keep_wanted(&list, wanted, argument, message);
+    if (!error && list.fit.count)
+        error = fxs_photos_pixels(&list, &options, photos, message);
     fxs_photo_list_free(&list);
     if (error)
         fxs_photos_free(photos);
