@@ -49,6 +49,11 @@ static int params_of(size_t model)
     return models[model].focals + 2 + (int)strlen(models[model].coefficients);
 }
 
+int fxs_colmap_params(uint64_t model)
+{
+    return model < MODELS ? params_of((size_t)model) : 0;
+}
+
 static int not_known(const camera_list *list, double id)
 {
     return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; expected one of COLMAP 3 "

@@ -23,6 +23,9 @@ void fxs_colmap_take_doubles(fxs_colmap_cursor *in, double *out, int count);
 /* Skips `count` records of a file, or all remaining bytes. */
 void fxs_colmap_skip(fxs_colmap_cursor *in, uint64_t count, size_t bytes);
 
+/* Returns the number of parameters of a camera model, by its id; 0 for an unknown one. */
+int fxs_colmap_params(uint64_t model);
+
 /* Returns the next line of a text without leading blanks; NULL at the end. */
 char *fxs_colmap_line(char **rest);
 

@@ -44,13 +44,14 @@ static int read_binary(fxs_photo_points *p, const fxs_text *text, fxs_message *m
     fxs_colmap_cursor in = fxs_colmap_begin(text);
     for (uint64_t count = fxs_colmap_take(&in, 8); count && !in.short_of; count--) {
         double position[3], colour[3];
-        fxs_colmap_take(&in, 8);
+        const uint64_t number = fxs_colmap_take(&in, 8);
         fxs_colmap_take_doubles(&in, position, 3);
         for (int i = 0; i < 3; i++)
             colour[i] = (double)fxs_colmap_take(&in, 1);
         fxs_colmap_take(&in, 8);   /* skips the point's reprojection error */
         fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 8);   /* skips the list of images that see the point */
-        if (!in.short_of)
+        p->last = number > p->last ? number : p->last;
+        if (!in.short_of && (number > p->after || !p->after))
             FXS_TRY(add_point(p, text->path, position, colour, message));
     }
     return in.short_of ? fxs_fail(message, "%s: cut short", text->path) : 0;
@@ -60,7 +61,7 @@ static int read_plain(fxs_photo_points *p, const fxs_text *text, fxs_message *me
 {
     char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
-        double values[7];          /* id, position and colour of a point */
+        double values[7];          /* number, position and colour of a point */
         if (!fxs_colmap_numbers(&line, values, 7))
             return fxs_fail(message, "%s: point %zu: not a number, a position and a colour", text->path, p->count);
         FXS_TRY(add_point(p, text->path, values + 1, values + 4, message));

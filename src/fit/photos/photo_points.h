@@ -7,6 +7,8 @@
 typedef struct fxs_photo_points {
     fxs_fit_point *points;         /* the points; freed by the caller */
     size_t count, capacity;
+    uint64_t after, last;          /* of COLMAP, only points with a number above `after` are read; largest number of a
+                                      point of the file. For the first read both are 0 */
 } fxs_photo_points;
 
 /* Read points from files of COLMAP, Bundler or .ply. Return 0, or an error and a message. Coordinates that are not
