@@ -343,7 +343,7 @@ block ../set --steps 3 -o a.ply --block 1/2
 coarse ../set --steps 4 -o a.ply --block 1/2 --coarse ../saved.fit
 measure ../set --measure ../plain.fxs
 until-colmap ../photos -o a.fxs --cameras-only'
-options='output b.fxs; moving; moment-steps 5; refine-steps 5; fps 12; quality best; recipe mcmc; exposure affine; refine-poses; antialiased; surfaces; sky=50; steps 5;
+options='output b.fxs; moving; watch=2; moment-steps 5; refine-steps 5; fps 12; quality best; recipe mcmc; exposure affine; refine-poses; antialiased; surfaces; sky=50; steps 5;
     of room; photos mixed; resolution 32; sh-degree 1; batch 2; block 2/3; coarse ../saved.fit; max-gaussians 90; seed 1; cutoff square;
     background 405060; profile small; crop-to-subject; hold-out 3; masks ../masks; invert-masks; alpha ignore;
     frames 9; cameras-only; measure ../start.fxs; compare pictures; write-cameras c.json; save-every 2;

@@ -100,6 +100,17 @@ void files_read(const char *name)
         free(f.place);
 }
 
+void files_forget(void)
+{
+    size_t kept = 0;
+    pthread_mutex_lock(&known.lock);
+    for (size_t i = 0; i < known.read.count; i++)
+        if (known.read.files[i].is_given)
+            known.read.files[kept++] = known.read.files[i];
+    known.read.count = kept;
+    pthread_mutex_unlock(&known.lock);
+}
+
 void files_write(const char *name)
 {
     file f = {.is_given = 0};

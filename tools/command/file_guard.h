@@ -12,6 +12,10 @@ void files_write(const char *name);
 /* True if two file names denote the same file. */
 int files_same(const char *one, const char *other);
 
+/* Forgets the files that the library has opened to read. For work on files that are removed meanwhile: another file may
+   get the identity of a removed one. */
+void files_forget(void);
+
 /* Policy for an output that is also an input: refuse (default), refuse with a hint to --force, or replace. */
 enum files_force { FILES_REFUSE, FILES_REFUSE_UNFORCED, FILES_FORCED };
 void files_force(enum files_force force);

@@ -51,6 +51,16 @@ static int take_sky(const option_row *row, void *field, const char *value)
     return 0;
 }
 
+static int take_watch(const option_row *row, void *field, const char *value)
+{
+    fit_command *c = field;
+    uint64_t seconds = 300;
+    if (value && !parse_count(value, 1, 86400, &seconds))
+        return wrong_value(row, value);
+    c->watch_seconds = (uint32_t)seconds;
+    return 0;
+}
+
 #define OPTIONS fit_command
 
 static const option_row own_rows[] = {
@@ -84,6 +94,10 @@ static const option_row own_rows[] = {
     {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
      "add distant Gaussians where photographs look and no points lie: sky, clouds, mountains. N directions all around, "
      "1 to 1000000 (default 20000). Blocks use the sky of --coarse"},
+    {"watch", "[=SECONDS]", take_watch, 0, .expected = "1 to 86400 seconds", .help =
+     "take photographs as they arrive in the folder PHOTOS. The fit starts with the first 8, goes on with each new "
+     "one, and saves OUT and OUT.fit on the way. When none has arrived for SECONDS, 1 to 86400 (default 300), it makes "
+     "the rest of its steps"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .basic = 1, .help =
      "number of steps, one photograph each (default 8000; mcmc and reference 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .basic = 1, .help =
@@ -275,6 +289,8 @@ static const option_rule rules[] = {
     {"coarse", 0, "block", "I/N"},
     {"port", 0, "preview", 0},
     {"moment-steps refine-steps fps", 0, "moving", 0},
+    {"sky block coarse moving cameras-only frames masks invert-masks skip-bad measure", "watch", 0,
+     "the photographs are not known at the start"},
     {"exposure refine-poses surfaces block coarse crop-to-subject cameras-only save-every measure write-cameras "
      "preview photos of frames", "moving", 0, "it is for still scenes"},
     {0}
@@ -307,6 +323,9 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
     if (c->preview && c->blocks && !c->block)
         return fail(EXIT_USAGE, "--preview: nothing is fitted: leave out --block 0");
+    if (c->watch_seconds && c->options.sky)
+        return fail(EXIT_USAGE, "--of %s does not go with --watch: the photographs are not known at the start",
+                    subjects[c->of - 1]);
     if (c->blocks && !ends_with(c->out, ".ply"))
         return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, for convert to merge", c->out);
     return 0;
@@ -403,7 +422,8 @@ const command command_fit = {
     "                      files\n"
     "  a camera file       with images beside it: transforms.json of nerfstudio or Blender, Inria's cameras.json,\n"
     "                      Metashape .xml, RealityCapture .csv or Bundler .out; or a folder with one of them\n"
-    "  photographs         a folder of them, or a film: COLMAP and ffmpeg find the cameras, in OUT.cameras\n"
+    "  photographs         a folder of them, or a film: COLMAP and ffmpeg find the cameras, in OUT.cameras; with\n"
+    "                      --watch, photographs that arrive in a folder during the fit\n"
     "  moments             with --moving: a transforms.json with times, or a camera file with a folder or film for\n"
     "                      each camera\n\n"
     "At the end, the packed scene is rendered from the cameras of the held-out photographs, and PSNR and SSIM are\n"
@@ -416,6 +436,7 @@ const command command_fit = {
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
     "  $ fixsplat fit rig -o rig.fxs --moving --fps 30\n"
+    "  $ fixsplat fit arriving -o scene.fxs --watch --preview\n"
     "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
     "  $ fixsplat fit city -o coarse.fit --recipe reference --resolution 400 --steps 3000\n"
     "  $ fixsplat fit city -o part-1.ply --recipe reference --coarse coarse.fit --block 1/16\n",

@@ -6,6 +6,8 @@
 #include "fit_progress.h"
 #include "reconstruct.h"
 
+typedef struct fit_watch fit_watch;
+
 typedef struct fit_command {
     frame_options frame;
     fxs_photos_options reading;
@@ -22,6 +24,8 @@ typedef struct fit_command {
     uint32_t block, blocks;         /* number of the block to fit, and number of all blocks; 0: no blocks */
     uint64_t save_every, metrics_every;   /* steps between saves, and between measurements; 0: never */
     int preview;
+    uint32_t watch_seconds;         /* seconds without a new photograph after which --watch ends; 0: no --watch */
+    fit_watch *watch;               /* the watched folder; null: none */
     int moving;
     double fps;                     /* photographs of a camera a second; 0: as the files say, or 30 */
     uint32_t moment_steps;          /* steps of each moment of a moving scene but the first */
@@ -55,6 +59,17 @@ int fit_photos(fit_command *c);
 
 /* Fits a scene that moves to photographs of several moments. */
 int fit_moving(fit_command *c);
+
+/* Fits a scene to the photographs of a folder as they arrive in it. */
+int fit_watched(fit_command *c);
+
+/* Looks for new photographs, between two steps, and adds them to the fit. Until the last one has arrived, repeats a
+   part of the recipe, and corrects the number of steps in *progress. Returns 0, or an exit status after a printed
+   error. */
+int fit_watch_look(fit_watch *watch, fxs_fit *fit, fit_progress *progress);
+
+/* Fits a scene to photographs that were read, and writes and measures it. `block` may be null. */
+int fit_make(fit_command *c, const fxs_photos *photos, const fxs_fit_block *block);
 
 /* Opens the fit of the command: a new one, a resumed one, or one of a block, which may be null. */
 int fit_open(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit);

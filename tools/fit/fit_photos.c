@@ -155,7 +155,7 @@ static void draw_as_fitted(fit_command *c, const fxs_fit *fit)
     memcpy(c->frame.render.background, o->background, sizeof o->background);
 }
 
-static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_block *block)
+int fit_make(fit_command *c, const fxs_photos *photos, const fxs_fit_block *block)
 {
     fxs_fit *fit = 0;
     fit_progress progress;
@@ -191,7 +191,7 @@ static int fit_whole(fit_command *c)
     const int status = c->options.sky && photos.points_are_random && !c->resume
                            ? fail(EXIT_FAILED, "--sky: %s has no points to find the sky from", c->in)
                        : check_masks(c, &photos) ? EXIT_FAILED
-                                                 : make_fit(c, &photos, 0);
+                                                 : fit_make(c, &photos, 0);
     fxs_photos_free(&photos);
     return status;
 }
@@ -242,7 +242,7 @@ static int fit_block(fit_command *c)
         c->options.blocks = c->blocks;
         c->options.coarse = coarse ? fxs_fit_coarse_number(coarse) : 0;
         fit_say_photos(c, &block.photos, coarse ? block.gaussian_count : block.photos.point_count);
-        status = make_fit(c, &block.photos, &block);
+        status = fit_make(c, &block.photos, &block);
     } else if (!status) {
         status = fit_write_outside(c, &block);
     }
@@ -262,6 +262,8 @@ static int find_cameras(fit_command *c)
         return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
     if (fxs_photograph_kind_of(c->in) && fxs_file_kind(c->in) == FXS_FILE_REGULAR)
         return fail(EXIT_USAGE, "%s: a photograph: fit takes the folder that has all of them", c->in);
+    if (c->watch_seconds)
+        return 0;
     if (c->measure || !reconstruct_is_needed(c->in))
         return c->cameras_only ? fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in) : 0;
     const int status = reconstruct(&how, &c->found);
@@ -285,10 +287,11 @@ int fit_photos(fit_command *c)
     c->reading.progress = (fxs_progress){show_reading, c};
     c->reading.left_out = say_left_out;
     c->reading.left_out_argument = c;
-    const int made = c->measure  ? measure_scene(c)
-                     : c->moving ? fit_moving(c)
-                     : c->blocks ? fit_block(c)
-                                 : fit_whole(c);
+    const int made = c->measure         ? measure_scene(c)
+                     : c->watch_seconds ? fit_watched(c)
+                     : c->moving        ? fit_moving(c)
+                     : c->blocks        ? fit_block(c)
+                                        : fit_whole(c);
     fxs_pool_destroy(pool);
     return made;
 }

@@ -6,9 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/internal/fit_more.h>
 #include <fixsplat/system.h>
 #include "src/base/os_calls.h"
 #include "fit_result.h"
+
+static uint32_t steps_in_all(const fxs_fit *fit)
+{
+    return fxs_fit_options_of(fit)->steps + fxs_fit_repeated(fit);
+}
 
 static int save(const fit_command *c, fxs_fit *fit)
 {
@@ -41,7 +47,7 @@ int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why)
 {
     if (save(c, fit))
         return EXIT_FAILED;
-    say_how_to_go_on(c, why, fxs_fit_steps(fit), fxs_fit_options_of(fit)->steps);
+    say_how_to_go_on(c, why, fxs_fit_steps(fit), steps_in_all(fit));
     return 0;
 }
 
@@ -101,6 +107,9 @@ static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *pho
     fxs_fit_report report;
     fxs_message message;
     while (fxs_fit_steps(fit) < p->steps && !fxs_end_asked()) {
+        const int status = c->watch ? fit_watch_look(c->watch, fit, p) : 0;
+        if (status)
+            return status;
         const uint32_t made = fxs_fit_steps(fit), step = made + 1;
         const int is_reported = wants_report(c, p, step);
         if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
@@ -142,7 +151,7 @@ int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos,
 {
     const uint64_t now = fxs_clock(0);
     const uint32_t first = fxs_fit_steps(fit);
-    *p = (fit_progress){.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
+    *p = (fit_progress){.first = first, .counted = first, .steps = steps_in_all(fit), .start = now,
                         .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
     fit_log_begin(c->log, c->resume != 0, p->steps);
     fxs_end_listen();

@@ -21,6 +21,9 @@ typedef struct fit_watcher {
     void (*begin)(fxs_fit *fit, const fxs_photos *photos, const frame_options *frame, int measures,
                   const fit_now *now);
 
+    /* Runs after photographs were added to `photos` (--watch). */
+    void (*grown)(void);
+
     void (*look)(fxs_fit *fit, const fit_now *now);
 
     void (*measured)(uint32_t step, const quality *q);

@@ -41,6 +41,7 @@ void photographs_free(photographs *p)
         free(p->names[i]);
     free(p->names);
     free(p->lenses);
+    free(p->table);
     memset(p, 0, sizeof *p);
 }
 
@@ -62,6 +63,17 @@ int photographs_list(photographs *p, const char *path)
     if (p->count)
         qsort(p->names, p->count, sizeof *p->names, compare_names);
     return l.fits;
+}
+
+int photographs_list_more(photographs *p, const char *folder)
+{
+    photographs all = {0};
+    int fits = photographs_list(&all, folder);
+    for (size_t i = 0; i < all.count && fits; i++)
+        if (!p->count || strcmp(all.names[i], p->names[p->count - 1]) > 0)
+            fits = add_photograph(p, all.names[i]);
+    photographs_free(&all);
+    return fits;
 }
 
 typedef struct conversion {
@@ -153,12 +165,12 @@ int photo_folder_make(task *t, const photographs *p, const char *from, const cha
     return status;
 }
 
-typedef struct seen {
+typedef struct photo_lens {
     int width, height;
     fxs_exif exif;
-} seen;
+} photo_lens;
 
-static size_t find_lens(const seen *lenses, size_t count, const seen *s)
+static size_t find_lens(const photo_lens *lenses, size_t count, const photo_lens *s)
 {
     size_t i = 0;
     while (i < count && (lenses[i].width != s->width || lenses[i].height != s->height ||
@@ -179,7 +191,8 @@ int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PAT
     return fxs_photograph_kind_of(original) == FXS_PHOTOGRAPH_HEIF && fxs_photo_mask_in(masks, original, path);
 }
 
-static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
+static int look_at_mask(const photograph_look *how, const char *path, const char *name, const photo_lens *s,
+                        fxs_message *why)
 {
     fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};
     uint8_t *counts = 0;
@@ -197,21 +210,22 @@ static int check_name(const char *name, const char *path, fxs_message *why)
                : 0;
 }
 
-static int look(task *t, photographs *p, const char *folder, const photograph_look *how, seen *lenses)
+static int look(task *t, photographs *p, const char *folder, const photograph_look *how)
 {
-    size_t kept = 0;
+    size_t kept = p->looked_at;
     const size_t count = p->count;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = kept; i < count; i++) {
         char path[TASK_PATH];
         uint8_t *pixels = 0;
         fxs_message why;
-        seen s = {0};
+        photo_lens s = {0};
         join_path(path, folder, p->names[i]);
         int error = check_name(p->names[i], path, &why);
         error = error ? error : fxs_photograph_read(path, &pixels, &s.width, &s.height, &s.exif, &why);
         error = error ? error : look_at_mask(how, path, p->names[i], &s, &why);
         free(pixels);
-        task_show(t, i + 1, count);
+        if (!how->is_quiet)
+            task_show(t, i + 1, count);
         if (error && error != FXS_ERR_FILE)
             return fail_for(&why);
         if (error && !how->skip_bad)
@@ -222,28 +236,36 @@ static int look(task *t, photographs *p, const char *folder, const photograph_lo
             p->names[i] = 0;
             continue;
         }
-        const size_t lens = find_lens(lenses, p->lens_count, &s);
+        const size_t lens = find_lens(p->table, p->lens_count, &s);
         if (lens == p->lens_count)
-            lenses[p->lens_count++] = s;
+            p->table[p->lens_count++] = s;
         p->has_exif |= *s.exif.lens;
         p->lenses[kept] = lens;
         p->names[kept] = p->names[i];
         p->names[i] = kept < i ? 0 : p->names[i];
         kept++;
     }
-    p->count = kept;
+    p->count = p->looked_at = kept;
     return 0;
+}
+
+static int make_room(photographs *p)
+{
+    const size_t room = p->count + 1;
+    size_t *lenses = realloc(p->lenses, room * sizeof *lenses);
+    p->lenses = lenses ? lenses : p->lenses;
+    photo_lens *table = realloc(p->table, room * sizeof *table);
+    p->table = table ? table : p->table;
+    return lenses && table;
 }
 
 int photographs_look(task *t, photographs *p, const char *folder, const photograph_look *how)
 {
-    seen *lenses = malloc((p->count + 1) * sizeof *lenses);
-    p->lenses = calloc(p->count + 1, sizeof *p->lenses);
+    const size_t lenses = p->lens_count;
     task_begin(t, "looking at photographs", 0);
-    const int status = lenses && p->lenses ? look(t, p, folder, how, lenses) : fail(EXIT_FAILED, "out of memory");
+    const int status = make_room(p) ? look(t, p, folder, how) : fail(EXIT_FAILED, "out of memory");
     progress_end();
-    free(lenses);
-    if (!status && p->lens_count > 1)
+    if (!status && p->lens_count > 1 && p->lens_count > lenses)
         note("%s: photographs of %zu sizes and lenses, each of which is a camera", t->of, p->lens_count);
     return status;
 }

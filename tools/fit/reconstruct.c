@@ -16,6 +16,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/image.h>
 #include "src/camera/camera_find.h"
+#include "src/camera/colmap_keep.h"
 #include "src/fit/photos/photo_points.h"
 #include "src/fit/photos/photo_masks.h"
 #include "tools/command/command.h"
@@ -34,10 +35,11 @@ static const struct {
     size_t all;
 } limits[] = {{"0", 60}, {"-1", 250}, {"-1", 250}};
 
-typedef struct work {
+typedef struct reconstruct_work {
     const reconstruct_options *options;
     task t;
-    int is_film;
+    int is_film, is_watched;       /* is_watched 1: photographs arrive one after the other (--watch) */
+    size_t known;                  /* number of photographs, from the first, that earlier calls have matched */
     char source[TASK_PATH];
     char masked[TASK_PATH];        /* folder of the user's masks, or empty; folder `masks` has links to them */
     char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
@@ -45,6 +47,8 @@ typedef struct work {
     char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
+    int has_options;               /* 1: COLMAP was asked for the options of the next three fields */
+    int names_frames;              /* 1: COLMAP has the option Mapper.fix_existing_frames (3.12 and later) */
     int names_features, names_size;     /* 1: COLMAP has the options FeatureExtraction.use_gpu (3.13 and later), and
                                            FeatureExtraction.max_image_size (4.0 and later) */
     uint64_t looked_at;
@@ -180,7 +184,7 @@ static int write_list(const work *w, long lens)
     fxs_printed list;
     if (fxs_print_begin(&list))
         return no_memory();
-    for (size_t i = 0; i < w->photos.count; i++)
+    for (size_t i = w->known; i < w->photos.count; i++)
         if (lens == EVERY_LENS || w->photos.lenses[i] == (size_t)lens)
             fprintf(list.file, "%s\n", w->photos.names[i]);
     return write_text(w->list, &list);
@@ -193,7 +197,7 @@ static int take_photographs(work *w, int are_placed)
         return status;
     if (!photographs_list(&w->photos, w->images))
         return no_memory();
-    const photograph_look how = {w->masked, w->options->invert_masks, w->options->skip_bad};
+    const photograph_look how = {w->masked, w->options->invert_masks, w->options->skip_bad, 0};
     status = are_placed ? 0 : photographs_look(&w->t, &w->photos, w->images, &how);
     if (!status && w->photos.count < LEAST)
         return fail(EXIT_FAILED, "%s: %zu photograph%s: at least %d are needed, and they must overlap", w->options->in,
@@ -221,19 +225,40 @@ static void look_at_options(task *t, const char *line)
     work *w = t->argument;
     w->names_features |= strstr(line, "--FeatureExtraction.use_gpu") != 0;
     w->names_size |= strstr(line, "--FeatureExtraction.max_image_size") != 0;
+    w->names_frames |= strstr(line, "--Mapper.fix_existing_frames") != 0;
 }
 
-static int learn_options(work *w)
+static int learn_options_of(work *w, const char *command)
 {
-    const char *const arguments[] = {"colmap", "feature_extractor", "-h", 0};
+    const char *const arguments[] = {"colmap", command, "-h", 0};
     task_begin(&w->t, "asking COLMAP for its options", look_at_options);
     const int status = task_run(&w->t, arguments, 0, 0);
     return task_is_cut(status) ? task_failed(&w->t, "colmap", status) : 0;
 }
 
-/* Finds features, with a call of COLMAP per lens, because COLMAP assumes one camera per call. */
-static int find_features(work *w)
+static int learn_options(work *w)
 {
+    if (w->has_options)
+        return 0;
+    w->has_options = 1;
+    const int status = learn_options_of(w, "feature_extractor");
+    return status || !w->is_watched ? status : learn_options_of(w, "mapper");
+}
+
+/* Returns 1 if a photograph that is already matched has the lens. */
+static int is_known(const work *w, size_t lens)
+{
+    size_t i = 0;
+    while (i < w->known && w->photos.lenses[i] != lens)
+        i++;
+    return i < w->known;
+}
+
+static int find_features_of(work *w, size_t lens)
+{
+    char camera[24];               /* number of the lens in COLMAP's database, which counts from 1 */
+    const int is_added = !w->options->mixed && is_known(w, lens);
+    snprintf(camera, sizeof camera, "%zu", is_added ? lens + 1 : 1);
     const char *const arguments[] = {
         "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
         w->list, w->names_features ? "--FeatureExtraction.use_gpu" : "--SiftExtraction.use_gpu", "0",
@@ -241,16 +266,25 @@ static int find_features(work *w)
         w->names_features ? "--FeatureExtraction.num_threads" : "--SiftExtraction.num_threads", w->threads,
         "--SiftExtraction.max_num_features", "4096",
         "--SiftExtraction.first_octave", limits[w->options->quality].first_octave,
-        w->options->mixed ? "--ImageReader.single_camera_per_image" : "--ImageReader.single_camera", "1",
+        w->options->mixed ? "--ImageReader.single_camera_per_image"
+        : is_added        ? "--ImageReader.existing_camera_id" : "--ImageReader.single_camera", camera,
         *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
     };
+    const int status = write_list(w, (long)lens);
+    return status ? status : run_colmap(w, arguments);
+}
+
+/* Finds features, with a call of COLMAP per lens, because COLMAP assumes one camera per call. */
+static int find_features(work *w)
+{
     int status = 0;
-    task_begin(&w->t, "looking for features of photographs", look_at_features);
+    task_begin(&w->t, "looking for features of photographs", w->known ? 0 : look_at_features);
     for (size_t lens = 0; lens < w->photos.lens_count && !status; lens++) {
-        status = write_list(w, (long)lens);
-        status = status ? status : run_colmap(w, arguments);
-        for (size_t i = 0; i < w->photos.count; i++)
-            w->looked_at += w->photos.lenses[i] == lens;
+        size_t count = 0;
+        for (size_t i = w->known; i < w->photos.count; i++)
+            count += w->photos.lenses[i] == lens;
+        status = count ? find_features_of(w, lens) : 0;
+        w->looked_at += count;
     }
     return status ? status : write_list(w, EVERY_LENS);
 }
@@ -445,6 +479,8 @@ static int keep_largest(work *w, const char *models)
             most = size_of_model(models, name);
             strcpy(best, name);
         }
+    if (!most && w->is_watched)
+        return RECONSTRUCT_LATER;
     if (!most)
         return fail(EXIT_FAILED, "%s: no two photographs from different places overlap enough: take more, sharp, "
                     "a step apart, each overlapping most of the one before", w->options->in);
@@ -535,18 +571,24 @@ static int report(work *w, reconstruction *found)
     return 0;
 }
 
+static uint64_t mix_text(uint64_t number, const char *text)
+{
+    for (; *text; text++)
+        number = (number ^ (unsigned char)*text) * 1099511628211u;
+    return number;
+}
+
 static uint64_t number_of(const work *w, const photographs *p)
 {
     fxs_file_facts facts;
-    uint64_t number = 14695981039346656037u;
+    uint64_t number = mix_text(14695981039346656037u, w->is_watched ? w->source : "");
     char path[TASK_PATH], text[TASK_PATH + 48];
     for (size_t i = 0; i < p->count + (size_t)w->is_film; i++) {
         const char *name = w->is_film ? "" : p->names[i];
         join_path(path, w->source, name);
         const int there = fxs_file_look(w->is_film ? w->source : path, &facts) != FXS_FILE_NONE;
         snprintf(text, sizeof text, "%s %" PRIu64 " ", name, there ? facts.size : 0);
-        for (const char *c = text; *c; c++)
-            number = (number ^ (unsigned char)*c) * 1099511628211u;
+        number = mix_text(number, text);
     }
     return number;
 }
@@ -584,7 +626,7 @@ static int claim_folder(const work *w)
     char path[TASK_PATH];
     uint64_t of = 0;
     uint32_t frames = 0;
-    if (!w->is_film && !photographs_list(&p, w->source))
+    if (!w->is_film && !w->is_watched && !photographs_list(&p, w->source))
         return no_memory();
     const uint64_t number = number_of(w, &p);
     photographs_free(&p);
@@ -620,7 +662,7 @@ static int open_folder(work *w)
     /* COLMAP rejects a path that begins like an option */
     snprintf(w->folder, TASK_PATH, "%s%s.cameras", *w->options->out == '-' ? "./" : "", w->options->out);
     strcpy(w->source, w->options->in);
-    if (!w->is_film && !find_photographs(w->source, w->options->in))
+    if (!w->is_film && !w->is_watched && !find_photographs(w->source, w->options->in))
         return fail(EXIT_FAILED, "%s: no photographs here, nor in a folder images here", w->options->in);
     join_path(w->images, w->folder, "images");
     join_path(w->masks, w->folder, "masks");
@@ -642,25 +684,180 @@ static int open_folder(work *w)
     return w->t.log ? 0 : fail(EXIT_FAILED, "%s: %s", w->log_name, strerror(errno));
 }
 
+static int begin(work *w, const reconstruct_options *options)
+{
+    w->options = options;
+    w->is_film = film_is_named(options->in);
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP loads Qt even if it opens no window */
+    return open_folder(w);
+}
+
+static void end(work *w)
+{
+    if (w->t.log)
+        fclose(w->t.log);
+    photographs_free(&w->photos);
+}
+
 int reconstruct(const reconstruct_options *options, reconstruction *found)
 {
     static work w;
-    char cameras[TASK_PATH];
     memset(&w, 0, sizeof w);
     memset(found, 0, sizeof *found);
-    w.options = options;
-    w.is_film = film_is_named(options->in);
-    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP loads Qt even if it opens no window */
-    int status = open_folder(&w);
-    join_path(cameras, w.folder, "sparse/0");
-    const int are_placed = !status && is_folder(cameras);
+    int status = begin(&w, options);
+    const int are_placed = !status && reconstruct_has_cameras(&w);
     status = status ? status : take_photographs(&w, are_placed);
     if (!are_placed)
         status = status ? status : find_cameras(&w);
     status = status ? status : report(&w, found);
     found->folder = status ? 0 : strdup(w.folder);
-    if (w.t.log)
-        fclose(w.t.log);
-    photographs_free(&w.photos);
+    end(&w);
     return status || found->folder ? status : no_memory();
+}
+
+/* ---- Photographs that arrive one after the other ----------------------------------------------------------------- */
+
+/* Pairs of a photograph that has arrived: the NEAR ones before it, every EVERY-th one, and those without a camera. */
+static int match_arrived(work *w, const fxs_view *views, long count)
+{
+    fxs_printed list;
+    if (fxs_print_begin(&list))
+        return no_memory();
+    for (size_t j = w->known; j < w->photos.count; j++)
+        for (size_t i = 0; i < j; i++)
+            if (j - i <= NEAR || i % EVERY == 0 || w->options->mixed || !has_camera(w->photos.names[i], views, count))
+                fprintf(list.file, "%s %s\n", w->photos.names[i], w->photos.names[j]);
+    task_begin(&w->t, "matching pairs of photographs", 0);
+    return match_list(w, &list);
+}
+
+/* Returns 1 if a photograph without a camera has a lens that no photograph with a camera has. Then COLMAP may change
+   the lenses, and the old ones are restored. */
+static int has_new_lens(const work *w, const fxs_view *views, long count)
+{
+    for (size_t i = 0; i < w->photos.count; i++) {
+        size_t k = 0;
+        while (k < w->photos.count &&
+               (w->photos.lenses[k] != w->photos.lenses[i] || !has_camera(w->photos.names[k], views, count)))
+            k++;
+        if (k == w->photos.count)
+            return 1;
+    }
+    return w->options->mixed;
+}
+
+static int map_more(work *w, const char *before, const char *after, int refines)
+{
+    const char *const lenses = refines ? "1" : "0";
+    const char *const arguments[] = {
+        "colmap", "mapper", "--database_path", w->database, "--image_path", w->images, "--input_path", before,
+        "--output_path", after, "--Mapper.num_threads", w->threads, "--Mapper.min_model_size", "3",
+        w->names_frames ? "--Mapper.fix_existing_frames" : "--Mapper.fix_existing_images", "1",
+        "--Mapper.ba_refine_focal_length", lenses, "--Mapper.ba_refine_extra_params", lenses, 0
+    };
+    task_begin(&w->t, "placing photographs", 0);
+    return run_colmap(w, arguments);
+}
+
+/* Replaces the model `before` by `after`, after giving its cameras their poses back. Removes the files of COLMAP 3.12
+   and later that repeat the poses. */
+static int replace_model(const work *w, const char *before, const char *after)
+{
+    static const char *const repeats[] = {"rigs.bin", "frames.bin"};
+    char path[TASK_PATH];
+    fxs_message why;
+    const int status = check_model(w, after);
+    if (status || fxs_colmap_keep(before, after, &why))
+        return status ? status : fail_for(&why);
+    for (int i = 0; i < 2; i++) {
+        join_path(path, after, repeats[i]);
+        fxs_file_remove(path);
+    }
+    join_path(path, w->folder, "before");
+    remove_folder(path);
+    if (fxs_file_rename(before, path) || fxs_file_rename(after, before))
+        return fail(EXIT_FAILED, "%s: %s", before, strerror(errno));
+    remove_folder(path);
+    return 0;
+}
+
+/* Returns the number of photographs, from the first, that an earlier run has matched: up to the last with a camera. */
+static size_t count_matched(const work *w, const fxs_view *views, long count)
+{
+    size_t matched = w->photos.count;
+    while (matched && !has_camera(w->photos.names[matched - 1], views, count))
+        matched--;
+    return matched;
+}
+
+static int place_more(work *w)
+{
+    char before[TASK_PATH], after[TASK_PATH];
+    fxs_view *views = 0;
+    fxs_message why;
+    join_path(before, w->folder, "sparse/0");
+    join_path(after, w->folder, "after");
+    const long count = fxs_camera_file_read(before, &views, &why);
+    int status = count < 0 ? fail_for(&why) : learn_options(w);
+    w->known = w->known || status ? w->known : count_matched(w, views, count);
+    status = status ? status : find_features(w);
+    status = status ? status : match_arrived(w, views, count);
+    const int refines = !status && has_new_lens(w, views, count);
+    free(views);
+    remove_folder(after);
+    status = status ? status : make_folder(after);
+    status = status ? status : map_more(w, before, after, refines);
+    return status ? status : replace_model(w, before, after);
+}
+
+int reconstruct_open(const reconstruct_options *options, reconstruct_work **r)
+{
+    char kept[TASK_PATH], sparse[TASK_PATH];
+    work *w = *r = calloc(1, sizeof *w);
+    if (!w)
+        return no_memory();
+    w->is_watched = 1;
+    int status = begin(w, options);
+    join_path(kept, w->folder, "before");
+    join_path(sparse, w->folder, "sparse/0");
+    if (!status && is_folder(kept) && !is_folder(sparse) && fxs_file_rename(kept, sparse))
+        status = fail(EXIT_FAILED, "%s: %s", sparse, strerror(errno));
+    return status ? status : make_folder(w->images);
+}
+
+void reconstruct_close(reconstruct_work *w)
+{
+    if (w)
+        end(w);
+    free(w);
+}
+
+const char *reconstruct_folder(const reconstruct_work *w)
+{
+    return w->folder;
+}
+
+int reconstruct_has_cameras(const reconstruct_work *w)
+{
+    char found[TASK_PATH];
+    join_path(found, w->folder, "sparse/0");
+    return is_folder(found);
+}
+
+int reconstruct_place(reconstruct_work *w)
+{
+    reconstruction found;
+    const int are_placed = reconstruct_has_cameras(w);
+    const photograph_look how = {.masks = "", .is_quiet = w->known > 0};
+    int status = photographs_list_more(&w->photos, w->images) ? 0 : no_memory();
+    status = status ? status : photographs_look(&w->t, &w->photos, w->images, &how);
+    if (status || w->photos.count < LEAST)
+        return status ? status : RECONSTRUCT_LATER;
+    if (!are_placed)
+        fxs_file_remove(w->database);
+    status = are_placed ? place_more(w) : find_cameras(w);
+    if (!status && !are_placed)
+        status = report(w, &found);
+    w->known = status ? w->known : w->photos.count;
+    return status;
 }

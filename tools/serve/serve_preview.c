@@ -205,6 +205,9 @@ static void add_point(struct preview *p, uint32_t step, const quality *q)
 
 static void choose_few(struct preview *p)
 {
+    free(p->few.fit);
+    free(p->few.held_out);
+    p->few = (fxs_photos){.fit = 0};
     const fxs_photos *all = p->photos;
     const fxs_fit_photo *from = all->held_out_count ? all->held_out : all->fit;
     const size_t most = MEASURED_MOST, count = all->held_out_count ? all->held_out_count : all->fit_count;
@@ -328,6 +331,15 @@ static void begin_preview(fxs_fit *fit, const fxs_photos *photos, const frame_op
     pack_and_show(p, fit);
 }
 
+static void take_grown(void)
+{
+    struct preview *p = &preview;
+    p->held_out = p->photos->held_out_count > 0;
+    if (p->few.fit || p->few.held_out)
+        choose_few(p);
+    tell_views(p);
+}
+
 static void look(fxs_fit *fit, const fit_now *now)
 {
     struct preview *p = &preview;
@@ -387,8 +399,8 @@ static void close_preview(int status)
 
 int serve_fit(int argc, char **argv)
 {
-    static const fit_watcher watcher = {open_preview, begin_preview, look, add_measured, show_written, tell_stopped,
-                                        close_preview};
+    static const fit_watcher watcher = {open_preview, begin_preview, take_grown, look, add_measured, show_written,
+                                        tell_stopped, close_preview};
     fxs_output_remove_at_signals();
     files_begin();
     return fit_run(argc, argv, &watcher);
