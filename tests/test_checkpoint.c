@@ -680,20 +680,22 @@ static void faulty_exposures_are_refused(void)
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
     /* claims the version number of checkpoints with exposures for a checkpoint without exposures */
-    change("half", 1, 14);
+    change("half", 1, 63);
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 19);
+    change("half", 1, 68);
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
-    change("half", 1, 109);
+    change("half", 1, 158);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
+    change("half-exposures", AT + 2 * WORDS - FXS_FIT_BASIS, 0x3f800001);
+    CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-affine", AT + WORDS + 11, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     /* writes faulty Adam moments; a mean may be any number, a mean square must be >= 0 */
     for (int i = 0; i < 6 * 4; i++) {
         const uint32_t value = faulty[i % 4];
-        const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
+        const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS - FXS_FIT_BASIS + i / 4 - 6;
         change("half-exposures", AT + word, value);
         if (i >= 3 * 4 && (value >> 31 || (i >= 4 * 4 && value))) {
             CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
@@ -734,7 +736,7 @@ static void faulty_poses_are_refused(void)
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
     /* claims the version number of checkpoints with camera poses for a checkpoint without poses */
-    change("half", 1, 16);
+    change("half", 1, 65);
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -759,7 +761,7 @@ static void faulty_skies_are_refused(void)
         go_on(fit, 24);
         fxs_fit_destroy(fit);
     }
-    change("half", 1, 25);   /* claims the version number of checkpoints with a sky for a checkpoint without sky */
+    change("half", 1, 74);   /* claims the version number of checkpoints with a sky for a checkpoint without sky */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -768,12 +770,12 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x71;              /* 0x71 turns no byte of the version number into another valid version */
+        bytes[i] ^= 0xc1;              /* 0xc1 turns no byte of the version number into another valid version */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))
             printf("  byte %zu\n", i);
-        bytes[i] ^= 0x71;
+        bytes[i] ^= 0xc1;
     }
     free(bytes);
 }

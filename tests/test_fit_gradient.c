@@ -412,8 +412,8 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
 static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
 {
     static const fxs_fit_gain none;
-    for (int k = 0; k < (s->exposure == FXS_FIT_EXPOSURE_AFFINE ? FXS_FIT_GAIN : 3) && s->exposure; k++) {
-        const double unit = s->exposure == FXS_FIT_EXPOSURE_GAIN ? 1 : k > 8 ? 0.03125 : k % 4 ? 0.25 : 1;
+    for (int k = 0; k < FXS_FIT_GAIN && s->exposure == FXS_FIT_EXPOSURE_AFFINE; k++) {
+        const double unit = k > 8 ? 0.03125 : k % 4 ? 0.25 : 1;
         const double wanted = unit * difference(s, &s->gain[k]);
         check_near((double)of[1].mean[k] / (double)0.1f * 3 * PIXELS, wanted, 1 + fabs(wanted), -1, k, t);
     }

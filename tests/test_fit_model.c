@@ -653,23 +653,24 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* The learning rate of exposures falls to a tenth during a fit. It rises from 0 over 500 steps after the start and
-   after each opacity reset. */
+/* The learning rate of affine exposures falls to a tenth during a fit, that of gains stays. Both rise from 0 over 500
+   steps after the start and after each opacity reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
     fxs_fit_options_init(&o);
     CHECK(plan_of(&o, 700).gain_part == 0);
-    o.exposure = FXS_FIT_EXPOSURE_GAIN;
-    for (int recipe = FXS_FIT_REFERENCE; recipe <= FXS_FIT_FAST; recipe++) {
+    for (int i = 0; i < 2 * (FXS_FIT_FAST + 1); i++) {
+        const int recipe = i / 2;
         const double steps = recipe == FXS_FIT_REFERENCE ? 30000 : 8000;
         size_t wrong = 0;
+        o.exposure = i % 2 ? FXS_FIT_EXPOSURE_AFFINE : FXS_FIT_EXPOSURE_GAIN;
         o.recipe = (enum fxs_fit_recipe)recipe;
         o.steps = 8000;
         uint32_t last = 0;
         for (uint32_t step = 1; step <= 8000; step++) {
             wrong += !is_near((double)plan_of(&o, step).gain_part,
-                              fmin((step - last) / 500.0, 1) * pow(10, -(double)step / steps), 1e-6);
+                              fmin((step - last) / 500.0, 1) * (i % 2 ? pow(10, -(double)step / steps) : 1), 1e-6);
             last = plan_of(&o, step).reset ? step : last;
         }
         CHECK(!wrong && last == (recipe == FXS_FIT_REFERENCE ? 6000 : 0));

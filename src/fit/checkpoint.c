@@ -17,7 +17,7 @@
 
 /* Version of the files of saved fits. Must increase with every change to a fit's computation, because a resumed fit
    would end differently. */
-#define VERSION 13u                /* version number; version_of adds codes of some options to it */
+#define VERSION 62u                /* version number; version_of adds codes of some options to it */
 
 typedef struct archive {
     fxs_output *output;
@@ -282,6 +282,8 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
             is_wrong |= fabsf(gain->at[k]) > 2 * FXS_FIT_GAIN_MOST;
         for (int k = 0; k < 2; k++)
             is_wrong |= gain->of_one[k] < 0 || gain->of_one[k] > 1;
+        for (int k = 0; k < FXS_FIT_BASIS; k++)
+            is_wrong |= fabsf(gain->basis[k]) > 1;
         if (is_wrong)
             damaged(a, "a number out of its range");
     }

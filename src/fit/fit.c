@@ -257,11 +257,38 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* Sets the initial exposures. If the exposures of all photographs are known, starts with log2 gains of log2(exposure) /
-   2.2, minus their mean. */
+/* Sets the orthonormal basis of the functions that exposures keep out of, by Gram and Schmidt: constants, and from
+   LINEAR_FROM photographs on the components of the cameras' viewing directions. Leaves out a component that varies by
+   less than 0.1 beside those before it. */
+static void set_basis(fxs_fit *f)
+{
+    enum { LINEAR_FROM = 30 };
+    fxs_fit_gain *const of = f->gains.of;
+    for (int j = 0; j < (f->count < LINEAR_FROM ? 1 : FXS_FIT_BASIS); j++) {
+        double square = 0;
+        for (size_t i = 0; i < f->count; i++)
+            of[i].basis[j] = j ? f->photographs[i].camera.rotation[5 + j] : 1.0f;
+        for (int before = 0; before < j; before++) {
+            double common = 0;
+            for (size_t i = 0; i < f->count; i++)
+                common += (double)of[i].basis[before] * (double)of[i].basis[j];
+            for (size_t i = 0; i < f->count; i++)
+                of[i].basis[j] -= (float)common * of[i].basis[before];
+        }
+        for (size_t i = 0; i < f->count; i++)
+            square += (double)of[i].basis[j] * (double)of[i].basis[j];
+        const double scale = square > 0.01 * (double)f->count ? 1 / sqrt(square) : 0;
+        for (size_t i = 0; i < f->count; i++)
+            of[i].basis[j] *= (float)scale;
+    }
+}
+
+/* Sets the exposures' basis and the initial exposures. If the exposures of all photographs are known, starts with log2
+   gains of log2(exposure) / 2.2, minus their mean. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
+    set_basis(f);
     for (size_t i = 0; i < f->count; i++)
         if (!(photos[i].exposure >= 1e-30 && photos[i].exposure <= 1e30))
             return;
@@ -402,9 +429,9 @@ static float pose_rate(const fxs_fit *f, float way)
     return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
 }
 
-/* Returns the first learning rate of exposures in log2 units: 4 divided by the steps per photograph, clamped to
-   0.05..0.2, times `part`. */
-static float gain_rate(const fxs_fit *f, float part)
+/* Returns the learning rate of affine exposures: 4 divided by the steps per photograph, clamped to 0.05..0.2, times
+   `part`. */
+static float affine_rate(const fxs_fit *f, float part)
 {
     const float share = 4 * (float)f->count / ((float)f->options.steps * (float)f->options.batch);
     return part * least(most(share, 0.05f), 0.2f);
@@ -421,7 +448,8 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->by_flat = plan->by_flat / f->extent;
     options->by_surface = plan->by_surface;
     options->is_depth = plan->is_depth;
-    options->gain_rate = options->gain_decay = gain_rate(f, plan->gain_part);
+    options->gain_rate = f->gains.is_affine ? affine_rate(f, plan->gain_part) : 0.5f * plan->gain_part;
+    options->gain_decay = f->gains.is_affine ? options->gain_rate : 0;
     options->pose_rate = pose_rate(f, plan->pose_way);
     options->smooths = plan->smooths;
     options->far = f->far;

@@ -78,9 +78,9 @@ static int is_reset(const fxs_fit_options *options, uint32_t step)
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* Sets the learning rates of exposures and of camera poses. The exposures' rate falls as 10^-(step / steps), the poses'
-   rate as 100^-(step / steps). At the beginning and after each reset of opacities, pictures do not yet match; there
-   both rates rise from 0 over 500 steps. */
+/* Sets the learning rates of exposures and of camera poses. The rate of affine exposures falls as 10^-(step / steps),
+   the poses' rate as 100^-(step / steps). At the beginning and after each reset of opacities, pictures do not yet
+   match; there both rates rise from 0 over 500 steps. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -90,7 +90,9 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
     while (since < 500 && since < step && !is_reset(options, step - since))
         since++;
     if (options->exposure)
-        plan->gain_part = ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+        plan->gain_part = (float)since / 500.0f;
+    if (options->exposure == FXS_FIT_EXPOSURE_AFFINE)
+        plan->gain_part *= exp_e(-2.30258509f * part);
     if (options->refine_poses && step > 500 && options->steps > 500)
         plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }

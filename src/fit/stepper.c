@@ -673,19 +673,29 @@ static float sum_numbers(const float *numbers, size_t step, size_t count, double
     return gain_sum(parts, divisor);
 }
 
+/* Returns the summand of sum k for a pixel. Sums of an affine exposure are of the gradient, others of picture and
+   photograph. */
+static float gain_number(const fxs_fit_stepper *s, int k, int32_t row, int32_t x)
+{
+    const fxs_fit_loss *l = &s->loss[k % 3];
+    const ptrdiff_t at = row * l->picture.stride + x, pixel = (ptrdiff_t)row * l->width + x;
+    if (s->model->gains->is_affine)
+        return k < 9 ? l->gradient.first[at] * s->loss[k / 3].picture.first[at] : l->gradient.first[at];
+    if (l->mask && !l->mask[pixel])
+        return 0;
+    return gain_summand(k, l->picture.first[at], (float)l->photograph[pixel * l->step] / 255.0f);
+}
+
 static void gain_rows_job(void *argument, uint32_t row)
 {
     const fxs_fit_stepper *s = argument;
     const int32_t height = s->camera->height;
     float *out = (float *)s->rows.memory + 6 * height + row;
     for (int k = 0; k < FXS_FIT_GAIN; k++, out += height) {
-        const fxs_fit_plane *of = &s->loss[k % 3].gradient, *by = k < 9 ? &s->loss[k / 3].picture : NULL;
-        const float *gradient = of->first + (ptrdiff_t)row * of->stride;
-        const float *picture = by ? by->first + (ptrdiff_t)row * by->stride : NULL;
         float sums[16] = {0};
         const int32_t width = gain_needs(s->model->gains->is_affine, k) ? s->camera->width : 0;
         for (int32_t x = 0; x < width; x++)
-            sums[x % 16] += picture ? gradient[x] * picture[x] : gradient[x];
+            sums[x % 16] += gain_number(s, k, (int32_t)row, x);
         for (int half = 8; half; half /= 2)
             for (int i = 0; i < half; i++)
                 sums[i] += sums[i + half];
@@ -707,18 +717,15 @@ static void sum_by_gain(fxs_fit_stepper *s)
     fxs_fit_sum_gains((const float *)s->rows.memory + 6 * s->camera->height, s->camera, s->by_gain[s->view]);
 }
 
-/* Subtracting the mean over all photographs keeps the scene from taking up a common tint. */
 void fxs_fit_move_gains(const fxs_fit_gains *gains, const fxs_fit_photograph *photographs, uint32_t batch,
                         float (*by_gain)[FXS_FIT_GAIN], const fxs_fit_step_options *options)
 {
+    float moved[FXS_FIT_GAIN][FXS_FIT_BASIS] = {{0}};
     for (uint32_t v = 0; v < batch; v++)
         gain_step(&gains->of[photographs[v].number], gains->is_affine, by_gain[v], options->gain_rate,
-                  options->gain_decay);
-    for (int k = 0; k < gain_numbers(gains->is_affine); k++) {
-        const float excess = gain_mean(gains, k) - gain_neutral(gains->is_affine, k);
-        for (uint32_t i = 0; i < gains->count; i++)
-            gains->of[i].at[k] -= excess;
-    }
+                  options->gain_decay, moved);
+    for (uint32_t i = 0; i < gains->count; i++)
+        gain_project(&gains->of[i], gains->is_affine, moved);
 }
 
 void fxs_fit_move_pose(const fxs_fit_poses *poses, const fxs_fit_photograph *photograph, const float *parts,

@@ -42,7 +42,8 @@ typedef struct fxs_fit_step_options {
     float background[3];
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* number of the fitting step, from 1 */
-    float gain_rate;               /* learning rate of exposures in log2 units; 0: they stay fixed */
+    float gain_rate;               /* learning rate of exposures: the share of the way to the best gains, or for affine
+                                      exposures Adam's rate; 0: they stay fixed */
     float gain_decay;
     float pose_rate;               /* learning rate of camera poses in radians; 0: they stay fixed */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */

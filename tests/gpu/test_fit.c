@@ -73,6 +73,8 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
             of->at[k] = (float)(fit_uniform(-0.5, 0.5) + (is_affine && k < 9 && k % 4 == 0));
             of->mean[k] = (float)fit_uniform(-0.01, 0.01);
         }
+        for (int k = 0; k < FXS_FIT_BASIS; k++)
+            of->basis[k] = (float)fit_uniform(-0.2, 0.2);
     }
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }

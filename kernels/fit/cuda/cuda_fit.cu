@@ -259,6 +259,11 @@ int fetch_rows(engine *e, device *d, const step_order *s, uint32_t view, fxs_mes
                                                       cudaMemcpyDeviceToHost, d->stream));
 }
 
+bool moves_gains(const device *d, const step_order *s)
+{
+    return d->gains.count && s->options.gain_rate > 0;
+}
+
 int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     const fxs_fit_photograph *p = &s->photographs[view];
@@ -279,13 +284,11 @@ int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_mess
         failure = launch_reduce(b, &sent, p->width, p->divisor, &p->camera, d->stream);
     }
     failure = first_of(failure, launch_loss(b, sent, &p->camera, s->has_report, d->stream));
+    if (moves_gains(d, s))
+        failure = first_of(failure, launch_by_gain(b, sent, &p->camera, d->gains.is_affine, by_gain_of(d, view),
+                                                   d->stream));
     error = check(why, failure, cudaEventRecord(slot->is_free, d->stream));
     return error || !s->has_report ? error : fetch_rows(e, d, s, view, why);
-}
-
-bool moves_gains(const device *d, const step_order *s)
-{
-    return d->gains.count && s->options.gain_rate > 0;
 }
 
 bool moves_poses(const device *d, const step_order *s)
@@ -356,8 +359,6 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     mark(d, s, LOSS);
     error = check(why, failure);
     error = error ? error : find_loss(e, d, s, view, why);
-    if (moves_gains(d, s) && !error)
-        error = check(why, launch_by_gain(b, c, d->gains.is_affine, by_gain_of(d, view), d->stream));
     mark(d, s, BACK);
     error = error ? error : check(why, launch_back(b, c, d->stream));
     mark(d, s, UPDATE);

@@ -123,10 +123,11 @@ typedef struct fxs_fit_adam {
 } fxs_fit_adam;
 
 /* The fitted exposure of a photograph (exposure.h). at: log2 gains of all colours, of red and of blue; or an affine map
-   of colours. mean, square: Adam's moments. of_one: Adam's moments of a constant gradient of 1. */
-enum { FXS_FIT_GAIN = 12 };
+   of colours. mean, square: Adam's moments, for an affine map. of_one: Adam's moments of a constant gradient of 1.
+   basis: the photograph's row of an orthonormal basis of the functions that exposures keep out of. */
+enum { FXS_FIT_GAIN = 12, FXS_FIT_BASIS = 4 };
 typedef struct fxs_fit_gain {
-    float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
+    float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2], basis[FXS_FIT_BASIS];
 } fxs_fit_gain;
 
 typedef struct fxs_fit_gains {

@@ -71,11 +71,12 @@ enum fxs_fit_exposure {
     FXS_FIT_EXPOSURE_NONE = 0,     /* no correction: all photographs have the same exposure */
     FXS_FIT_EXPOSURE_GAIN = 1,     /* corrects gain and colour balance for each photograph: fits log2 of three factors
                                       (red, green, blue) that multiply the picture before it is compared with the
-                                      photograph. The mean of each over the photographs is 0; the scene contains no
-                                      correction. The start value is 0. If the exposure of every photograph is known, it
-                                      is log2(exposure) / 2.2 minus the mean of this over all photographs, as pixel
-                                      values grow about as light^(1 / 2.2). White in a photograph counts as clipped: the
-                                      picture may be brighter */
+                                      photograph. The mean of each over the photographs is 0. From 30 photographs on,
+                                      the part that is linear in the cameras' directions keeps its start value. The
+                                      scene contains no correction. The start value is 0. If the exposure of every
+                                      photograph is known, it is log2(exposure) / 2.2 minus the mean of this over all
+                                      photographs, as pixel values grow about as light^(1 / 2.2). White in a photograph
+                                      counts as clipped: the picture may be brighter */
     FXS_FIT_EXPOSURE_AFFINE = 2    /* corrects each photograph by an affine map of colours: 3x3 factors and three
                                       constants, as in the 2024 code of Kerbl et al. The mean of these maps over the
                                       photographs is the identity map */
