@@ -227,6 +227,42 @@ static void begins_with_known_exposures(void)
     options = mine;
 }
 
+/* With many photographs, changes of exposures have no part in the mean and in the viewing directions' components. The
+   cameras here turn about y, so that the component y does not vary. */
+static void keeps_the_linear_part(void)
+{
+    enum { MANY = 40 };
+    static fxs_fit_photo many[MANY];
+    const fxs_fit_options mine = options;
+    for (int i = 0; i < MANY; i++) {
+        const double s = 0.95 * sin(i), c = sqrt(1 - s * s), rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
+        many[i] = photos[i % PHOTOS];
+        memcpy(many[i].view.rotation, rotation, sizeof rotation);
+    }
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    fxs_fit *fit;
+    if (CHECK(fxs_fit_create(&fit, many, MANY, points, POINTS, &options, &message) == 0)) {
+        double lengths = 0;
+        go_on(fit, 40);
+        for (int j = 0; j < FXS_FIT_BASIS; j++) {
+            double products[FXS_FIT_BASIS] = {0}, part = 0;
+            for (int i = 0; i < MANY; i++) {
+                const fxs_fit_gain *of = &fit->gains.of[i];
+                for (int k = 0; k < FXS_FIT_BASIS; k++)
+                    products[k] += (double)of->basis[j] * (double)of->basis[k];
+                part += (double)of->basis[j] * (double)of->at[0];
+                lengths += fabs((double)of->at[0]);
+            }
+            for (int k = 0; k < FXS_FIT_BASIS; k++)
+                CHECK(fabs(products[k] - (j == k && j != 2)) < 1e-6);
+            CHECK(fabs(part) < 1e-5);
+        }
+        CHECK(lengths > 0.01);
+        fxs_fit_destroy(fit);
+    }
+    options = mine;
+}
+
 static void goes_on_with_masks(void)
 {
     static uint8_t masks[PHOTOS][WIDTH * HEIGHT], all[WIDTH * HEIGHT];
@@ -917,6 +953,7 @@ static void tests(void)
     RUN(goes_on_in_the_middle_of_a_round);
     RUN(goes_on_with_exposures);
     RUN(begins_with_known_exposures);
+    RUN(keeps_the_linear_part);
     RUN(goes_on_with_masks);
     RUN(goes_on_with_poses);
     RUN(goes_on_antialiased);
