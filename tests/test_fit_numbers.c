@@ -247,11 +247,12 @@ static void test_gain_steps(void)
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 1);
 }
 
-/* Summands of an exposure: white pixels of the photograph do not count. */
+/* Summands of an exposure: white pixels do not count. */
 static void test_gain_summands(void)
 {
     CHECK(gain_summand(1, 0.5f, 0.25f) == 0.5f && gain_summand(4, 0.5f, 0.25f) == 0.25f);
     CHECK(gain_summand(2, 0.5f, 1) == 0 && gain_summand(3, 0.5f, 1) == 0);
+    CHECK(gain_summand(0, 1, 0.5f) == 0 && gain_summand(5, 1, 0.5f) == 0);
 }
 
 static void test_affine_steps(void)

@@ -88,10 +88,10 @@ static inline int gain_needs(int is_affine, int k)
 }
 
 /* Returns the summand of sum k for a pixel, if the three numbers of an exposure are fitted: the exposed picture a for
-   k = 0..2 and the photograph b for k = 3..5. A white b is saturated, and does not count. */
+   k = 0..2 and the photograph b for k = 3..5. Pixels with a saturated a or b do not count. */
 static inline float gain_summand(int k, float a, float b)
 {
-    return b < 1 ? (k < 3 ? a : b) : 0.0f;
+    return a < 1 && b < 1 ? (k < 3 ? a : b) : 0.0f;
 }
 
 /* Returns number k of an affine exposure (M, m) after a step (W, w): M + M W, m + m W + w. */
