@@ -575,7 +575,7 @@ check "nothing is left" equal "$(find . -name '.fixsplat-*')" ""
 
 fails "--batch 0" 2 "--batch 0: expected a whole number from 1 to 8" $fit -o x.fxs --batch 0
 fails "--batch 9" 2 "--batch 9: expected a whole number from 1 to 8" $fit -o x.fxs --batch 9
-fails "--backend gles" 2 "expected cpu or cuda" $fit -o x.fxs --backend gles
+fails "--backend gles" 2 "expected cpu, cuda or vulkan" $fit -o x.fxs --backend gles
 fails "--batch 3 on two devices" 2 "not a multiple of the 2 devices" $fit -o x.fxs --backend cuda --device 0,1 \
     --batch 3
 if "$fixsplat" info --backends | grep -Eq "^cuda.*(no NVIDIA|nvcc)"; then
