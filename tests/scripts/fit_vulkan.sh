@@ -25,7 +25,7 @@ same() {
     check "$name: nothing to say" equal "$status $(cat logs/err)" "0 "
 }
 
-same "fast" --steps 40 --recipe fast
+same "fast" --steps 40 --recipe fast --max-gaussians 1000
 same "reference, which grows" --steps 602 --recipe reference --sh 1
 same "antialiased, surfaces" --steps 24 --antialiased --surfaces
 same "exposures, poses, batches" --steps 24 --batch 2 --exposure affine --refine-poses
@@ -71,6 +71,18 @@ for result in -2 '-4 and on'; do
     check "result $result is an error" [ $failures -ge 4 ]
 done
 unset FXS_FAIL_WITH FXS_FAIL_EVER
+
+if "$fixsplat" info --backends | grep -q '^vulkan .*llvmpipe'; then
+    cp -r set many
+    awk 'BEGIN {
+        for (i = 0; i < 2000; i++)
+            print 1000 + i, i % 70 / 20 - 1.7, i % 71 / 20 - 1.7, i / 600 - 1.7, 120, 120, 120, 0
+    }' >>many/sparse/0/points3D.txt
+    fails "llvmpipe's loops are too short for many Gaussians" 1 'llvmpipe.* fits at most 1023 Gaussians' \
+        fit many -o o.ply --quiet --steps 3 --backend vulkan
+else
+    skip "more Gaussians than llvmpipe takes" "not here: llvmpipe"
+fi
 
 rm -f o.ply
 FXS_FAIL_SHADERS=1 fit

@@ -57,6 +57,7 @@ typedef struct vf_engine {
     fxs_run_fn *run;
     void *workers;
     uint32_t batch;                /* largest number of photographs of a step */
+    size_t most;                   /* largest number of Gaussians that the device fits right */
     uint32_t stride, capacity;     /* Gaussians and slots that fit */
     int has_masters, has_surfaces;
     fit_order order;               /* the parts of an order that stay */

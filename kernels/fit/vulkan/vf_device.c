@@ -89,6 +89,13 @@ static int check_limits(const vf_engine *e, fxs_message *why)
     return lacks ? fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s cannot fit: %s", e->device.name, lacks) : 0;
 }
 
+/* Returns the largest number of Gaussians. llvmpipe ends the loops of a shader after 65535 turns in all, without an
+   error; a shader makes fewer than 64 turns for each splat of a tile. */
+static size_t most_gaussians(const char *name)
+{
+    return strstr(name, "llvmpipe") ? 65535 / 64 : UINT32_MAX / (4 * FXS_FIT_PARAMETERS);
+}
+
 /* The test of the arithmetic: results that a device may round otherwise, of pairs of numbers of all sizes. The last
    result tells whether the device's fma is fused; it need not be. */
 enum { TESTED = 1024, RESULTS = 7, FMA = RESULTS - 1 };
@@ -187,6 +194,7 @@ int vf_open(vf_engine *e, int number, uint64_t max_memory, fxs_message *why)
     error = error ? error : fxs_vulkan_open_device(&e->device, why);
     e->device.options.max_memory = max_memory;
     error = error ? error : fxs_vk_create(&e->v, &e->device.options, 0, why);
+    e->most = most_gaussians(e->device.name);
     error = error ? error : check_limits(e, why);
     return error ? error : make_all(e, why);
 }

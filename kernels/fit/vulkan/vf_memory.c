@@ -89,8 +89,8 @@ int vf_send_cameras(vf_engine *e, fxs_message *why)
 
 int vf_make_room(vf_engine *e, size_t count, fxs_message *why)
 {
-    if (count > UINT32_MAX / (4 * FXS_FIT_PARAMETERS))
-        return fxs_fail_as(FXS_ERR_MEMORY, why, "more Gaussians than a device takes");
+    if (count > e->most)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s fits at most %zu Gaussians", e->device.name, e->most);
     const uint32_t stride = vf_stride_for(e, count);
     e->has_masters = e->model->masters != NULL;
     e->stride = 0;
