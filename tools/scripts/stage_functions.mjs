@@ -15,7 +15,9 @@ const reserved = new Set(["active", "buffer", "common", "filter", "flat", "half"
 const named = (name) => reserved.has(name) ? `${name}_` : name;
 
 // Functions that a shader defines itself: they copy bytes.
-const own = new Set(["load", "store", "bits_of", "real_of", "numbers_from"]);
+const ofShader = new Set(["load", "store", "bits_of", "real_of", "numbers_from"]);
+
+class BeyondSubset extends Error {}
 
 const pattern = /\s*(?:(0x[\da-fA-F.]+p[+-]?\d+f?|0x[\da-fA-F]+u?|(?:\d+\.\d*|\.\d+|\d+)(?:[eE][+-]?\d+)?[fu]*)|([A-Za-z_]\w*)|(->|\+\+|--|<<=|>>=|<<|>>|<=|>=|==|!=|&&|\|\||[-+*\/%&|^]=|[-+*\/%&|^~!<>=?:;,.(){}[\]]))/y;
 
@@ -25,7 +27,7 @@ function tokens(text)
     for (pattern.lastIndex = 0; text.slice(pattern.lastIndex).trim();) {
         const at = pattern.lastIndex, match = pattern.exec(text);
         if (!match)
-            throw Error(`not C of the subset: ${text.slice(at, at + 40)}`);
+            throw new BeyondSubset(`not C of the subset: ${text.slice(at, at + 40)}`);
         found.push({ text: match[1] ?? match[2] ?? match[3], isNumber: match[1] !== undefined,
                      isName: match[2] !== undefined });
     }
@@ -70,7 +72,7 @@ class Parser {
     expect(text)
     {
         if (!this.takes(text))
-            throw Error(`expected ${text}, found ${this.list.slice(this.at, this.at + 6).map((t) => t.text).join(" ")}`);
+            throw new BeyondSubset(`expected ${text}, found ${this.list.slice(this.at, this.at + 6).map((t) => t.text).join(" ")}`);
     }
 
     isType(ahead = 0)
@@ -86,7 +88,7 @@ class Parser {
             this.at++;
         const name = this.next();
         if (!types.has(name))
-            throw Error(`unknown type ${name}`);
+            throw new BeyondSubset(`unknown type ${name}`);
         while (this.takes("const"));
         return types.get(name);
     }
@@ -104,7 +106,7 @@ class Parser {
         let text = "";
         while (this.takes("[")) {
             if (this.peek() === "]")
-                throw Error("an array without its size");
+                throw new BeyondSubset("an array without its size");
             text += `[${this.expression().text}]`;
             this.expect("]");
         }
@@ -229,7 +231,7 @@ class Parser {
             return { ...inner, text: `(${inner.text})` };
         }
         if (!token.isName || token.text === "sizeof")
-            throw Error(`not expected: ${token.text}`);
+            throw new BeyondSubset(`not expected: ${token.text}`);
         return this.takes("(") ? this.call(token.text) : { text: named(token.text) };
     }
 
@@ -280,7 +282,7 @@ class Parser {
             const isIndex = this.stars() > 0, name = named(this.next()), sizes = this.sizes();
             const own = isIndex ? "uint" : type, first = this.takes("=") ? ` = ${this.initial(own, sizes)}` : "";
             if (isIndex && type !== "float" && !isMember)
-                throw Error(`a pointer ${name}`);
+                throw new BeyondSubset(`a pointer ${name}`);
             text += isIndex && type !== "float" ? "" : `${own} ${name}${sizes}${first}; `;
         } while (this.takes(","));
         this.expect(";");
@@ -403,7 +405,7 @@ function structText(p)
 function functionText(p)
 {
     const type = p.type(), isIndex = p.stars() > 0, name = named(p.next());
-    if (own.has(name) || isIndex)
+    if (ofShader.has(name) || isIndex)
         return { text: "" };
     return { name, text: `${type} ${name}(${p.parameters()})\n${p.statement(type)}` };
 }
@@ -424,8 +426,8 @@ function translated(list)
             types.set(p.next(), of);
         while (of && p.takes(","));
     } catch (error) {
-        if (first !== "static" && process.env.FXS_SAY)
-            console.error(error.message);
+        if (!(error instanceof BeyondSubset))
+            throw error;
     }
     return { text: "" };
 }

@@ -21,8 +21,7 @@
 #define VF_NUMBER(name) VF_##name,
 enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
 
-enum { VF_BUFFERS = 8, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_SLOT_WORDS = 15,
-       VF_STAGES = 6 };
+enum { VF_BUFFERS = 8, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_STAGES = 6 };
 
 /* The blocks in the order of the shaders' bindings. */
 enum { VF_ORDER, VF_PARAMETERS, VF_MOMENTS, VF_MASTERS, VF_GAUSSIANS, VF_SLOTS, VF_PIXELS, VF_PHOTOGRAPH, VF_SOURCES,
@@ -91,6 +90,9 @@ int vf_fetch(vf_engine *e, const vf_copy *copies, size_t count, fxs_message *why
 
 /* Sets the status to 0. */
 int vf_clear_status(vf_engine *e, fxs_message *why);
+
+/* Takes `count` words, rounded up to 16, at the end of *words. Returns their place. */
+uint32_t vf_take(uint64_t *words, uint64_t count);
 
 /* vf_make_room makes room for `count` Gaussians, and sets the places of the order. A block that is too small is
    replaced, and drops its data. */

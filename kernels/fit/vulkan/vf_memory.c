@@ -7,7 +7,7 @@
 
 enum { STAGED = 1 << 24, COPIES = 256 };
 
-static uint32_t taken(uint64_t *words, uint64_t count)
+uint32_t vf_take(uint64_t *words, uint64_t count)
 {
     const uint64_t at = *words;
     *words += (count + 15) / 16 * 16;
@@ -18,17 +18,17 @@ static uint64_t cut_gaussians(vf_engine *e, uint64_t stride)
 {
     uint64_t words = 0;
     fit_order *o = &e->order;
-    o->at_splats = taken(&words, 16 * stride);
-    o->at_bases = taken(&words, stride + 1);
-    o->at_parts = taken(&words, stride / 2048 + 2);
-    o->at_large = taken(&words, stride);
-    o->at_by_centre = taken(&words, stride);
-    o->at_views = taken(&words, stride);
-    o->at_chunks = taken(&words, stride / FXS_FIT_CHUNK * (sizeof(fxs_fit_chunk) / 4));
+    o->at_splats = vf_take(&words, 16 * stride);
+    o->at_bases = vf_take(&words, stride + 1);
+    o->at_parts = vf_take(&words, stride / 2048 + 2);
+    o->at_large = vf_take(&words, stride);
+    o->at_by_centre = vf_take(&words, stride);
+    o->at_views = vf_take(&words, stride);
+    o->at_chunks = vf_take(&words, stride / FXS_FIT_CHUNK * (sizeof(fxs_fit_chunk) / 4));
     o->camera_count = e->model->cameras ? e->model->cameras->count : 0;
-    o->at_cameras = taken(&words, o->camera_count * (uint64_t)(sizeof(fxs_fit_camera) / 4));
+    o->at_cameras = vf_take(&words, o->camera_count * (uint64_t)(sizeof(fxs_fit_camera) / 4));
     o->view_numbers = (uint32_t)((uint64_t)VF_VIEW_PLANES * stride * (e->has_surfaces ? 2 : 1));
-    o->at_planes = taken(&words, e->batch * (uint64_t)o->view_numbers);
+    o->at_planes = vf_take(&words, e->batch * (uint64_t)o->view_numbers);
     return words;
 }
 
@@ -36,12 +36,12 @@ static uint64_t cut_slots(vf_engine *e, uint64_t capacity)
 {
     uint64_t words = 0;
     fit_order *o = &e->order;
-    o->at_keys = taken(&words, 2 * capacity);
-    o->at_splat_of = taken(&words, capacity);
-    o->at_slots = taken(&words, capacity);
-    o->at_list = taken(&words, capacity);
-    o->at_blocks = taken(&words, capacity);
-    o->at_sums = taken(&words, FXS_FIT_SUMS * capacity);
+    o->at_keys = vf_take(&words, 2 * capacity);
+    o->at_splat_of = vf_take(&words, capacity);
+    o->at_slots = vf_take(&words, capacity);
+    o->at_list = vf_take(&words, capacity);
+    o->at_blocks = vf_take(&words, capacity);
+    o->at_sums = vf_take(&words, FXS_FIT_SUMS * capacity);
     o->at_tiles = o->at_sums;      /* until the backward pass */
     o->capacity = (uint32_t)capacity;
     return words;

@@ -64,13 +64,6 @@ static uint64_t most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-static uint64_t taken(uint64_t *words, uint64_t count)
-{
-    const uint64_t at = *words;
-    *words += (count + 15) / 16 * 16;
-    return at;
-}
-
 /* Sets the places of the pixels of a step, for its largest picture. Returns the words that they take. */
 static uint64_t cut_pixels(const vf_engine *e, fit_order *o, const vf_turn *t)
 {
@@ -81,16 +74,16 @@ static uint64_t cut_pixels(const vf_engine *e, fit_order *o, const vf_turn *t)
         height = most(height, (uint64_t)c->height);
         tiles = most(tiles, (uint64_t)c->tiles_x * (uint64_t)c->tiles_y);
     }
-    o->at_picture = (uint32_t)taken(&words, 3 * size);
-    o->at_derivatives = (uint32_t)taken(&words, 9 * size);
-    o->at_dissimilar = (uint32_t)taken(&words, 3 * size);
-    o->at_gradient = (uint32_t)taken(&words, 3 * size);
-    o->at_rows = (uint32_t)taken(&words, 6 * height);
-    o->at_gain_rows = (uint32_t)taken(&words, FXS_FIT_GAIN * height);
-    o->at_pose_parts = (uint32_t)taken(&words, pose_bytes(e, t) / sizeof(float));
-    o->at_starts = (uint32_t)taken(&words, tiles + 1);
-    o->at_next = (uint32_t)taken(&words, tiles);
-    o->at_needed = (uint32_t)taken(&words, tiles);
+    o->at_picture = vf_take(&words, 3 * size);
+    o->at_derivatives = vf_take(&words, 9 * size);
+    o->at_dissimilar = vf_take(&words, 3 * size);
+    o->at_gradient = vf_take(&words, 3 * size);
+    o->at_rows = vf_take(&words, 6 * height);
+    o->at_gain_rows = vf_take(&words, FXS_FIT_GAIN * height);
+    o->at_pose_parts = vf_take(&words, pose_bytes(e, t) / sizeof(float));
+    o->at_starts = vf_take(&words, tiles + 1);
+    o->at_next = vf_take(&words, tiles);
+    o->at_needed = vf_take(&words, tiles);
     return words;
 }
 
