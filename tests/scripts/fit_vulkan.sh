@@ -4,6 +4,7 @@
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
+. "$root/tests/scripts/lib/failing_calls.sh"
 
 reason=$("$fixsplat" info --backends | sed -n "s/^vulkan  *not here: //p")
 if [ "$reason" ]; then
@@ -11,7 +12,6 @@ if [ "$reason" ]; then
     finish
     exit
 fi
-export VK_LAYER_PATH="${fixsplat%/*}/tests/layer:/usr/share/vulkan/explicit_layer.d"
 layers=VK_LAYER_FIXSPLAT_failing:VK_LAYER_KHRONOS_validation
 make_photographs 9
 
@@ -38,7 +38,10 @@ check "begun on the processor" cmp rest.ply same.ply
 "$fixsplat" fit set -o begun2.fit --quiet --steps 12 --backend vulkan >/dev/null
 check "saved through Vulkan" cmp begun.fit begun2.fit
 
-fit() { VK_INSTANCE_LAYERS=VK_LAYER_FIXSPLAT_failing run fit set -o o.ply --quiet --steps 3 --backend vulkan; }
+attempt() {
+    rm -f o.ply
+    VK_INSTANCE_LAYERS=VK_LAYER_FIXSPLAT_failing run fit set -o o.ply --quiet --steps 3 --backend vulkan
+}
 
 # wrong: prints what the command did wrong; nothing if all was right.
 wrong() {
@@ -51,26 +54,11 @@ wrong() {
     esac
 }
 
-FXS_FAIL_LOG=logs/calls fit
+FXS_FAIL_LOG=logs/calls attempt
 cp o.ply right.ply
 count=$(cat logs/calls)
 check "the layer counts calls" [ "${count:-0}" -gt 100 ]
-for result in -2 '-4 and on'; do
-    n=3 failures=0 faults=
-    export FXS_FAIL_WITH=${result% and on}
-    [ "$FXS_FAIL_WITH" = "$result" ] || export FXS_FAIL_EVER=1
-    while [ $n -lt "$count" ]; do
-        rm -f o.ply
-        FXS_FAIL_AT=$n fit
-        failures=$((failures + status))
-        why=$(wrong 2>&1)
-        faults=$faults${why:+call $n: $why }
-        n=$((n + ${EVERY:-$((count / 8))}))
-    done
-    check "result $result" equal "$faults" ''
-    check "result $result is an error" [ $failures -ge 4 ]
-done
-unset FXS_FAIL_WITH FXS_FAIL_EVER
+fail_calls 3 "${EVERY:-$((count / 8))}" -2 '-4 and on'
 
 if "$fixsplat" info --backends | grep -q '^vulkan .*llvmpipe'; then
     cp -r set many
@@ -84,8 +72,7 @@ else
     skip "more Gaussians than llvmpipe takes" "not here: llvmpipe"
 fi
 
-rm -f o.ply
-FXS_FAIL_SHADERS=1 fit
+FXS_FAIL_SHADERS=1 attempt
 check "a device that computes otherwise is refused" equal "$status $(ls o.ply 2>/dev/null)" "1 "
 check "by its name" grep -q '^fixsplat: .*llvmpipe.* does not round as IEEE 754 asks' logs/err
 run fit set -o o.ply --steps 3 --backend vulkan --device 99

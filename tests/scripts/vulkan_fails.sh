@@ -4,9 +4,9 @@
 # file. Tests 12 calls for each error, 24 with FXS_PROCESSORS=all, all with EVERY=1.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/failing_calls.sh"
 
 [ "$FXS_PROCESSORS" = all ] && spread=24 || spread=12
-export VK_LAYER_PATH="${fixsplat%/*}/tests/layer:/usr/share/vulkan/explicit_layer.d"
 export VK_INSTANCE_LAYERS=VK_LAYER_FIXSPLAT_failing:VK_LAYER_KHRONOS_validation
 "$fixsplat" make-scene knot --count 300 -o knot.ply || exit 1
 "$fixsplat" render knot.ply --size 64x48 -o right.png || exit 1
@@ -17,7 +17,10 @@ if [ "$reason" ]; then
     exit
 fi
 
-draw() { run render knot.ply --size 64x48 --backend vulkan -o o.png; }
+attempt() {
+    rm -f o.png
+    run render knot.ply --size 64x48 --backend vulkan -o o.png
+}
 
 # wrong: prints what the command did wrong; nothing if all was right.
 wrong() {
@@ -30,27 +33,11 @@ wrong() {
     ls .fixsplat-* 2>/dev/null
 }
 
-FXS_FAIL_LOG=logs/calls draw
+FXS_FAIL_LOG=logs/calls attempt
 check "without a failure" equal "$status $(wrong)" "0 "
 count=$(cat logs/calls)
 check "the layer counts calls" [ "${count:-0}" -gt 50 ]
-step=${EVERY:-$((count / spread + 1))}
-for result in -1 -2 -4 '-4 and on'; do
-    n=0 failures=0 faults=
-    export FXS_FAIL_WITH=${result% and on}
-    [ "$FXS_FAIL_WITH" = "$result" ] || export FXS_FAIL_EVER=1
-    while [ $n -lt "$count" ]; do
-        rm -f o.png
-        FXS_FAIL_AT=$n draw
-        failures=$((failures + status))
-        why=$(wrong 2>&1)
-        faults=$faults${why:+call $n: $why }
-        n=$((n + step))
-    done
-    check "result $result" equal "$faults" ''
-    check "result $result is an error" [ $failures -ge $((count / step / 2)) ]
-done
-unset FXS_FAIL_WITH FXS_FAIL_EVER
-draw
+fail_calls 0 "${EVERY:-$((count / spread + 1))}" -1 -2 -4 '-4 and on'
+attempt
 check "after the failures" equal "$status $(wrong)" "0 "
 finish
