@@ -30,7 +30,6 @@ same "reference, which grows" --steps 602 --recipe reference --sh 1
 same "antialiased, surfaces" --steps 24 --antialiased --surfaces
 same "exposures, poses, batches" --steps 24 --batch 2 --exposure affine --refine-poses
 
-"$fixsplat" fit set -o whole.ply --quiet --steps 30 >/dev/null
 "$fixsplat" fit set -o begun.fit --quiet --steps 12 >/dev/null
 run fit set -o rest.ply --quiet --resume begun.fit --steps 30 --backend vulkan
 "$fixsplat" fit set -o same.ply --quiet --resume begun.fit --steps 30 >/dev/null
