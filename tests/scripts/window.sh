@@ -109,7 +109,7 @@ if open "$B/fixsplat"; then
     shot flown
     same_again flown
     check "flight shows" differ first flown
-    xdotool mousemove --window "$window" 100 90 mousedown 1 mousemove_relative 30 20 mousemove_relative 30 20 mouseup 1
+    drag '100 90' '130 110' '160 130'
     shot turned
     same_again turned
     check "the drag shows" differ flown turned
@@ -155,8 +155,6 @@ others=
 
 # ---- The crop box ----------------------------------------------------------------------------------------------------
 
-drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
-
 crops() {
     xdotool key Return
     check "cropped, $1" until_ 100 titled "written: $work/knot-cropped-00$1.ply"
@@ -168,7 +166,7 @@ if open "$B/fixsplat"; then
     until_ 50 titled 'at-12 (3 of 3)'
     shot whole
     xdotool key c
-    drag_right -60
+    drag '285 120' '225 120'
     sleep 0.5
     crops 1
     right=$(printf '%s\n' "$command" | sed 's/.*--crop //; s/ .*//' | cut -d , -f 4)
@@ -194,12 +192,6 @@ fi
 
 # ---- Edits by hand ---------------------------------------------------------------------------------------------------
 
-stroke() {
-    xdotool mousemove --window "$window" 100 40 mousedown 1
-    for step in '60 10' '60 -10' '30 60' '-30 60' '-80 -20'; do xdotool mousemove_relative -- $step; done
-    xdotool mouseup 1
-}
-
 other_title() { titled ' - [1-9][0-9]* selected of' && [ "$(xdotool getwindowname "$window")" != "$1" ]; }
 
 # An edited scene has no command that renders it again, so the title tells when the picture is written.
@@ -212,11 +204,13 @@ if open "$B/fixsplat"; then
     shoot unedited
     xdotool key l
     until_ 50 titled 'lasso: drag'
-    stroke
+    drag '100 40' '160 50' '220 40' '250 100' '220 160' '140 140'
     check "a lasso selects" until_ 100 titled ' - [1-9][0-9]* selected of 2000'
     xdotool key j l
     until_ 50 titled 'brush: drag'
-    xdotool keydown shift mousemove --window "$window" 60 100 mousedown 1 mousemove_relative 20 10 mouseup 1 keyup shift
+    xdotool keydown shift
+    drag '60 100' '80 110'
+    xdotool keyup shift
     until_ 100 titled ' selected of 2000'
     xdotool key Delete
     check "delete" until_ 100 titled ' - 0 selected of 1[0-9]*'
@@ -234,10 +228,10 @@ if open "$B/fixsplat"; then
     until_ 50 titled 'object: click it'
     xdotool mousemove --window "$window" 5 5 click 1
     check "no object at a click" until_ 100 titled ' - 5,5: nothing is there'
-    xdotool mousemove --window "$window" 130 82 click 1
+    xdotool mousemove --window "$window" 110 100 click 1
     check "a click selects the object there" until_ 100 titled ' - [1-9][0-9]* selected of 1[0-9]*'
     one=$(xdotool getwindowname "$window")
-    xdotool mousemove --window "$window" 190 100 mousedown 1 mousemove_relative 40 30 mousemove_relative 50 50 mouseup 1
+    drag '190 100' '230 130' '280 180'
     check "a box adds to it" until_ 100 other_title "$one"
     xdotool key Return
     check "written" until_ 100 titled "written: $work/knot-edited-001.fxs"
@@ -431,7 +425,7 @@ elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full 
     xdotool key c
     sleep 1
     xdotool key Escape l
-    stroke
+    drag '100 40' '160 50' '220 40' '250 100' '220 160' '140 140'
     xdotool key Delete
     sleep 1
     xdotool key u

@@ -500,7 +500,7 @@ else
         xdotool key x 1
         shot square
         check "the keys show" sh -c '! cmp -s whole.png square.png'
-        xdotool mousemove --window "$window" 100 90 mousedown 1 mousemove_relative 30 20 mouseup 1
+        xdotool mousemove --window "$window" 100 90 mousedown 1 mousemove --window "$window" 130 110 mouseup 1
         shot turned
         xdotool click 4
         shot near

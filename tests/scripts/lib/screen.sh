@@ -21,3 +21,12 @@ start_screen() {
     DISPLAY=:$(cat "$work/display") DBUS_SESSION_BUS_ADDRESS=disabled:
     export DISPLAY DBUS_SESSION_BUS_ADDRESS
 }
+
+# Drags with the left button through positions in $window, each "X Y". Relative positions would be scaled by the speed of
+# the pointer.
+drag() {
+    xdotool mousemove --window "$window" $1 mousedown 1
+    shift
+    for position; do xdotool mousemove --window "$window" $position; done
+    xdotool mouseup 1
+}
