@@ -29,6 +29,9 @@ same "fast" --steps 40 --recipe fast --max-gaussians 1000
 same "reference, which grows" --steps 602 --recipe reference --sh 1
 same "antialiased, surfaces" --steps 24 --antialiased --surfaces
 same "exposures, poses, batches" --steps 24 --batch 2 --exposure affine --refine-poses
+export LP_NATIVE_VECTOR_WIDTH=512      # llvmpipe: subgroups of 16 threads, as many as a block of pixels has
+same "large subgroups" --steps 24 --antialiased --surfaces
+unset LP_NATIVE_VECTOR_WIDTH
 
 "$fixsplat" fit set -o begun.fit --quiet --steps 12 >/dev/null
 run fit set -o rest.ply --quiet --resume begun.fit --steps 30 --backend vulkan

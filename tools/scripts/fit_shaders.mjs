@@ -81,7 +81,7 @@ function shaderText(file)
     const shader = included(file), isDefined = (name) => RegExp(`^#define ${name}\\b`, "m").test(shader);
     const isType = /^(?:struct|const int) .*\n/gm, functions = needed(parts, shader);
     const own = /^#define (?:LOADED|STORED|QUALIFIER)\b.*\n/gm;
-    return "#version 450\n" + (shader.match(own) ?? []).join("") +
+    return "#version 450\n#extension GL_KHR_shader_subgroup_ballot : require\n" + (shader.match(own) ?? []).join("") +
            Object.keys(access).filter((name) => !isDefined(name)).map((name) => `#define ${access[name]}\n`).join("") +
            macros() + functions.match(isType).join("") + included("numbers.glsl") + included("step.glsl") +
            functions.replace(isType, "") + shader.replace(own, "");

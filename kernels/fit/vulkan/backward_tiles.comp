@@ -2,17 +2,18 @@
 // Each block of 4x4 pixels takes 8 of its splats at a time: first a thread is a pixel, and passes the splats from near
 // to far; then two threads sum a splat over the block's pixels.
 #include "splats.glsl"
-#define SPLATS 64
+layout(constant_id = 2) const uint SPLATS = 64u;
+layout(constant_id = 3) const uint PAIRS = 192u;   // pairs of a splat and a block that fit; at least 12 splats
 #include "tile.glsl"
 layout(local_size_x = 256) in;
 
-const uint GROUP = 8u, PAIRS = 192u;       // PAIRS: pairs of a splat and a block that fit; at least 12 splats
-shared vec2 staged[16][GROUP][16];         // of a block, a splat and a pixel: h and the blending weight
-shared uint lists[16][GROUP];
-shared uint blocks_of[SPLATS], pairs[SPLATS], slot_of[SPLATS];
+const uint GROUP = 8u, ROW = 17u;          // ROW: 16 pixels, and one place so that rows begin in different banks
+shared vec2 staged[16][GROUP][ROW];        // of a block, a splat and a pixel: h and the blending weight
+shared uint lists[16][GROUP], counts[16];  // counts: splats of each block
+shared uint blocks_of[SPLATS], pairs[SPLATS], slot_of[SPLATS], eights[SPLATS / 8];
 shared float gradient[3][256];
 shared float pair_sums[PAIRS][FXS_FIT_SUMS];
-shared uint here, longest;
+shared uint here;
 
 passed_pixel begin_pixel()
 {
@@ -32,72 +33,106 @@ passed_pixel begin_pixel()
     return pixel;
 }
 
+uint bits_between(uint first, uint end)
+{
+    uint sum = 0u;
+    for (uint i = first; i < end; i++)
+        sum += uint(bitCount(blocks_of[i]));
+    return sum;
+}
+
+// Numbers the pairs of each splat, and keeps the splats whose pairs fit. Returns the blocks of this thread's splat.
+uint place_pairs()
+{
+    const uint place = thread(), eight = place / 8u;
+    if (place < SPLATS / 8u)
+        eights[place] = bits_between(8u * place, 8u * place + 8u);
+    barrier();
+    if (place >= SPLATS)
+        return 0u;
+    uint before = bits_between(8u * eight, place);
+    for (uint i = 0u; i < eight; i++)
+        before += eights[i];
+    pairs[place] = before;
+    if (before + uint(bitCount(blocks_of[place])) > PAIRS)
+        return 0u;
+    atomicMax(here, place + 1u);
+    return blocks_of[place];
+}
+
 // Keeps the splats from entry `first` on whose pairs fit. Returns their number.
 uint keep_batch(uint first, uint needed)
 {
-    const uint entry = list_start() + first + thread();
-    const bool is_entry = thread() < SPLATS && first + thread() < needed;
+    const uint place = thread(), entry = list_start() + first + place;
+    const bool is_entry = place < SPLATS && first + place < needed;
     barrier();
     clear_words();
-    if (thread() == 0u)
-        here = longest = 0u;
-    if (thread() < SPLATS)
-        blocks_of[thread()] = is_entry ? slots[order.at_blocks + entry] : 0u;
+    if (place == 0u)
+        here = 0u;
+    if (place < SPLATS)
+        blocks_of[place] = is_entry ? slots[order.at_blocks + entry] : 0u;
     if (is_entry) {
-        keep_splat(thread(), slots[order.at_list + entry]);
-        slot_of[thread()] = slots[order.at_slots + entry];
+        keep_splat(place, slots[order.at_list + entry]);
+        slot_of[place] = slots[order.at_slots + entry];
     }
     barrier();
-    if (is_entry) {
-        uint before = 0u;
-        for (uint i = 0u; i < thread(); i++)
-            before += uint(bitCount(blocks_of[i]));
-        pairs[thread()] = before;
-        if (before + uint(bitCount(blocks_of[thread()])) <= PAIRS) {
-            atomicMax(here, thread() + 1u);
-            put_bits(thread(), blocks_of[thread()]);
-        }
-    }
+    put_bits(place_pairs());
     barrier();
-    return here;
+    return min(here, needed - first);
 }
 
-uint count_of_block(uint b)
+uint count_of_block()
 {
     uint count = 0u;
     for (uint w = 0u; w < SPLATS / 32u; w++)
-        count += uint(bitCount(words[b][w]));
+        count += uint(bitCount(words[block_of_thread()][w]));
     return count;
+}
+
+// The largest number of splats of a block, of those whose threads meet.
+uint longest_of(uint count)
+{
+    const uint together = SUBGROUP > 0u ? SUBGROUP / 16u : 16u;
+    const uint first = block_of_thread() / together * together;
+    uint longest = 0u;
+    if (lane() == 0u)
+        counts[block_of_thread()] = count;
+    meet_block();
+    for (uint b = first; b < first + together; b++)
+        longest = max(longest, counts[b]);
+    return longest;
 }
 
 vec2 pass_pixel(uint place, inout passed_pixel pixel)
 {
-    const vec4 colour = colours[place];
+    const vec4 colour = colours[place], form = shapes[place];
     float u, v, weight;
-    const float level = level_at(place, corner_of(place, int(block_of_thread()), tile_corner()), int(lane()), u, v);
+    const vec2 corner = corner_of(centres[place], form, int(block_of_thread()), tile_corner());
+    const float level = level_at(form, corner, int(lane()), u, v);
     const float of_colour = (gradient[0][thread()] * colour.y + gradient[1][thread()] * colour.z) +
                             gradient[2][thread()] * colour.w;
     const float h = pass_splat(takes_of(level, colour.x, pixel.transmittance), level, of_colour, pixel, weight);
     return vec2(h, weight);
 }
 
-// The next splat of a bit set of SPLATS bits, which loses it.
-uint next_of(inout uint rest[SPLATS / 32])
+// The splats of a block that are still to pass: the rest of a word, and the words behind it.
+struct remaining { uint word, bits; };
+
+uint next_of(inout remaining r)
 {
-    uint w = 0u;
-    while (w < SPLATS / 32u - 1u && rest[w] == 0u)
-        w++;
-    const uint place = 32u * w + uint(findLSB(rest[w]));
-    rest[w] &= rest[w] - 1u;
+    while (r.bits == 0u)
+        r.bits = words[block_of_thread()][++r.word];
+    const uint place = 32u * r.word + uint(findLSB(r.bits));
+    r.bits &= r.bits - 1u;
     return place;
 }
 
-void find_sums(uint place, vec2 corner, uint item, int p, out float sums[FXS_FIT_SUMS])
+void find_sums(vec4 form, vec2 corner, uint item, int p, out float sums[FXS_FIT_SUMS])
 {
     const uint b = block_of_thread(), at = 16u * b + uint(p);
     const vec2 passed = staged[b][item][p];
     float u, v;
-    level_at(place, corner, p, u, v);
+    level_at(form, corner, p, u, v);
     sums_of(passed.x, passed.y, u, v, gradient[0][at], gradient[1][at], gradient[2][at], sums);
 }
 
@@ -108,14 +143,14 @@ void add_sums(inout float sums[FXS_FIT_SUMS], float more[FXS_FIT_SUMS])
 }
 
 // (p + p8) + (p4 + p12), with p4 the sums of pixel p + 4.
-void add_four(uint place, vec2 corner, uint item, int p, out float sums[FXS_FIT_SUMS])
+void add_four(vec4 form, vec2 corner, uint item, int p, out float sums[FXS_FIT_SUMS])
 {
     float more[FXS_FIT_SUMS], other[FXS_FIT_SUMS];
-    find_sums(place, corner, item, p, sums);
-    find_sums(place, corner, item, p + 8, more);
+    find_sums(form, corner, item, p, sums);
+    find_sums(form, corner, item, p + 8, more);
     add_sums(sums, more);
-    find_sums(place, corner, item, p + 4, other);
-    find_sums(place, corner, item, p + 12, more);
+    find_sums(form, corner, item, p + 4, other);
+    find_sums(form, corner, item, p + 12, more);
     add_sums(other, more);
     add_sums(sums, other);
 }
@@ -129,27 +164,23 @@ void add_group(uint first, uint count)
     const uint pair = pairs[place] + uint(bitCount(blocks_of[place] & ((1u << b) - 1u)));
     float sums[FXS_FIT_SUMS], more[FXS_FIT_SUMS];
     if (is_item) {
-        const vec2 corner = corner_of(place, int(b), tile_corner());
-        add_four(place, corner, item, parity, sums);
-        add_four(place, corner, item, parity + 2, more);
+        const vec4 form = shapes[place];
+        const vec2 corner = corner_of(centres[place], form, int(b), tile_corner());
+        add_four(form, corner, item, parity, sums);
+        add_four(form, corner, item, parity + 2, more);
         add_sums(sums, more);
     }
     for (int k = 0; k < FXS_FIT_SUMS && is_item && parity == 1; k++)
         pair_sums[pair][k] = sums[k];
-    barrier();
+    meet_block();
     for (int k = 0; k < FXS_FIT_SUMS && is_item && parity == 0; k++)
         pair_sums[pair][k] = sums[k] + pair_sums[pair][k];
 }
 
 void pass_batch(inout passed_pixel pixel)
 {
-    const uint b = block_of_thread(), count = count_of_block(b);
-    uint rest[SPLATS / 32];
-    for (uint w = 0u; w < SPLATS / 32u; w++)
-        rest[w] = words[b][w];
-    if (lane() == 0u)
-        atomicMax(longest, count);
-    barrier();
+    const uint b = block_of_thread(), count = count_of_block(), longest = longest_of(count);
+    remaining rest = remaining(0u, words[b][0]);
     for (uint first = 0u; first < longest; first += GROUP) {
         for (uint j = 0u; j < GROUP && first + j < count; j++) {
             const uint place = next_of(rest);
@@ -157,9 +188,9 @@ void pass_batch(inout passed_pixel pixel)
             if (lane() == j)
                 lists[b][j] = place;
         }
-        barrier();
+        meet_block();
         add_group(first, count);
-        barrier();
+        meet_block();
     }
 }
 
@@ -185,6 +216,7 @@ void main()
     for (uint first = 0u, count; first < needed; first += count) {
         count = keep_batch(first, needed);
         pass_batch(pixel);
+        barrier();
         put_sums(count);
     }
     for (uint i = needed * FXS_FIT_SUMS + thread(); i < list_count() * FXS_FIT_SUMS; i += 256u) {

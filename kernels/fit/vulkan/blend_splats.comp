@@ -1,57 +1,68 @@
 // Blends the splats of each tile, from near to far, and notes the blocks of 4x4 pixels that each changes.
 #include "splats.glsl"
-#define SPLATS 128
+const uint SPLATS = 256u;
 #include "tile.glsl"
 layout(local_size_x = 256) in;
 
-shared uint taken[SPLATS];
-shared uint needed_here, is_open;
+shared uint taken[16][SPLATS / 32];    // for each block, a bit set of the splats that change a pixel of it
+shared uint needed_here, is_open[2];   // is_open: of this batch and of the next, whether a pixel is
 
 // The bit set of the blocks that a splat's ellipse may touch (find_blocks of src/fit/stages/tile.h).
-uint find_blocks(uint place, uint gaussian, ivec2 tile)
+uint find_blocks(vec2 centre, vec4 s, float limit_of_level, ivec2 tile)
 {
-    const vec4 s = shapes[place];
     const float across = 3.0 * s.x, slant = 3.0 * s.y, down = 3.0 * s.z;
-    const float limit = (colours[place].x - s.w) * FXS_FIT_WIDER;
+    const float limit = (limit_of_level - s.w) * FXS_FIT_WIDER;
     const float less = slant < 0.0 ? slant : 0.0, far_side = across + (slant > 0.0 ? slant : 0.0);
     uint blocks = 0u;
     for (int b = 0; b < FXS_FIT_BLOCKS; b++) {
-        const vec2 corner = corner_of(place, b, tile);
+        const vec2 corner = corner_of(centre, s, b, tile);
         const float u = most(most(corner.x + less, -corner.x - far_side), 0.0);
         const float v = most(most(corner.y, -corner.y - down), 0.0);
         blocks |= uint(u * u + v * v <= limit) << b;
     }
-    return splat_number(gaussian, 11u) < 0.0 ? 0xffffu : blocks;
+    return blocks;
 }
 
 void blend_word(uint word, inout vec4 pixel)
 {
-    const uint own = 1u << block_of_thread();
+    uint took = 0u;
     for (uint bits = words[block_of_thread()][word]; bits != 0u && FXS_FIT_CLOSED <= pixel.w; bits &= bits - 1u) {
-        const uint place = 32u * word + uint(findLSB(bits));
-        const vec4 colour = colours[place];
+        const uint bit = uint(findLSB(bits)), place = 32u * word + bit;
+        const vec4 colour = colours[place], form = shapes[place];
         float u, v;
-        const vec2 corner = corner_of(place, int(block_of_thread()), tile_corner());
-        const float level = level_at(place, corner, int(lane()), u, v);
+        const vec2 corner = corner_of(centres[place], form, int(block_of_thread()), tile_corner());
+        const float level = level_at(form, corner, int(lane()), u, v);
         const int takes = takes_of(level, colour.x, pixel.w);
         const float weight = weight_of(takes, level, pixel.w);
         pixel = vec4(pixel.x + weight * colour.y, pixel.y + weight * colour.z, pixel.z + weight * colour.w,
                      pixel.w - weight);
-        if (takes != 0 && (taken[place] & own) == 0u)
-            atomicOr(taken[place], own);
+        took |= takes != 0 ? 1u << bit : 0u;
     }
+    if (took != 0u)
+        atomicOr(taken[block_of_thread()][word], took);
 }
 
-bool any_open(float transmittance)
+// The bit set of the blocks that a splat changes.
+uint blocks_of(uint place)
 {
-    barrier();
-    if (thread() == 0u)
-        is_open = 0u;
-    barrier();
-    if (FXS_FIT_CLOSED <= transmittance)
-        is_open = 1u;
-    barrier();
-    return is_open != 0u;
+    uint blocks = 0u;
+    for (uint b = 0u; b < 16u; b++)
+        blocks |= (taken[b][place / 32u] >> place % 32u & 1u) << b;
+    return blocks;
+}
+
+// Keeps the splat of an entry of the list, and notes the blocks that it may touch.
+void keep_entry(uint entry, bool is_entry)
+{
+    uint blocks = 0u;
+    for (uint i = thread(); i < 16u * SPLATS / 32u; i += 256u)
+        taken[i / (SPLATS / 32u)][i % (SPLATS / 32u)] = 0u;
+    if (is_entry) {
+        const uint place = thread();
+        const bool is_square = keep_splat(place, slots[order.at_list + entry]);
+        blocks = is_square ? 0xffffu : find_blocks(centres[place], shapes[place], colours[place].x, tile_corner());
+    }
+    put_bits(blocks);
 }
 
 // Writes the numbers of a depth map, in place of the derivatives of SSIM.
@@ -81,26 +92,27 @@ void main()
     const uint start = list_start(), count = list_count();
     vec4 pixel = vec4(0.0, 0.0, 0.0, 1.0);
     if (thread() == 0u)
-        needed_here = 0u;
-    for (uint first = 0u; first < count && any_open(pixel.w); first += SPLATS) {
+        needed_here = is_open[0] = is_open[1] = 0u;
+    barrier();
+    for (uint first = 0u, batch = 0u; first < count; first += SPLATS, batch ^= 1u) {
         const uint entry = first + thread();
-        const bool is_entry = thread() < SPLATS && entry < count;
         clear_words();
-        if (thread() < SPLATS)
-            taken[thread()] = 0u;
+        if (FXS_FIT_CLOSED <= pixel.w)
+            is_open[batch] = 1u;
         barrier();
-        if (is_entry) {
-            const uint gaussian = slots[order.at_list + start + entry];
-            keep_splat(thread(), gaussian);
-            put_bits(thread(), find_blocks(thread(), gaussian, tile_corner()));
-        }
+        if (is_open[batch] == 0u)
+            break;
+        keep_entry(start + entry, entry < count);
+        if (thread() == 0u)
+            is_open[batch ^ 1u] = 0u;
         barrier();
         for (uint word = 0u; word < SPLATS / 32u; word++)
             blend_word(word, pixel);
         barrier();
-        if (is_entry)
-            slots[order.at_blocks + start + entry] = taken[thread()];
-        if (is_entry && taken[thread()] != 0u)
+        const uint blocks = entry < count ? blocks_of(thread()) : 0u;
+        if (entry < count)
+            slots[order.at_blocks + start + entry] = blocks;
+        if (blocks != 0u)
             atomicMax(needed_here, entry + 1u);
     }
     barrier();

@@ -12,8 +12,9 @@ typedef struct fit_status {
     uint32_t is_full;              /* 1: the tiles' lists overflowed; this step and all later ones change nothing */
     uint32_t entries_most;         /* largest number of slots of a view since the last look */
     uint32_t visible, entries;     /* sums over the views of a step with a report */
-    uint32_t large;                /* number of Gaussians of a view that touch many tiles */
-    uint32_t reserved[7];
+    uint32_t large;                /* number of Gaussians of a view that touch many tiles, while it is counted */
+    uint32_t listed;               /* and later */
+    uint32_t reserved[6];
 } fit_status;
 
 /* Places of a photograph and its mask, at the camera's size and at full size, and its exposure. */

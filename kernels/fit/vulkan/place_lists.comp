@@ -16,6 +16,8 @@ void main()
             pixels[order.at_next + tile] = start + before;
         start += all_threads;
     }
-    if (gl_LocalInvocationIndex == 0u)
+    if (gl_LocalInvocationIndex == 0u) {
+        status.listed = status.large;
         status.large = 0u;
+    }
 }

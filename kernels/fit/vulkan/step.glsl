@@ -1,12 +1,14 @@
 // The buffers of a fitting step. A splat is a projected Gaussian; a slot is a pair of a splat and a tile that it touches.
-layout(std430, set = 0, binding = 0) buffer order_buffer { fit_status status; fit_order order; };
+// `parameters` and `masters` may be one buffer, so they are not `restrict`.
+layout(std430, set = 0, binding = 0) restrict buffer status_buffer { fit_status status; };
 layout(std430, set = 0, binding = 1) buffer parameters_buffer { float parameters[]; };
-layout(std430, set = 0, binding = 2) buffer moments_buffer { float moments[]; };   // means, then squares
+layout(std430, set = 0, binding = 2) restrict buffer moments_buffer { float moments[]; };  // means, then squares
 layout(std430, set = 0, binding = 3) buffer masters_buffer { float masters[]; };   // the parameters, if not quantised
-layout(std430, set = 0, binding = 4) buffer gaussians_buffer { uint gaussians[]; };
-layout(std430, set = 0, binding = 5) QUALIFIER buffer slots_buffer { uint slots[]; };
-layout(std430, set = 0, binding = 6) buffer pixels_buffer { uint pixels[]; };
-layout(std430, set = 0, binding = 7) buffer photograph_buffer { uint photograph[]; };
+layout(std430, set = 0, binding = 4) restrict buffer gaussians_buffer { uint gaussians[]; };
+layout(std430, set = 0, binding = 5) restrict QUALIFIER buffer slots_buffer { uint slots[]; };
+layout(std430, set = 0, binding = 6) restrict buffer pixels_buffer { uint pixels[]; };
+layout(std430, set = 0, binding = 7) restrict buffer photograph_buffer { uint photograph[]; };
+layout(std430, set = 0, binding = 8) restrict readonly buffer order_buffer { fit_order order; };
 layout(push_constant) uniform push_constants { uint view, is_surface; fit_rebuilt rebuilt; };
 
 float load(uint at) { return LOADED(at); }

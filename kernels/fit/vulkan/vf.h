@@ -16,19 +16,21 @@
 #define VF_SHADERS(F) \
     F(project) F(add_parts) F(scan_parts) F(put_bases) F(cover) F(cover_large) F(place_lists) F(append_slots) \
     F(sort_lists) F(blend_splats) F(reduce) F(find_derivatives) F(find_gradient) F(report_rows) F(sum_gain_rows) \
-    F(backward_tiles) F(gather_view) F(sum_pose_parts) F(plane_splats) F(compare_depths) F(update_shapes) \
+    F(backward_tiles) F(gather_view) F(gather_large) F(sum_pose_parts) F(plane_splats) F(compare_depths) F(update_shapes) \
     F(update_sh) F(add_noise) F(smooth_scales) F(quantise_shapes) F(quantise_sh) F(rebuild) F(test)
 #define VF_NUMBER(name) VF_##name,
 enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
 
-enum { VF_BUFFERS = 8, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_STAGES = 6 };
+enum { VF_BUFFERS = 9, VF_SETS = 4, VF_TURNS = 4, VF_VIEW_PLANES = FXS_FIT_SUMS + 1, VF_STAGES = 6,
+       VF_ALIGNED = 256 };             /* largest alignment of storage buffers that a device may ask for */
 
-/* The blocks in the order of the shaders' bindings. */
+/* The blocks in the order of the shaders' bindings. The last binding is the order, behind the status. */
 enum { VF_ORDER, VF_PARAMETERS, VF_MOMENTS, VF_MASTERS, VF_GAUSSIANS, VF_SLOTS, VF_PIXELS, VF_PHOTOGRAPH, VF_SOURCES,
        VF_BLOCKS };
 
 typedef struct vf_memory {
     fit_status status;
+    char unused[VF_ALIGNED - sizeof(fit_status)];
     fit_order order;
 } vf_memory;
 

@@ -7,6 +7,7 @@
 #include "vf.h"
 #include "shaders.h"
 #include "src/base/random.h"
+#include "src/base/run.h"
 #include "src/fit/stages/fit_lanes.h"
 
 static const struct {
@@ -51,41 +52,69 @@ static VkResult make_layouts(vf_engine *e)
                                         : v->vk.CreateQueryPool(v->options.device, &queries, 0, &e->queries);
 }
 
-/* Makes the shaders first..end. */
-static VkResult make_programs(vf_engine *e, int first, int end, int has_fma)
+/* What the shaders are specialised for, in the order of their constants. */
+typedef struct traits {
+    uint32_t has_fma;              /* 1: fused multiply-adds are fused */
+    uint32_t subgroup;             /* threads of a subgroup, 16, 32 or 64; 0: others, or subgroups are not full */
+    uint32_t splats, pairs;        /* of a batch of backward_tiles */
+} traits;
+
+typedef struct making {
+    vf_engine *e;
+    uint32_t first;
+    const traits *made_for;
+    VkResult results[VF_COUNT];
+} making;
+
+/* Makes shader `job`; a job of its own each, because drivers take long to compile some. */
+static void make_program(void *argument, uint32_t job)
 {
-    fxs_vulkan *v = e->v;
-    const VkBool32 constant = has_fma != 0;
-    const VkSpecializationMapEntry entry = {0, 0, sizeof constant};
-    const VkSpecializationInfo constants = {1, &entry, sizeof constant, &constant};
-    VkShaderModule modules[VF_COUNT] = {0};
-    VkComputePipelineCreateInfo infos[VF_COUNT];
+    making *m = argument;
+    fxs_vulkan *v = m->e->v;
+    const uint32_t i = m->first + job;
+    VkSpecializationMapEntry entries[sizeof(traits) / sizeof(uint32_t)];
+    for (uint32_t k = 0; k < sizeof(traits) / sizeof(uint32_t); k++)
+        entries[k] = (VkSpecializationMapEntry){k, k * sizeof(uint32_t), sizeof(uint32_t)};
+    const VkSpecializationInfo constants = {sizeof entries / sizeof *entries, entries, sizeof *m->made_for, m->made_for};
+    VkShaderModule module = VK_NULL_HANDLE;
+    m->results[i] = fxs_vk_make_module(v, shaders[i].packed, shaders[i].bytes, &module);
+    const VkComputePipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = m->e->layout,
+        .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                  .module = module, .pName = "main", .pSpecializationInfo = &constants}};
+    if (!m->results[i])
+        m->results[i] = v->vk.CreateComputePipelines(v->options.device, v->cache, 1, &info, 0, &m->e->programs[i]);
+    v->vk.DestroyShaderModule(v->options.device, module, 0);
+}
+
+/* Makes the shaders first..end. */
+static VkResult make_programs(vf_engine *e, uint32_t first, uint32_t end, const traits *made_for)
+{
+    making m = {.e = e, .first = first, .made_for = made_for};
     VkResult result = VK_SUCCESS;
-    for (int i = first; i < end && !result; i++) {
-        result = fxs_vk_make_module(v, shaders[i].packed, shaders[i].bytes, &modules[i]);
-        infos[i] = (VkComputePipelineCreateInfo){
-            .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, .layout = e->layout,
-            .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                      .stage = VK_SHADER_STAGE_COMPUTE_BIT, .module = modules[i], .pName = "main",
-                      .pSpecializationInfo = &constants}};
-    }
-    if (!result)
-        result = v->vk.CreateComputePipelines(v->options.device, v->cache, (uint32_t)(end - first), infos + first, 0,
-                                              e->programs + first);
-    for (int i = 0; i < VF_COUNT; i++)
-        v->vk.DestroyShaderModule(v->options.device, modules[i], 0);
+    (e->run ? e->run : fxs_run_here)(e->workers, make_program, &m, end - first);
+    for (uint32_t i = first; i < end && !result; i++)
+        result = m.results[i];
     return result;
 }
 
-static int check_limits(const vf_engine *e, fxs_message *why)
+/* Checks what the device offers, and chooses the batches of backward_tiles by the memory of a workgroup. */
+static int check_limits(const vf_engine *e, traits *found, fxs_message *why)
 {
-    VkPhysicalDeviceProperties2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    VkPhysicalDeviceSubgroupProperties subgroups = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroups};
     e->v->vk.GetPhysicalDeviceProperties2(e->v->options.physical, &all);
     const VkPhysicalDeviceLimits *limits = &all.properties.limits;
     const char *lacks = limits->maxComputeWorkGroupInvocations < 256 ? "workgroups of fewer than 256 threads"
                         : limits->maxComputeSharedMemorySize < 32768 ? "less than 32 KiB of memory of a workgroup"
                         : limits->maxPerStageDescriptorStorageBuffers < VF_BUFFERS
-                            ? "fewer than 8 storage buffers in a compute shader" : 0;
+                            ? "fewer than 9 storage buffers in a compute shader"
+                        : !(subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+                            !(subgroups.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT)
+                            ? "no ballots in compute shaders" : 0;
+    const int is_large = limits->maxComputeSharedMemorySize >= 49152;
+    found->splats = is_large ? 128 : 64;
+    found->pairs = is_large ? 448 : 192;
     return lacks ? fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s cannot fit: %s", e->device.name, lacks) : 0;
 }
 
@@ -96,9 +125,9 @@ static size_t most_gaussians(const char *name)
     return strstr(name, "llvmpipe") ? 65535 / 64 : UINT32_MAX / (4 * FXS_FIT_PARAMETERS);
 }
 
-/* The test of the arithmetic: results that a device may round otherwise, of pairs of numbers of all sizes. The last
-   result tells whether the device's fma is fused; it need not be. */
-enum { TESTED = 1024, RESULTS = 7, FMA = RESULTS - 1 };
+/* The test of the arithmetic: results that a device may round otherwise, of pairs of numbers of all sizes. The last two
+   may differ: whether the device's fma is fused, and the threads of a subgroup. */
+enum { TESTED = 1024, RESULTS = 8, FMA = RESULTS - 2, THREADS = RESULTS - 1 };
 
 static float test_number(uint64_t i)
 {
@@ -119,21 +148,25 @@ static void find_results(float a, float b, float results[RESULTS])
     results[FMA] = (float)((double)a * (double)b - (double)(a * b));
 }
 
-/* Returns whether all results are right, and whether all of fma are. */
-static int are_right(const float *numbers, const float *results, int *is_fused)
+/* Returns whether all results are right, and finds the traits of fma and of subgroups. */
+static int are_right(const float *numbers, const float *results, traits *found)
 {
     int are_equal = 1;
-    *is_fused = 1;
+    found->has_fma = 1;
+    found->subgroup = (uint32_t)results[THREADS];
     for (int i = 0; i < TESTED; i++, results += RESULTS) {
         float expected[RESULTS];
         find_results(numbers[2 * i], numbers[2 * i + 1], expected);
         are_equal &= !memcmp(expected, results, FMA * sizeof *expected);
-        *is_fused &= !memcmp(expected + FMA, results + FMA, sizeof *expected);
+        found->has_fma &= !memcmp(expected + FMA, results + FMA, sizeof *expected);
+        found->subgroup = results[THREADS] == (float)found->subgroup ? found->subgroup : 0;
     }
+    if (found->subgroup != 16 && found->subgroup != 32 && found->subgroup != 64)
+        found->subgroup = 0;
     return are_equal;
 }
 
-static int test_arithmetic(vf_engine *e, int *is_right, int *is_fused, fxs_message *why)
+static int test_arithmetic(vf_engine *e, int *is_right, traits *found, fxs_message *why)
 {
     float numbers[2 * TESTED], results[RESULTS * TESTED];
     const vf_copy sent = {VF_PARAMETERS, 0, numbers, sizeof numbers};
@@ -154,26 +187,29 @@ static int test_arithmetic(vf_engine *e, int *is_right, int *is_fused, fxs_messa
     error = error ? error : vf_fetch(e, &fetched, 1, why);
     fxs_vk_retire(e->v, &e->blocks[VF_PARAMETERS]);
     fxs_vk_retire(e->v, &e->blocks[VF_MASTERS]);
-    *is_right = !error && are_right(numbers, results, is_fused);
+    *is_right = !error && are_right(numbers, results, found);
     return error;
 }
 
-static int try_arithmetic(vf_engine *e, int has_fma, int *is_right, int *is_fused, fxs_message *why)
+static int try_arithmetic(vf_engine *e, const traits *tried, int *is_right, traits *found, fxs_message *why)
 {
-    const int error = fxs_vk_said(make_programs(e, VF_test, VF_test + 1, has_fma), why);
-    return error ? error : test_arithmetic(e, is_right, is_fused, why);
+    const int error = fxs_vk_said(make_programs(e, VF_test, VF_test + 1, tried), why);
+    return error ? error : test_arithmetic(e, is_right, found, why);
 }
 
 /* Tests the arithmetic, with fused multiply-adds if the device has them. If they do not help, tests it without. */
-static int choose_arithmetic(vf_engine *e, int *has_fma, fxs_message *why)
+static int choose_arithmetic(vf_engine *e, traits *chosen, fxs_message *why)
 {
-    int is_right, is_fused;
-    int error = try_arithmetic(e, 0, &is_right, has_fma, why);
-    if (!error && is_right && *has_fma) {
+    int is_right, helps = 0;
+    traits found = *chosen, again = *chosen;
+    int error = try_arithmetic(e, chosen, &is_right, &found, why);
+    if (!error && is_right && found.has_fma) {
         e->v->vk.DestroyPipeline(e->v->options.device, e->programs[VF_test], 0);
         e->programs[VF_test] = VK_NULL_HANDLE;
-        error = try_arithmetic(e, 1, has_fma, &is_fused, why);
+        error = try_arithmetic(e, &found, &helps, &again, why);
     }
+    chosen->has_fma = found.has_fma && helps;
+    chosen->subgroup = found.subgroup;
     return error || is_right ? error
                              : fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s does not round as IEEE 754 asks: its fit "
                                            "would differ from that of other devices", e->device.name);
@@ -181,11 +217,13 @@ static int choose_arithmetic(vf_engine *e, int *has_fma, fxs_message *why)
 
 static int make_all(vf_engine *e, fxs_message *why)
 {
-    int has_fma = 0, error = fxs_vk_said(make_layouts(e), why);
+    traits found = {0};
+    int error = check_limits(e, &found, why);
+    error = error ? error : fxs_vk_said(make_layouts(e), why);
     error = error ? error : fxs_vk_reserve(e->v, &e->blocks[VF_ORDER], FXS_VK_DEVICE, sizeof(vf_memory), why);
     error = error ? error : vf_clear_status(e, why);
-    error = error ? error : choose_arithmetic(e, &has_fma, why);
-    return error ? error : fxs_vk_said(make_programs(e, 0, VF_test, has_fma), why);
+    error = error ? error : choose_arithmetic(e, &found, why);
+    return error ? error : fxs_vk_said(make_programs(e, 0, VF_test, &found), why);
 }
 
 int vf_open(vf_engine *e, int number, uint64_t max_memory, fxs_message *why)
@@ -195,7 +233,6 @@ int vf_open(vf_engine *e, int number, uint64_t max_memory, fxs_message *why)
     e->device.options.max_memory = max_memory;
     error = error ? error : fxs_vk_create(&e->v, &e->device.options, 0, why);
     e->most = most_gaussians(e->device.name);
-    error = error ? error : check_limits(e, why);
     return error ? error : make_all(e, why);
 }
 
@@ -225,7 +262,9 @@ void vf_bind(const vf_engine *e, uint32_t set, fxs_vk_block *const blocks[VF_BUF
     VkDescriptorBufferInfo infos[VF_BUFFERS];
     VkWriteDescriptorSet writes[VF_BUFFERS];
     for (uint32_t i = 0; i < VF_BUFFERS; i++) {
-        infos[i] = (VkDescriptorBufferInfo){(blocks[i] ? blocks[i] : e->blocks[VF_ORDER])->buffer, 0, VK_WHOLE_SIZE};
+        const int is_order = i == VF_BUFFERS - 1;
+        infos[i] = (VkDescriptorBufferInfo){(is_order || !blocks[i] ? e->blocks[VF_ORDER] : blocks[i])->buffer,
+                                            is_order ? offsetof(vf_memory, order) : 0, VK_WHOLE_SIZE};
         writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstSet = e->sets[set],
                                            .dstBinding = i, .descriptorCount = 1,
                                            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,

@@ -246,6 +246,12 @@ static void fetch_pixels(const vf_engine *e, const vf_turn *t, uint64_t word, ui
     e->v->vk.CmdCopyBuffer(t->slot.commands, e->blocks[VF_PIXELS]->buffer, t->slot.down->buffer, 1, &region);
 }
 
+static void record_gather(const vf_engine *e, VkCommandBuffer commands)
+{
+    vf_next(e, commands, VF_gather_view, groups_at_most(FXS_FIT_SUMS * (uint64_t)e->model->count, 256), 1, 1);
+    vf_next(e, commands, VF_gather_large, 256, 1, 1);
+}
+
 /* Records the gradient sums by surfaces of a view, after its other sums are gathered. */
 static void record_surface(const vf_engine *e, const vf_turn *t, const fit_order *o, uint32_t view)
 {
@@ -257,7 +263,7 @@ static void record_surface(const vf_engine *e, const vf_turn *t, const fit_order
     vf_next(e, commands, VF_blend_splats, x, y, 1);
     vf_next(e, commands, VF_compare_depths, groups((uint64_t)c->width * (uint64_t)c->height, 256), 1, 1);
     vf_next(e, commands, VF_backward_tiles, x, y, 1);
-    vf_next(e, commands, VF_gather_view, groups_at_most(FXS_FIT_SUMS * (uint64_t)e->model->count, 256), 1, 1);
+    record_gather(e, commands);
 }
 
 static void record_view(const vf_engine *e, vf_turn *t, const fit_order *o, uint32_t view)
@@ -288,7 +294,7 @@ static void record_view(const vf_engine *e, vf_turn *t, const fit_order *o, uint
     mark(e, t, view, BACK);
     vf_next(e, commands, VF_backward_tiles, x, y, 1);
     mark(e, t, view, UPDATE);
-    vf_next(e, commands, VF_gather_view, groups_at_most(FXS_FIT_SUMS * (uint64_t)e->model->count, 256), 1, 1);
+    record_gather(e, commands);
     if (moves_poses(e, t)) {
         vf_next(e, commands, VF_sum_pose_parts, (uint32_t)part_count(e), 1, 1);
         fetch_pixels(e, t, o->at_pose_parts, poses_at(e, t, view), pose_bytes(e, t));
