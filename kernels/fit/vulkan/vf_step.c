@@ -317,7 +317,7 @@ static void record_update(const vf_engine *e, const vf_turn *t, const fit_order 
     const uint32_t half = groups(o->count, 64), whole = groups(o->count, 128);
     vf_next(e, commands, VF_update_shapes, half, 1, 1);
     if (o->degree > 0)
-        vf_next(e, commands, VF_update_sh, whole, groups((uint64_t)((o->degree + 1) * (o->degree + 1) - 1), 2), 1);
+        vf_next(e, commands, VF_update_sh, whole, 3, 1);
     if (o->noise.amount > 0)
         vf_next(e, commands, VF_add_noise, whole, 1, 1);
     if (o->smooths && o->camera_count)
