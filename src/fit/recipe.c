@@ -127,10 +127,20 @@ static int is_relocated(const fxs_fit_options *options, uint32_t step)
     return is_every(step, interval, 3 * interval, options->steps / 5 * 4);
 }
 
+/* Lets all learning rates but those of positions fall to 1/20 in the last tenth of the steps: first 20^-part. */
+static void lower_rates(uint32_t step, uint32_t steps, fxs_fit_plan *plan)
+{
+    const uint32_t last = steps / 10, first = steps - last;
+    const float part = step > first ? (float)(step - first) / (float)last : 0.0f, share = exp_e(-2.99573227f * part);
+    for (int i = FXS_FIT_SCALE; i < FXS_FIT_PARAMETERS; i++)
+        plan->rate[i] *= share;
+}
+
 static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps;
     set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.05f, 0.00025f);
+    lower_rates(step, steps, plan);
     plan->sh_degree = (int)(step / from_1_to(1000, steps / 16));
     plan->divisor = step <= steps / 10 ? 4 : step <= steps / 10 * 3 ? 2 : 1;
     while (plan->divisor > 1 && least_side / plan->divisor < 50)

@@ -1,5 +1,5 @@
-// Sums the gradients of Gaussians that touch many tiles: a workgroup takes a Gaussian, and loads the numbers of a batch of
-// tiles at once. Then a thread for each sum adds them in the order of the tiles.
+// Sums the gradients of Gaussians that touch many tiles: a workgroup takes a Gaussian, and loads the numbers of a batch
+// of tiles at once. Then a thread for each sum adds them in the order of the tiles.
 #include "splats.glsl"
 #include "large.glsl"
 layout(local_size_x = 256) in;
