@@ -79,8 +79,7 @@ void clear_words()
         words[i / (SPLATS / 32u)][i % (SPLATS / 32u)] = 0u;
 }
 
-// Turns the bit set of blocks of the splat in the place of this thread into a bit in the word of each block. All threads
-// must call it.
+// Turns the bit set of blocks of this thread's splat into a bit in the word of each block. All threads must call it.
 void put_bits(uint blocks)
 {
     const uint own_word = thread() / 32u, own_lane = thread() % 32u;

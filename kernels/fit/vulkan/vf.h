@@ -16,8 +16,8 @@
 #define VF_SHADERS(F) \
     F(project) F(add_parts) F(scan_parts) F(put_bases) F(cover) F(cover_large) F(place_lists) F(append_slots) \
     F(sort_lists) F(blend_splats) F(reduce) F(find_derivatives) F(find_gradient) F(report_rows) F(sum_gain_rows) \
-    F(backward_tiles) F(gather_view) F(gather_large) F(sum_pose_parts) F(plane_splats) F(compare_depths) F(update_shapes) \
-    F(update_sh) F(add_noise) F(smooth_scales) F(quantise_shapes) F(quantise_sh) F(rebuild) F(test)
+    F(backward_tiles) F(gather_view) F(gather_large) F(sum_pose_parts) F(plane_splats) F(compare_depths) \
+    F(update_shapes) F(update_sh) F(add_noise) F(smooth_scales) F(quantise_shapes) F(quantise_sh) F(rebuild) F(test)
 #define VF_NUMBER(name) VF_##name,
 enum { VF_SHADERS(VF_NUMBER) VF_COUNT };
 

@@ -75,7 +75,7 @@ static void make_program(void *argument, uint32_t job)
     VkSpecializationMapEntry entries[sizeof(traits) / sizeof(uint32_t)];
     for (uint32_t k = 0; k < sizeof(traits) / sizeof(uint32_t); k++)
         entries[k] = (VkSpecializationMapEntry){k, k * sizeof(uint32_t), sizeof(uint32_t)};
-    const VkSpecializationInfo constants = {sizeof entries / sizeof *entries, entries, sizeof *m->made_for, m->made_for};
+    const VkSpecializationInfo constants = {sizeof entries / sizeof *entries, entries, sizeof(traits), m->made_for};
     VkShaderModule module = VK_NULL_HANDLE;
     m->results[i] = fxs_vk_make_module(v, shaders[i].packed, shaders[i].bytes, &module);
     const VkComputePipelineCreateInfo info = {
@@ -153,7 +153,7 @@ static int are_right(const float *numbers, const float *results, traits *found)
 {
     int are_equal = 1;
     found->has_fma = 1;
-    found->subgroup = (uint32_t)results[THREADS];
+    found->subgroup = results[THREADS] == 16 ? 16 : results[THREADS] == 32 ? 32 : results[THREADS] == 64 ? 64 : 0;
     for (int i = 0; i < TESTED; i++, results += RESULTS) {
         float expected[RESULTS];
         find_results(numbers[2 * i], numbers[2 * i + 1], expected);
@@ -161,8 +161,6 @@ static int are_right(const float *numbers, const float *results, traits *found)
         found->has_fma &= !memcmp(expected + FMA, results + FMA, sizeof *expected);
         found->subgroup = results[THREADS] == (float)found->subgroup ? found->subgroup : 0;
     }
-    if (found->subgroup != 16 && found->subgroup != 32 && found->subgroup != 64)
-        found->subgroup = 0;
     return are_equal;
 }
 
