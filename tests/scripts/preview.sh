@@ -48,6 +48,7 @@ check "/fit.json: seconds that are left" [ "$(number left fit.json | cut -d . -f
 check "/fit.json: a point of the two held out" equal "$(grep -o '"held_out": true, "photographs": 2, "points": \[\[0, [0-9]*\.[0-9]*, 0\.[0-9]*\]' \
     fit.json | wc -l)" 1
 get -o now.fxs "$at/scene.fxs?2"
+get -o later.json "$at/fit.json"        # the scene may be newer than fit.json, but not than this
 check "/scene.fxs: a scene" "$fixsplat" info now.fxs
 "$fixsplat" render now.fxs --size 64x48 -o start.png
 "$fixsplat" render now.fxs --size 64x48 --cameras set/sparse/0 --view 0 -o first.png
@@ -57,7 +58,7 @@ get -o views.json "$at/cameras.json"
 check "/cameras.json: those that are held out" equal "$(grep -o '"img_name": "[^"]*"' views.json | cut -d '"' -f 4 | tr '\n' ' ')" \
     "00.png 08.png "
 check "/cameras.json: a file of cameras" "$fixsplat" render now.fxs --size 64x48 --cameras views.json --view 1 -o second.png
-before=$(number version fit.json)
+before=$(number version later.json)
 tries=0
 until get -o fit.json "$at/fit.json" && [ "$(number version fit.json)" -gt "$before" ] || [ $((tries += 1)) = 300 ]; do
     sleep 0.2
