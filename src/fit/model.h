@@ -65,8 +65,8 @@ typedef struct fxs_fit_relocate {
     uint64_t seed, step;
 } fxs_fit_relocate;
 
-/* Moves faint Gaussians to the places of others, which are drawn at random by opacity (Kheradmand et al. 2024). Then
-   adds new Gaussians in the same way, but drawn by opacity times the mean gradient of the centre. */
+/* Moves faint Gaussians to the places of other Gaussians, which are drawn at random by opacity. Then adds new Gaussians
+   in the same way (Kheradmand et al. 2024). */
 int fxs_fit_model_relocate(fxs_fit_model *model, const fxs_fit_relocate *relocate);
 
 /* Sorts the Gaussians along a Morton curve, so that neighbours in space are near each other in memory. */

@@ -1,6 +1,5 @@
 /* Moves faint Gaussians to the places of other Gaussians and adds new ones there, with little change to the picture
- * (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"). Unlike theirs, new Gaussians prefer
- * places where the pictures are still wrong. */
+ * (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,12 +13,11 @@ typedef struct draws {
     size_t count;
 } draws;
 
-/* r: null for the places of new Gaussians. */
-static void sum_chances(const fxs_fit_model *m, const fxs_fit_relocate *r, draws *d)
+static void sum_opacities(const fxs_fit_model *m, float least_opacity, draws *d)
 {
     uint64_t sum = 0;
     for (size_t i = 0; i < m->count; i++)
-        d->sums[i] = sum += r ? moving_chance(m, r, i) : growing_chance(m, i);
+        d->sums[i] = sum += chance_of(m, least_opacity, i);
 }
 
 static void draw(const fxs_fit_model *m, const fxs_fit_relocate *r, uint64_t stream, draws *d)
@@ -51,7 +49,7 @@ static void move(fxs_fit_model *m, size_t i, size_t source)
 static void move_dead(fxs_fit_model *m, const fxs_fit_relocate *r, draws *d)
 {
     d->count = 0;
-    sum_chances(m, r, d);
+    sum_opacities(m, r->opacity, d);
     for (size_t i = 0; i < m->count; i++)
         d->count += (size_t)is_dead(m, r, i);
     if (!d->count || !d->sums[m->count - 1])
@@ -83,7 +81,7 @@ static int add(fxs_fit_model *m, const fxs_fit_relocate *r, draws *d)
     if (next <= count)
         return 0;
     d->count = next - count;
-    sum_chances(m, NULL, d);
+    sum_opacities(m, 0, d);
     if (!d->sums[count - 1])
         return 0;
     fxs_fit_origin *origins = malloc(next * sizeof *origins);

@@ -523,13 +523,13 @@ uint64_t cut_relocate(relocate_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* dead: null for the places of new Gaussians. */
-__global__ void find_chances(fxs_fit_model m, fxs_fit_relocate r, uint64_t *chances, uint64_t *dead)
+__global__ void find_chances(fxs_fit_model m, fxs_fit_relocate r, float least_opacity, uint64_t *chances,
+                             uint64_t *dead)
 {
     const uint32_t i = gaussian_of_thread();
     if (i >= m.count)
         return;
-    chances[i] = dead ? moving_chance(&m, &r, i) : growing_chance(&m, i);
+    chances[i] = chance_of(&m, least_opacity, i);
     if (dead)
         dead[i] = (uint64_t)is_dead(&m, &r, i);
 }
@@ -598,7 +598,7 @@ int move_dead(const fxs_fit_model *m, const fxs_fit_relocate *how, const relocat
 {
     const uint32_t count = (uint32_t)m->count;
     uint64_t dead = 0, all = 0;
-    find_chances<<<blocks_for(count), MODEL_THREADS, 0, stream>>>(*m, *how, d->sums, d->dead);
+    find_chances<<<blocks_for(count), MODEL_THREADS, 0, stream>>>(*m, *how, how->opacity, d->sums, d->dead);
     int error = sum_up(d->dead, count, d->scratch, d->scratch_bytes, &dead, stream, why);
     error = error || !dead ? error : sum_up(d->sums, count, d->scratch, d->scratch_bytes, &all, stream, why);
     if (error || !all)
@@ -614,7 +614,7 @@ int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const reloc
     const fxs_fit_model before = as_host(m);
     const uint32_t count = m->count, added = next - count;
     uint64_t all = 0;
-    find_chances<<<blocks_for(count), MODEL_THREADS, 0, stream>>>(before, *how, d->sums, nullptr);
+    find_chances<<<blocks_for(count), MODEL_THREADS, 0, stream>>>(before, *how, 0, d->sums, nullptr);
     const int error = sum_up(d->sums, count, d->scratch, d->scratch_bytes, &all, stream, why);
     if (error || !all)
         return error;

@@ -47,6 +47,11 @@ static inline void set_child(fxs_fit_model *m, size_t i, float side)
 
 enum { GOES, STAYS, CLONED, SPLIT };
 
+static inline float mean_gradient(const fxs_fit_model *m, size_t i)
+{
+    return m->views[i] > 0 ? m->by_centre[i] / m->views[i] : 0;
+}
+
 static inline int has_rotation(const fxs_fit_model *m, size_t i)
 {
     float square = 0;

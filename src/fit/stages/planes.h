@@ -20,11 +20,4 @@ static inline float opacity_at(const fxs_fit_model *m, size_t i)
     return 1.0f / (1.0f + exp_e(-plane(m, FXS_FIT_OPACITY)[i]));
 }
 
-/* Returns the mean length of the gradient of a Gaussian's centre, over the views that saw it since the number of
-   Gaussians changed. */
-static inline float mean_gradient(const fxs_fit_model *m, size_t i)
-{
-    return m->views[i] > 0 ? m->by_centre[i] / m->views[i] : 0;
-}
-
 #endif

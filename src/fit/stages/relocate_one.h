@@ -8,19 +8,11 @@
 enum { SHARING = 51 };             /* largest number of Gaussians that share one place; larger counts are clamped */
 #define DEAD UINT32_MAX            /* marks a faint Gaussian, in place of the number of times that it is drawn */
 
-/* Returns a Gaussian's weight in the random draws of places for faint Gaussians: its opacity in Q24, or 0 if it is
-   faint itself. */
-static inline uint64_t moving_chance(const fxs_fit_model *m, const fxs_fit_relocate *r, size_t i)
+/* Returns a Gaussian's weight in random draws: its opacity in Q24, or 0 for opacities up to least_opacity. */
+static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)
 {
     const float opacity = opacity_at(m, i);
-    return opacity > r->opacity ? (uint64_t)(opacity * 16777216.0f) : 0;
-}
-
-/* Returns a Gaussian's weight in the random draws of places for new Gaussians: its opacity times the mean gradient of
-   its centre, clamped to 2^-22..2^-4, in Q40. A large gradient means that the pictures are still wrong there. */
-static inline uint64_t growing_chance(const fxs_fit_model *m, size_t i)
-{
-    return (uint64_t)(opacity_at(m, i) * fminf(fmaxf(mean_gradient(m, i), 0x1p-22f), 0x1p-4f) * 0x1p40f);
+    return opacity > least_opacity ? (uint64_t)(opacity * 16777216.0f) : 0;
 }
 
 static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
