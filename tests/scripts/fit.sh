@@ -147,7 +147,7 @@ mkdir many && (cd many && make_photographs 40) || exit 1
 mv many/set near
 number='{ n = substr($0, length($0) - 5, 2) + 0 }'
 cp -r near far
-awk "$number"' /png$/ && n > 7 && n < 17 && n != 12 { getline; next } { print }' near/sparse/0/images.txt \
+awk "$number"' /png$/ && n > 7 && n < 21 && n != 12 { getline; next } { print }' near/sparse/0/images.txt \
     >far/sparse/0/images.txt
 cp -r near other
 cp near/images/20.png other/images/16.png
