@@ -69,7 +69,7 @@ static const option_row own_rows[] = {
      "result: .fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, fit_qualities), .basic = 1, .help =
      "how good the scene gets. draft: a quick check of the photographs, reduced to 800 pixels, in a quarter of the "
-     "time. good (default): 28.7 dB in 13 s at 1200x900 on an H100. best: a little more detail (0.3 dB) in 8 times the "
+     "time. good (default): 28.8 dB in 10 s at 1200x900 on an H200. best: a little more detail (0.1 dB) in 8 times the "
      "time. Sets --recipe, --steps, --resolution and --max-gaussians, unless given, and the search for cameras"},
     {"of", "WHAT", CHOICE_FROM(1, of, subjects), .basic = 1, .help =
      "what the photographs show, which chooses options: thing (--crop-to-subject), room (--antialiased) or outdoors "
